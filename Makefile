@@ -1,0 +1,86 @@
+# `make` alone lists the targets. Each works as the first command after a clone: it needs Python 3.11, make and git.
+
+VENV ?= .venv
+# Which Python builds the virtual environment: python3.11 where it runs, python3 otherwise. `make PYTHON=... test` overrides.
+PYTHON ?= $(shell if python3.11 -c '' >/dev/null 2>&1; then echo python3.11; else echo python3; fi)
+
+BIN := $(VENV)/bin
+RUNTIME := $(VENV)/runtime.stamp
+DEV := $(VENV)/dev.stamp
+
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
+	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
+
+.PHONY: help demo test lint benchmark lock clean
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make demo       optimise the example welding arm; says where the report is"
+	@echo "make test       run the test suite"
+	@echo "make lint       ruff and pyright"
+	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
+	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
+	@echo "make clean      remove what these targets made, the virtual environment included"
+
+# The virtual environment is built anew when the runtime lock or pyproject.toml changes. A stamp is written last, so an
+# interrupted build counts as none.
+$(RUNTIME): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
+		|| { echo "Linkwright needs Python 3.11 or newer as python3.11 or python3, or named by: make PYTHON=/path/to/python" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+		|| { echo "This Python cannot make virtual environments; on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+	@echo "Building $(VENV) from requirements.lock (once; a minute or two)"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(PIP_INSTALL) --require-hashes -r requirements.lock
+	@$(PIP_INSTALL) --no-index --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(DEV): requirements-dev.lock $(RUNTIME)
+	@echo "Adding the tools of requirements-dev.lock"
+	@$(PIP_INSTALL) --require-hashes -r requirements-dev.lock
+	@touch $@
+
+define SHOW_DEMO
+import json, pathlib, sys
+folder = pathlib.Path(sys.argv[1])
+result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+print()
+print(f"Worst position error before: {result['before']['max_error_mm']:.4g} mm")
+print(f"Worst position error after:  {result['max_error_mm']:.4g} mm")
+print(f"Report for people:   {folder / 'report.html'}")
+print(f"Result for machines: {folder / 'result.json'}")
+missing = [name for name in ("report.html", "arm.yaml") if not (folder / name).is_file()]
+sys.exit(f"Not written: {', '.join(missing)}" if missing else 0)
+endef
+export SHOW_DEMO
+
+demo: $(RUNTIME)
+	@out="demo-out-$$(date +%Y%m%d-%H%M%S)-$$$$"; \
+	$(BIN)/linkwright optimize examples/welding-arm/problem.yaml --out "$$out" \
+		&& $(BIN)/python -c "$$SHOW_DEMO" "$$out"
+
+test: $(DEV)
+	@$(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+
+lint: $(DEV)
+	$(BIN)/ruff check .
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+benchmark: $(DEV)
+	$(BIN)/python -m benchmarks $(BENCHMARK_ARGS)
+
+# The dev lock repeats the pins of the runtime lock, so that tests run on what users get. The first run on a tree
+# without locks needs pip-tools in the environment by hand.
+lock:
+	@$(BIN)/python -c 'import piptools' 2>/dev/null \
+		|| { echo "make lock needs pip-tools: run make test first, or $(BIN)/pip install pip-tools" >&2; exit 1; }
+	$(PIP_COMPILE) $(LOCK_ARGS) --all-build-deps --output-file requirements.lock pyproject.toml
+	$(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["dev"], sep="\n")' \
+		| $(PIP_COMPILE) $(LOCK_ARGS) --extra parquet --constraint requirements.lock \
+			--output-file requirements-dev.lock pyproject.toml -
+	@touch requirements.lock requirements-dev.lock
+
+clean:
+	rm -rf $(VENV) build dist ./*.egg-info .pytest_cache .ruff_cache .hypothesis demo-out-*
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

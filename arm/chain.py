@@ -1,0 +1,174 @@
+"""What a serial arm is: joints, links, loads and the physics that its model holds.
+
+Everything here is SI and plain data; `arm.files` reads it from arm.yaml, `arm.kinematics` places it in space.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+
+from .vectors import IDENTITY, ZERO, Rotation
+
+if TYPE_CHECKING:
+    from materials.material import Material
+    from sections.section import Section
+
+FloatVector = tuple[float, float, float]
+
+STANDARD_GRAVITY: FloatVector = (0.0, -9.81, 0.0)
+REFERENCE_TEMPERATURE = 293.15
+"""20 degC, the standard reference temperature for dimensions (ISO 1:2022)."""
+
+JointType = Literal["revolute", "prismatic"]
+PlayMode = Literal["worst", "loaded", "statistical"]
+AngleConvention = Literal["relative", "absolute"]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint and its drive. Angles in rad, lengths in m; a prismatic joint's range and backlash are lengths.
+
+    `axis` is a unit vector in the joint's frame, which stands at the end of the previous link, turned by
+    `origin_rotation` and shifted by `origin_translation` (both in the previous link's frame). `zero` is added to
+    the coordinate. `stiffness` is in N*m/rad (revolute) or N/m (prismatic); None is a rigid drive. `backlash` is
+    the total lost motion, `clearance` the radius of the disc in which the pin's centre can lie. `spans` is how many of
+    the following links make up the body that the drive turns: one, unless a link was cut into segments.
+    """
+
+    type: JointType = "revolute"
+    axis: FloatVector = (0.0, 0.0, 1.0)
+    range: tuple[float, float] = (-math.pi, math.pi)
+    clearance: float = 0.0
+    backlash: float = 0.0
+    stiffness: float | None = None
+    mass: float = 0.0
+    zero: float = 0.0
+    spans: int = 1
+    origin_rotation: Rotation = IDENTITY
+    origin_translation: FloatVector = ZERO
+
+    @property
+    def revolute(self) -> bool:
+        """Whether the joint turns (a prismatic one slides)."""
+        return self.type == "revolute"
+
+
+@dataclass(frozen=True)
+class Link:
+    """A straight link: `length` m along the unit vector `direction` of its frame, then `end_rotation`.
+
+    The link is elastic where it has a section and a material; a rigid one has a `mass` (kg, None where unknown)
+    at `center_of_mass` m from its joint (the middle by default). `height_direction` is the direction in the
+    link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
+    `section_name` is the stock size that the section was named by, `material_given` what the file said of the
+    material; both are for writing it back.
+    """
+
+    length: float
+    direction: FloatVector = (1.0, 0.0, 0.0)
+    end_rotation: Rotation = IDENTITY
+    section: Section | None = None
+    material: Material | None = None
+    mass: float | None = None
+    center_of_mass: float | None = None
+    height_direction: FloatVector | None = None
+    section_name: str | None = None
+    material_given: object = field(default=None, compare=False)
+
+    @property
+    def elastic(self) -> bool:
+        """Whether the link has what it takes to bend."""
+        return self.section is not None
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame."""
+
+    mass: float = 0.0
+    force: FloatVector = ZERO
+    moment: FloatVector = ZERO
+
+
+@dataclass(frozen=True)
+class EffectEntry:
+    """One line of an arm file's `effects`: which effect, at which joints or links (from 1), with what parameters (SI)."""
+
+    effect: str
+    at: tuple[int, ...] = ()
+    parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """How `play: statistical` counts: the quantile `level` of the error over `draws` seeded draws of all the play."""
+
+    level: float = 0.95
+    draws: int = 1000
+    seed: int = 20
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A serial arm with the loads it carries and the physics its model holds.
+
+    `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
+    count. `leave_out` names physics that the model does without; `effects` adds some.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    gravity: FloatVector = STANDARD_GRAVITY
+    angles: AngleConvention = "relative"
+    temperature: float = REFERENCE_TEMPERATURE
+    payload: LoadCase = LoadCase()
+    play: PlayMode = "worst"
+    statistics: Statistics = Statistics()
+    leave_out: frozenset[str] = frozenset()
+    effects: tuple[EffectEntry, ...] = ()
+    tool: FloatVector = ZERO
+
+    def __post_init__(self) -> None:
+        if len(self.joints) != len(self.links) or not self.joints:
+            raise ValueError("an arm has at least one joint, and a link for each")
+
+    @property
+    def size(self) -> int:
+        """The number of joints."""
+        return len(self.joints)
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """The lengths of the links, m."""
+        return tuple(link.length for link in self.links)
+
+    def planar(self, load: LoadCase | None = None) -> bool:
+        """Whether everything stays in the x-y plane: axes, links, gravity and, with `load`, the tip's force too."""
+        for joint in self.joints:
+            if joint.revolute != (joint.axis[:2] == (0.0, 0.0)) or (not joint.revolute and joint.axis[2] != 0.0):
+                return False
+            if joint.origin_translation[2] != 0.0 or not _about_z(joint.origin_rotation):
+                return False
+        for link in self.links:
+            if link.direction[2] != 0.0 or not _about_z(link.end_rotation):
+                return False
+            if link.height_direction is not None and link.height_direction[2] != 0.0:
+                return False
+        if self.gravity[2] != 0.0 or self.tool[2] != 0.0:
+            return False
+        case = self.payload if load is None else load
+        return case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
+
+    def with_links(self, links: tuple[Link, ...]) -> Arm:
+        """The same arm with other links."""
+        return replace(self, links=links)
+
+
+def _about_z(rotation: Any) -> bool:
+    return rotation[2] == (0.0, 0.0, 1.0)

@@ -1,0 +1,48 @@
+"""A pin lies anywhere within its bore: a joint's axis can shift by the radial clearance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import scale
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+
+
+def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
+    for index, joint in enumerate(state.joints):
+        radius = settings.values.get("radius", joint.clearance)
+        if radius == 0.0 or not settings.acts_at(index):
+            continue
+        if state.planar and not joint.revolute:
+            # In the plane a slide can only shift across itself, either way.
+            across = (-joint.axis[1], joint.axis[0], 0.0)
+            load = joint.force[0] * across[0] + joint.force[1] * across[1]
+            yield Interval((Twist("joint", index, scale(radius, across)),), load)
+        else:
+            yield Disc(index, radius, joint.axis, joint.force)
+
+
+CLEARANCE = Effect(
+    id="clearance",
+    title="clearance of the joints",
+    formula="sum c_i R_i, R_i the direction of the load that joint i carries",
+    place="joint",
+    automatic=True,
+    needs="a side force, or the arm mounted the other way up",
+    aliases=("frame_misalignment",),
+    source="H. P. Jawale & H. T. Thorat, Comparison of Positional Accuracy of Serial Robots with Clearance and "
+    "Backlash; the pin as a massless link of the clearance's length",
+    parameters=(
+        Parameter(
+            "radius",
+            "length",
+            "how far the pin's centre can move from the bore's",
+            0.0,
+            5e-3,
+            (10e-6, 100e-6),
+            "running fits of ISO 286-1 at joint diameters",
+        ),
+    ),
+    play=_play,
+)

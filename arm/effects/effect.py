@@ -1,0 +1,121 @@
+"""What an effect is: a name, its parameters, what a recording must hold to show it, and the twists it puts in.
+
+An effect displaces and turns the chain a little at some of its nodes; the chain carries that to the tip:
+dp_tip = dp_i + dphi_i x (p_tip - p_i). Simulation, optimiser and diagnosis all use the same object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+from ..statics import PoseState
+from ..vectors import ZERO, Scalar, Vector, scale
+
+NodeKind = Literal["joint", "link", "tip"]
+"""A joint's axis, the far end of a link, or the tip."""
+
+
+@dataclass(frozen=True)
+class Twist:
+    """A small displacement (m) and rotation (rad), in the base frame, at joint or far end of link `index` (from 0)."""
+
+    node: NodeKind
+    index: int
+    translation: Vector = ZERO
+    rotation: Vector = ZERO
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Play along one motion: anything from -1 to 1 times `twists`. `seating` is the load that pushes it one way."""
+
+    twists: tuple[Twist, ...]
+    seating: Scalar
+
+
+@dataclass(frozen=True)
+class Disc:
+    """Play within a disc of `radius` (m) normal to `normal` (unit), at joint `index`. `seating` is the load carried (N)."""
+
+    index: int
+    radius: float
+    normal: Vector
+    seating: Vector
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI, source."""
+
+    name: str
+    kind: str
+    meaning: str
+    lower: float
+    upper: float
+    typical: tuple[float, float]
+    source: str
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Where an effect acts (joints or links from 0; empty: everywhere) and the values of its parameters (SI)."""
+
+    at: tuple[int, ...] = ()
+    values: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    def acts_at(self, index: int) -> bool:
+        """Whether the effect acts at joint or link `index` (from 0)."""
+        return not self.at or index in self.at
+
+
+def no_twists(state: PoseState, settings: Settings) -> Iterable[Twist]:
+    """Nothing: for effects that are pure play."""
+    del state, settings
+    return ()
+
+
+def no_play(state: PoseState, settings: Settings) -> Iterable[Interval | Disc]:
+    """Nothing: for effects without play."""
+    del state, settings
+    return ()
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One kind of physics that moves the tip.
+
+    `automatic`: in the model wherever the arm file has its data, unless `leave_out` names it; otherwise only where
+    `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be told from.
+    `twists` gives what it does at a pose, `play` what it leaves free.
+    """
+
+    id: str
+    title: str
+    formula: str
+    place: Literal["joint", "link", "base", "tip"]
+    automatic: bool
+    needs: str
+    aliases: tuple[str, ...]
+    source: str
+    parameters: tuple[Parameter, ...] = ()
+    twists: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
+    play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = no_play
+
+
+def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, ...]:
+    """What the arm does when drive `index` moves by `amount` (rad or m).
+
+    In a serial arm with relative angles all that follows turns; where angles are absolute (the drive holds its link
+    against the base) only the link itself turns and carries the rest along.
+    """
+    joint = state.joints[index]
+    moved = scale(amount, joint.axis)
+    if not joint.revolute:
+        return (Twist("joint", index, translation=moved),)
+    if state.absolute:
+        back = scale(-1.0, moved)
+        return (Twist("joint", index, rotation=moved), Twist("link", index + joint.spans - 1, rotation=back))
+    return (Twist("joint", index, rotation=moved),)

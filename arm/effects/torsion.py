@@ -1,0 +1,31 @@
+"""Links twist about their own axis, which turns everything that follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import dot, scale, times
+from .effect import Effect, Settings, Twist
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    for index, link in enumerate(state.links):
+        rigidity = link.beam.torsional_rigidity
+        if rigidity is None or not settings.acts_at(index):
+            continue
+        torque = dot(link.moment, link.along)
+        yield Twist("link", index, rotation=scale(times(torque, link.beam.length / rigidity), link.along))
+
+
+TORSION = Effect(
+    id="torsion",
+    title="torsion of the links",
+    formula="u_i x (p - o_{i+1}) T L/GJ",
+    place="link",
+    automatic=True,
+    needs="a chain in space whose links carry torques about themselves",
+    aliases=("joint_compliance",),
+    source="Gere & Goodno, Mechanics of Materials, torsion; Saint-Venant torsion, free warping",
+    twists=_twists,
+)

@@ -1,0 +1,128 @@
+"""The tip's error at a pose: every effect's twist, carried to the tip and added up; play kept apart as a set.
+
+The deterministic part is one vector. Backlash adds intervals along motions, clearance adds discs; how they count is
+the play mode's affair (`arm.play`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .chain import Arm
+from .effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
+from .statics import PoseState
+from .vectors import ZERO, Scalar, Vector, add, cross
+
+
+@dataclass(frozen=True)
+class ActiveEffect:
+    """An effect that is in an arm's model, with where it acts and its parameters."""
+
+    effect: Effect
+    settings: Settings
+
+
+@dataclass(frozen=True)
+class TipInterval:
+    """Play that moves the tip by anything from -1 to 1 times `vector` (m); `seating` is the load that holds it."""
+
+    effect: str
+    joint: int
+    vector: Vector
+    seating: Scalar
+
+
+@dataclass(frozen=True)
+class TipDisc:
+    """Play that moves the tip anywhere within a disc of `radius` (m) normal to `normal`."""
+
+    effect: str
+    joint: int
+    radius: float
+    normal: Vector
+    seating: Vector
+
+
+@dataclass(frozen=True)
+class TipError:
+    """The tip's error at a pose: the deterministic vector (m) and the play around it."""
+
+    vector: Vector
+    intervals: tuple[TipInterval, ...]
+    discs: tuple[TipDisc, ...]
+
+
+def active_effects(arm: Arm) -> tuple[ActiveEffect, ...]:
+    """The physics in an arm's model: all that it has data for less `leave_out`, plus its `effects`."""
+    active = [
+        ActiveEffect(effect, Settings())
+        for effect in EFFECTS.values()
+        if effect.automatic and effect.id not in arm.leave_out
+    ]
+    for entry in arm.effects:
+        settings = Settings(tuple(number - 1 for number in entry.at), entry.parameters)
+        active.append(ActiveEffect(EFFECTS[entry.effect], settings))
+    return tuple(active)
+
+
+def carried_to_tip(state: PoseState, twists: Iterable[Twist]) -> Vector:
+    """The displacement of the tip (m) that small displacements and turns along the chain add up to."""
+    return _walk(state, twists)[-1][0]
+
+
+def rotation_at_tip(state: PoseState, twists: Iterable[Twist]) -> Vector:
+    """The rotation of the tip (rad) that small turns along the chain add up to."""
+    return _walk(state, twists)[-1][1]
+
+
+def displacements(state: PoseState, twists: Iterable[Twist]) -> tuple[Vector, ...]:
+    """The displacements (m) of the links' far ends, from the base out."""
+    return tuple(shift for shift, _ in _walk(state, twists)[:-1])
+
+
+def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vector]]:
+    """Displacement and rotation at the far end of each link, and last at the tip."""
+    at_joint: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.joints)
+    at_link: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.links)
+    at_tip: tuple[Vector, Vector] = (ZERO, ZERO)
+    for twist in twists:
+        if twist.node == "tip":
+            at_tip = (add(at_tip[0], twist.translation), add(at_tip[1], twist.rotation))
+            continue
+        where = at_joint if twist.node == "joint" else at_link
+        translation, rotation = where[twist.index]
+        where[twist.index] = (add(translation, twist.translation), add(rotation, twist.rotation))
+    shift, turn = ZERO, ZERO
+    walked: list[tuple[Vector, Vector]] = []
+    for index, link in enumerate(state.links):
+        shift = add(shift, cross(turn, state.leads[index]))
+        translation, rotation = at_joint[index]
+        shift, turn = add(shift, translation), add(turn, rotation)
+        shift = add(shift, cross(turn, link.vector))
+        translation, rotation = at_link[index]
+        shift, turn = add(shift, translation), add(turn, rotation)
+        walked.append((shift, turn))
+    shift = add(shift, cross(turn, state.tool))
+    walked.append((add(shift, at_tip[0]), add(turn, at_tip[1])))
+    return walked
+
+
+def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:
+    """The tip's error at a pose from the effects of a model."""
+    twists = [twist for active in effects for twist in active.effect.twists(state, active.settings)]
+    intervals: list[TipInterval] = []
+    discs: list[TipDisc] = []
+    for active in effects:
+        for play in active.effect.play(state, active.settings):
+            if isinstance(play, Interval):
+                vector = carried_to_tip(state, play.twists)
+                intervals.append(TipInterval(active.effect.id, play.twists[0].index, vector, play.seating))
+            else:
+                discs.append(_disc(active.effect.id, play))
+    return TipError(carried_to_tip(state, twists), tuple(intervals), tuple(discs))
+
+
+def _disc(effect: str, play: Disc) -> TipDisc:
+    return TipDisc(effect, play.index, play.radius, play.normal, play.seating)
+

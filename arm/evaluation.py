@@ -1,0 +1,296 @@
+"""What an arm as given can do: its worst position error and why, its mass, strength, frequency and compliance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .beam import Beam
+from .chain import Arm, LoadCase
+from .effects import EFFECTS
+from .error import active_effects
+from .model import ErrorModel, beam_values, beams_of, error_model
+from .modes import first_modes
+from .play import played
+from .refine import uphill
+from .strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
+from .vectors import is_zero
+from .workspace import Workspace, climbing_bounds, wrapped
+from .worst import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
+
+Array = NDArray[np.float64]
+
+_STRENGTH_POSES = 4096
+_MODE_POSES = 256
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """The tip's compliance at a pose: displacement per force in the base frame.
+
+    `matrix` (d, d) in m/N, d = 2 in the plane; `principal` its singular values (the semi-axes, in m, of the ellipse
+    that the tip describes when a force of 1 N turns through all directions), largest first, and `directions` (d rows)
+    the unit vectors along those semi-axes.
+    """
+
+    q: tuple[float, ...]
+    matrix: tuple[tuple[float, ...], ...]
+    principal: tuple[float, ...]
+    directions: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Frequency:
+    """The least first bending frequency over the workspace (Hz), its pose and load case (from 0)."""
+
+    value: float
+    q: tuple[float, ...]
+    load_case: int
+
+
+@dataclass(frozen=True)
+class ErrorMap:
+    """The worst error (m) met at each place of the tip: `worst` (rows along `vertical`, columns along `horizontal`).
+
+    In the plane `horizontal` and `vertical` are the edges (m) of cells in x and y; in space they are the distance from
+    the base's z axis, and z. NaN where no pose looked at puts the tip.
+    """
+
+    planar: bool
+    horizontal: Array
+    vertical: Array
+    worst: Array
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All that `evaluate` tells of an arm, in SI.
+
+    `by_effect` is what each effect alone adds at the worst pose. `mass` is that of the links, `total_mass` adds joints
+    and the heaviest payload. Figures that cannot be known from the arm's data are None, and `unknown` says why.
+    """
+
+    arm: Arm
+    workspace: Workspace
+    load_cases: tuple[LoadCase, ...]
+    worst: WorstCase
+    by_effect: Mapping[str, float]
+    link_masses: tuple[float, ...]
+    mass: float
+    total_mass: float
+    cost: float | None
+    reach: float
+    strength: StrengthResult
+    frequency: Frequency | None
+    compliance: Compliance
+    warnings: tuple[str, ...]
+    unknown: Mapping[str, str]
+
+    @property
+    def max_error(self) -> float:
+        """The worst position error over the workspace and all load cases, m."""
+        return self.worst.error
+
+
+def evaluate(
+    arm: Arm,
+    workspace: Workspace | None = None,
+    load_cases: Sequence[LoadCase] = (),
+    *,
+    pose: Sequence[float] | None = None,
+    gap: float = DEFAULT_GAP,
+) -> Evaluation:
+    """Evaluate an arm over a workspace (its joint ranges by default) and load cases (its own payload by default).
+
+    `pose` (rad, m) is where the compliance is asked for; the worst pose by default. Raises `PropertyNeeded`,
+    `MissingProperty`, `OutOfRange` or `Unreachable` where the question cannot be put.
+    """
+    space = workspace or Workspace()
+    cases = tuple(load_cases) or (arm.payload,)
+    model = error_model(arm, cases)
+    beams = beams_of(arm)
+    p = beam_values(beams)
+    search = WorstSearch(model, space, gap=gap)
+    worst = search.worst(p)
+    masses = link_masses(beams)
+    total = sum(masses) + sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
+    poses = search.poses(p, _STRENGTH_POSES)
+    poses = np.vstack([poses, [entry.q for entry in worst.poses]])
+    strength = strength_over(arm, cases, poses, p)
+    unknown: dict[str, str] = {}
+    cost = _cost(arm, masses, unknown)
+    if strength.least_safety_factor is None:
+        unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
+    frequency = least_frequency(arm, search, beams, p, cases)
+    if frequency is None:
+        unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
+    top = worst.poses[0]
+    where = top.q if pose is None else tuple(float(value) for value in pose)
+    return Evaluation(
+        arm=arm,
+        workspace=space,
+        load_cases=cases,
+        worst=worst,
+        by_effect=MappingProxyType(effects_at(arm, cases[top.load_case], p, top)),
+        link_masses=masses,
+        mass=sum(masses),
+        total_mass=total,
+        cost=cost,
+        reach=sum(arm.lengths),
+        strength=strength,
+        frequency=frequency,
+        compliance=compliance_at(arm, beams, where, planar=model.planar),
+        warnings=tuple(warnings_of(strength)),
+        unknown=MappingProxyType(unknown),
+    )
+
+
+def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:
+    """The links' masses, kg."""
+    return tuple(float(beam.mass_per_length * beam.length + beam.lumped_mass) for beam in beams)
+
+
+def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float | None:
+    total = 0.0
+    for index, (link, mass) in enumerate(zip(arm.links, masses, strict=True)):
+        if link.material is None or not link.material.has("cost"):
+            unknown["cost"] = f"the material of link {index + 1} has no cost"
+            return None
+        total += mass * link.material.need("cost", arm.temperature)
+    return total
+
+
+def effects_at(arm: Arm, load: LoadCase, p: Array, pose: WorstPose) -> dict[str, float]:
+    """What each effect of the model alone adds at a pose (m); play as the arm's mode counts it."""
+    q = np.array([pose.q])
+    found: dict[str, float] = {}
+    for active in active_effects(arm):
+        name = active.effect.id
+        if name in found:
+            continue
+        model = error_model(arm, (load,), only=name)
+        case = model.cases[0]
+        if is_zero(case.error.vector) and not case.error.intervals and not case.error.discs:
+            continue  # the arm has no data for it
+        alone = played(
+            case.arrays(q, p), case.radii, arm.play, planar=model.planar, statistics=arm.statistics
+        )
+        found[name] = float(alone.error[0])
+    return {name: found[name] for name in EFFECTS if name in found}
+
+
+def strength_over(arm: Arm, cases: Sequence[LoadCase], poses: Array, p: Array) -> StrengthResult:
+    """The worst strength of the links over poses (N, n) and load cases."""
+    # The moduli do not depend on Poisson's ratio, so a material without one will do.
+    sections = [None if link.section is None else link.section.properties(0.3) for link in arm.links]
+    yields = [
+        link.material.need("yield_strength", arm.temperature)
+        if link.elastic and link.material is not None and link.material.has("yield_strength")
+        else None
+        for link in arm.links
+    ]
+    found = [strength_case(arm, case) for case in cases]
+    return worst_strength(found, poses, p, strength_values(sections), yields)
+
+
+def least_frequency(
+    arm: Arm, search: WorstSearch, beams: Sequence[Beam], p: Array, cases: Sequence[LoadCase]
+) -> Frequency | None:
+    """The least first bending frequency over the workspace; None where nothing gives.
+
+    Joint ranges are scanned and the lowest poses refined; boxes and paths are scanned.
+    """
+    poses = search.poses(p, _MODE_POSES)
+    best: Frequency | None = None
+    payloads = {case.mass: number for number, case in reversed(list(enumerate(cases)))}
+    for payload, number in payloads.items():
+        found = first_modes(arm, beams, payload, poses).frequency
+        if not np.isfinite(found).any():
+            continue
+        candidates = poses[np.argsort(found)[:3]]
+        if search.workspace.kind == "joints":
+            bounds = climbing_bounds(arm, search.lower, search.upper)
+
+            def slowness(q: Array, carried: float = payload) -> Array:
+                return 1.0 / first_modes(arm, beams, carried, q).frequency ** 2
+
+            reached = wrapped(arm, uphill(slowness, candidates, bounds, step=1e-4), search.lower, search.upper)
+            candidates = np.vstack([candidates, reached])
+        values = first_modes(arm, beams, payload, candidates).frequency
+        lowest = int(np.argmin(values))
+        if best is None or values[lowest] < best.value:
+            best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
+    return best
+
+
+def compliance_at(arm: Arm, beams: Sequence[Beam], q: Sequence[float], *, planar: bool) -> Compliance:
+    """The tip's compliance at a pose, by unit forces through the arm's own model (its deterministic part)."""
+    still = replace(arm, gravity=(0.0, 0.0, 0.0))
+    size = 2 if planar else 3
+    p = beam_values(beams)
+    rows = np.array([tuple(float(value) for value in q)])
+
+    def moved(force: tuple[float, float, float]) -> Array:
+        case = error_model(still, (LoadCase(force=force),)).cases[0]
+        return case.arrays(rows, p).vector[0, :size]
+
+    rest = moved((0.0, 0.0, 0.0))
+    matrix = np.stack([moved(_unit_force(axis)) - rest for axis in range(size)], axis=1)
+    left, values, _ = np.linalg.svd(matrix)
+    return Compliance(
+        tuple(rows[0].tolist()),
+        tuple(tuple(row) for row in matrix.tolist()),
+        tuple(values.tolist()),
+        tuple(tuple(column) for column in left.T.tolist()),
+    )
+
+
+def _unit_force(axis: int) -> tuple[float, float, float]:
+    return (float(axis == 0), float(axis == 1), float(axis == 2))
+
+
+def warnings_of(strength: StrengthResult) -> list[str]:
+    """One line for each link that yields, buckles, or bends beyond a tenth of its length."""
+    lines: list[str] = []
+    for index, link in enumerate(strength.links):
+        factor, buckling = strength.safety_factor[index], strength.buckling[index]
+        name = f"link {link + 1}"
+        if strength.deflection[index] > LARGEST_DEFLECTION:
+            share = strength.deflection[index]
+            lines.append(
+                f"{name} bends by {share:.3g} of its length: beyond a tenth, linear theory (and so the error printed) "
+                "means nothing"
+            )
+        if factor is not None and factor < 1.0:
+            lines.append(f"{name} yields: {strength.stress[index] / 1e6:.4g} MPa, safety factor {factor:.3g}")
+        if math.isfinite(buckling) and buckling < 1.0:
+            lines.append(f"{name} buckles: the compression is {1.0 / buckling:.3g} times Euler's load")
+    return lines
+
+
+def error_map(search: WorstSearch, p: Array, *, poses: int = 200_000, cells: int = 90) -> ErrorMap:
+    """The worst error met at each place of the tip, from a scan of spread poses of the workspace and its worst poses."""
+    model: ErrorModel = search.model
+    seeds = [search.poses(p, search.scan, seed) for seed in range(1, 1 + max(1, poses // search.scan))]
+    q = np.vstack(seeds)
+    tips = search.tip(q, p)
+    error = np.max([search.errors(q, p, case).error for case in range(len(model.cases))], axis=0)
+    if model.planar:
+        across, up = tips[:, 0], tips[:, 1]
+    else:
+        across, up = np.hypot(tips[:, 0], tips[:, 1]), tips[:, 2]
+    span = max(np.ptp(across), np.ptp(up), 1e-9) / cells
+    horizontal = np.arange(across.min(), across.max() + span, span)
+    vertical = np.arange(up.min(), up.max() + span, span)
+    worst = np.full((len(vertical), len(horizontal)), np.nan)
+    column = np.clip(((across - horizontal[0]) / span).astype(int), 0, len(horizontal) - 1)
+    row = np.clip(((up - vertical[0]) / span).astype(int), 0, len(vertical) - 1)
+    order = np.argsort(error)
+    worst[row[order], column[order]] = error[order]
+    edges = (np.append(horizontal, horizontal[-1] + span), np.append(vertical, vertical[-1] + span))
+    return ErrorMap(model.planar, edges[0], edges[1], worst)

@@ -1,0 +1,167 @@
+"""Forward kinematics of a serial chain, in floats, arrays or symbols.
+
+Neighbouring joints with parallel axes share one summed angle, so that an arm whose axes are all parallel costs what
+code written for the plane would cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from .chain import Arm, FloatVector, Joint, Link
+from .vectors import (
+    IDENTITY,
+    ZERO,
+    Rotation,
+    Scalar,
+    Vector,
+    about,
+    add,
+    compose,
+    cross,
+    norm,
+    plus,
+    rotate,
+    scale,
+    times,
+    unit,
+)
+
+
+@dataclass(frozen=True)
+class JointFrame:
+    """A joint at a pose: the step from the end of the previous link to its axis (`lead`, m), and its axis (unit)."""
+
+    lead: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class LinkFrame:
+    """A link at a pose: its vector (m) and the unit vectors along it, along its section's height and width."""
+
+    vector: Vector
+    along: Vector
+    height: Vector
+    width: Vector
+
+
+@dataclass(frozen=True)
+class Frames:
+    """All joints and links of an arm at a pose, in the base frame; `tool` is the step from the last link to the tip."""
+
+    joints: tuple[JointFrame, ...]
+    links: tuple[LinkFrame, ...]
+    tool: Vector
+    orientation: Rotation
+
+    def tip(self) -> Vector:
+        """The tip's position, m."""
+        position: Vector = ZERO
+        for joint, link in zip(self.joints, self.links, strict=True):
+            position = add(add(position, joint.lead), link.vector)
+        return add(position, self.tool)
+
+
+def _cos(angle: Scalar) -> Scalar:
+    return np.cos(angle) if not isinstance(angle, ca.SX) else ca.cos(angle)
+
+
+def _sin(angle: Scalar) -> Scalar:
+    return np.sin(angle) if not isinstance(angle, ca.SX) else ca.sin(angle)
+
+
+@dataclass(frozen=True)
+class _Orientation:
+    """prefix * Rot(axis, angle): the last turn is kept apart so that a parallel next joint only adds its angle."""
+
+    prefix: Rotation
+    axis: FloatVector
+    angle: Scalar
+
+    def matrix(self) -> Rotation:
+        if isinstance(self.angle, float) and self.angle == 0.0:
+            return self.prefix
+        return compose(self.prefix, about(self.axis, _cos(self.angle), _sin(self.angle)))
+
+    def turned(self, rotation: Rotation) -> _Orientation:
+        if rotation == IDENTITY:
+            return self
+        return _Orientation(compose(self.matrix(), rotation), (0.0, 0.0, 1.0), 0.0)
+
+    def jointed(self, axis: FloatVector, angle: Scalar, absolute: bool) -> _Orientation:
+        if self.axis == axis:
+            return _Orientation(self.prefix, axis, angle if absolute else plus(self.angle, angle))
+        if self.axis == tuple(-component for component in axis) and not absolute:
+            return _Orientation(self.prefix, self.axis, plus(self.angle, times(-1.0, angle)))
+        return _Orientation(self.matrix(), axis, angle)
+
+
+def section_directions(link: Link, joint: Joint) -> tuple[FloatVector, FloatVector]:
+    """The directions of a section's height and width in the link's frame.
+
+    Unless the link says otherwise, the height lies in the plane in which its joint turns it; for a joint that turns
+    it about its own axis, or slides, along the frame's y (or z, where the link itself runs along y).
+    """
+    along = link.direction
+    if link.height_direction is not None:
+        hint = link.height_direction
+    else:
+        hint = cross(joint.axis, along) if joint.revolute else ZERO
+        if norm(hint) < 1e-9:
+            hint = (0.0, 1.0, 0.0) if abs(along[1]) < 0.9 else (0.0, 0.0, 1.0)
+    width = unit(cross(along, hint))
+    return unit(cross(width, along)), width
+
+
+def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None) -> Frames:
+    """The arm's joints and links at joint coordinates q (rad, m), with other lengths (m) where given.
+
+    The components of q may be floats, arrays of equal length or symbols; the frames hold the same.
+    """
+    spans = arm.lengths if lengths is None else lengths
+    state = _Orientation(IDENTITY, (0.0, 0.0, 1.0), 0.0)
+    joints: list[JointFrame] = []
+    links: list[LinkFrame] = []
+    for joint, link, coordinate, span in zip(arm.joints, arm.links, q, spans, strict=True):
+        lead = rotate(state.matrix(), joint.origin_translation) if any(joint.origin_translation) else ZERO
+        state = state.turned(joint.origin_rotation)
+        moved = plus(coordinate, joint.zero)
+        if joint.revolute:
+            state = state.jointed(joint.axis, moved, arm.angles == "absolute")
+            matrix = state.matrix()
+            axis = rotate(state.prefix, joint.axis) if state.axis == joint.axis else rotate(matrix, joint.axis)
+        else:
+            matrix = state.matrix()
+            axis = rotate(matrix, joint.axis)
+            lead = add(lead, scale(moved, axis))
+        height, width = section_directions(link, joint)
+        along = rotate(matrix, link.direction)
+        joints.append(JointFrame(lead, axis))
+        links.append(LinkFrame(scale(span, along), along, rotate(matrix, height), rotate(matrix, width)))
+        state = state.turned(link.end_rotation)
+    last = state.matrix()
+    return Frames(tuple(joints), tuple(links), rotate(last, arm.tool) if any(arm.tool) else ZERO, last)
+
+
+def tip_position(arm: Arm, q: Any) -> Any:
+    """The nominal tip (N x 3, m) at joint coordinates q (N x n, rad or m) as NumPy arrays."""
+    array = np.atleast_2d(np.asarray(q, dtype=float))
+    tip = place(arm, [array[:, i] for i in range(arm.size)]).tip()
+    return np.stack([np.broadcast_to(component, array.shape[:1]) for component in tip], axis=1)
+
+
+def symbols(arm: Arm) -> Any:
+    """The joint coordinates as a column of CasADi symbols."""
+    return ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
+
+
+def parts(column: Any) -> list[Any]:
+    """The entries of a CasADi column as a list."""
+    return [column[i] for i in range(column.numel())]
+

@@ -1,0 +1,194 @@
+"""An arm's error model as functions: symbols for the optimiser, vectorised code for scans, one physics for both.
+
+The model is built once for an arm's structure; the links' rigidities and lengths (`beam_values`) enter as inputs, so
+that a changed design needs no new code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from .beam import Beam, elastic_beam
+from .chain import Arm, Link, LoadCase
+from .compile import VectorFunction, vectorise
+from .error import TipError, active_effects, tip_error
+from .kinematics import parts, place, symbols
+from .statics import PoseState, solve
+
+Array = NDArray[np.float64]
+
+BEAM_FIELDS = (
+    "length",
+    "mass_per_length",
+    "axial_rigidity",
+    "flexural_rigidity_height",
+    "flexural_rigidity_width",
+    "torsional_rigidity",
+    "shear_rigidity_height",
+    "shear_rigidity_width",
+)
+"""The order in which `beam_values` lists each link's rigidities."""
+
+
+class PropertyNeeded(ValueError):
+    """A question needs a figure that the arm does not have: a link's section, its mass or a material's property."""
+
+
+def needs_shear_modulus(arm: Arm) -> bool:
+    """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane."""
+    active = {each.effect.id for each in active_effects(arm)}
+    return "shear_deformation" in active or ("torsion" in active and not arm.planar())
+
+
+def beams_of(arm: Arm) -> tuple[Beam, ...]:
+    """The beams that an arm's links are, at its temperature.
+
+    Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
+    """
+    return tuple(_beam(arm, index, link) for index, link in enumerate(arm.links))
+
+
+def _beam(arm: Arm, index: int, link: Link) -> Beam:
+    if link.section is None:
+        if link.mass is None:
+            raise PropertyNeeded(f"link {index + 1} has neither a section nor a known mass")
+        center = 0.5 * link.length if link.center_of_mass is None else link.center_of_mass
+        return Beam(length=link.length, lumped_mass=link.mass, lumped_at=center)
+    if link.material is None:
+        raise PropertyNeeded(f"link {index + 1} has a section but no material")
+    material = link.material.at(arm.temperature)
+    section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
+    return elastic_beam(link.length, section, material, shear=needs_shear_modulus(arm))
+
+
+def beam_values(beams: Sequence[Beam]) -> Array:
+    """The rigidities and lengths of all links as one row (8 per link, in the order of `BEAM_FIELDS`); 0 where rigid."""
+    return np.array([float(getattr(beam, name) or 0.0) for beam in beams for name in BEAM_FIELDS])
+
+
+@dataclass(frozen=True)
+class PoseArrays:
+    """What the model says at N poses of one load case, in m, N and N*m.
+
+    `vector` (N, 3) is the deterministic error; `intervals` (N, k, 3) the reach of each play along a motion and
+    `interval_seating` (N, k) the load that seats it; `normals` and `disc_seating` (N, d, 3) belong to the discs, whose
+    radii are the model's.
+    """
+
+    vector: Array
+    intervals: Array
+    interval_seating: Array
+    normals: Array
+    disc_seating: Array
+
+
+@dataclass(frozen=True)
+class CaseModel:
+    """The error model under one load case.
+
+    `state` and `error` hold symbols in `q` (n) and `p` (8 per link); `function` maps (q, p) to what `PoseArrays`
+    lists, as CasADi columns; `vectorised` does the same for many rows.
+    """
+
+    load: LoadCase
+    q: Any
+    p: Any
+    state: PoseState
+    error: TipError
+    outputs: tuple[Any, ...]
+    function: Any
+
+    @cached_property
+    def vectorised(self) -> VectorFunction:
+        """The same function for many rows at once; q (N, n) and p (8 n,)."""
+        return vectorise([self.q, self.p], list(self.outputs))
+
+    @property
+    def interval_effects(self) -> tuple[str, ...]:
+        """Which effect each interval of play comes from."""
+        return tuple(interval.effect for interval in self.error.intervals)
+
+    @property
+    def radii(self) -> Array:
+        """The radii of the discs of play, m."""
+        return np.array([disc.radius for disc in self.error.discs])
+
+    def arrays(self, q: Array, p: Array) -> PoseArrays:
+        """The model's figures at N poses q (N, n) for a design p (8 n,)."""
+        vector, intervals, seating, normals, loads = self.vectorised(q, p)
+        count = len(q)
+        return PoseArrays(
+            vector,
+            np.reshape(intervals, (count, -1, 3)),
+            seating,
+            np.reshape(normals, (count, -1, 3)),
+            np.reshape(loads, (count, -1, 3)),
+        )
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """The error model of an arm under its load cases; make one with `error_model`."""
+
+    arm: Arm
+    planar: bool
+    cases: tuple[CaseModel, ...]
+    tip: VectorFunction
+
+
+def error_model(arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = None) -> ErrorModel:
+    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect."""
+    cases = tuple(_case(arm, load, only) for load in (loads or (arm.payload,)))
+    q, p = symbols(arm), beam_symbols(arm)
+    position = place(arm, parts(q), [p[8 * index] for index in range(arm.size)]).tip()
+    planar = all(arm.planar(case.load) for case in cases)
+    return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]))
+
+
+def beam_symbols(arm: Arm) -> Any:
+    """The symbols p: 8 per link, in the order of `BEAM_FIELDS`."""
+    return ca.SX.sym("p", len(BEAM_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
+
+
+def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
+    """The arm's beams with the symbols p (8 per link) in place of rigidities and lengths; rigid links keep theirs."""
+    beams: list[Beam] = []
+    for index, link in enumerate(arm.links):
+        base = len(BEAM_FIELDS) * index
+        if link.elastic:
+            values = {name: p[base + k] for k, name in enumerate(BEAM_FIELDS)}
+            expansion = None
+            if link.material is not None and link.material.has("thermal_expansion"):
+                expansion = link.material.at(arm.temperature).thermal_expansion
+            beams.append(Beam(**values, thermal_expansion=expansion))
+        else:
+            rigid = _beam(arm, index, link)
+            beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at))
+    return tuple(beams)
+
+
+def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
+    q, p = symbols(arm), beam_symbols(arm)
+    state = solve(arm, parts(q), symbolic_beams(arm, p), load)
+    effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
+    error = tip_error(state, effects)
+    outputs = (
+        _column(error.vector),
+        _column([component for interval in error.intervals for component in interval.vector]),
+        _column([interval.seating for interval in error.intervals]),
+        _column([component for disc in error.discs for component in disc.normal]),
+        _column([component for disc in error.discs for component in disc.seating]),
+    )
+    function = ca.Function("error", [q, p], list(outputs))
+    return CaseModel(load, q, p, state, error, outputs, function)
+
+
+def _column(entries: Sequence[Any]) -> Any:
+    return ca.vertcat(*[ca.SX(entry) for entry in entries]) if entries else ca.SX(0, 1)

@@ -1,0 +1,194 @@
+"""The first bending frequency of an arm at a pose, from its compliance and its masses.
+
+Every link is cut into segments; unit forces at their ends, through the same effects as the tip's error, give the
+compliance matrix F; masses sit at the same points, the links' own by Simpson's rule. The first frequency belongs to the
+largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi (Rayleigh). Drives count with their
+stiffness; rotary inertia is left out, as it is small for bending.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .beam import Beam
+from .chain import Arm, Joint, Link, LoadCase
+from .effects import EFFECTS, Settings
+from .error import ActiveEffect, active_effects, displacements
+from .kinematics import section_directions
+from .statics import solve
+from .vectors import IDENTITY, ZERO, Scalar, Vector, times
+
+Array = NDArray[np.float64]
+
+SEGMENTS = 4
+"""Pieces of each elastic link; even, for Simpson's rule."""
+_SIMPSON = (1.0 / 12.0, 4.0 / 12.0, 2.0 / 12.0, 4.0 / 12.0, 1.0 / 12.0)
+_ALWAYS = ("link_bending", "slope_propagation", "axial", "torsion", "joint_compliance")
+
+
+@dataclass(frozen=True)
+class SegmentedArm:
+    """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics."""
+
+    arm: Arm
+    owner: tuple[int, ...]
+    effects: tuple[ActiveEffect, ...]
+
+
+def segmented(arm: Arm) -> SegmentedArm:
+    """The arm in segments, weightless, with the elastic physics of its model (bending and slopes always)."""
+    joints: list[Joint] = []
+    links: list[Link] = []
+    owner: list[int] = []
+    for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
+        pieces = SEGMENTS if link.elastic else 1
+        height, _ = section_directions(link, joint)
+        axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
+        joints.append(replace(joint, spans=pieces))
+        joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
+        piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height)
+        links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
+        owner += [index] * pieces
+    active = {each.effect.id for each in active_effects(arm)}
+    wanted = [name for name in EFFECTS if name in _ALWAYS or (name == "shear_deformation" and name in active)]
+    effects = tuple(ActiveEffect(EFFECTS[name], Settings()) for name in wanted)
+    whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
+    return SegmentedArm(whole, tuple(owner), effects)
+
+
+def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
+    """The segmented arm's joint coordinates: 0 between segments, or the link's own angle where angles are absolute."""
+    out: list[Scalar] = []
+    for index, owner in enumerate(arm.owner):
+        first = index == 0 or arm.owner[index - 1] != owner
+        absolute = arm.arm.angles == "absolute" and arm.arm.joints[index].revolute
+        out.append(q[owner] if first or absolute else 0.0)
+    return out
+
+
+def segment_beams(arm: SegmentedArm, beams: Sequence[Beam]) -> list[Beam]:
+    """Each link's beam, shared out among its segments (weightless: masses enter on their own)."""
+    shares = [1.0 / arm.owner.count(owner) for owner in arm.owner]
+    return [
+        replace(beams[owner], length=times(share, beams[owner].length), mass_per_length=0.0, lumped_mass=0.0)
+        for owner, share in zip(arm.owner, shares, strict=True)
+    ]
+
+
+def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload: Scalar) -> list[Scalar]:
+    """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, payload."""
+    masses: list[Scalar] = [0.0] * len(segments.owner)
+    for index, beam in enumerate(beams):
+        nodes = [k for k, owner in enumerate(segments.owner) if owner == index]
+        total = times(beam.mass_per_length, beam.length)
+        weights = _SIMPSON if len(nodes) == SEGMENTS else (0.0, 0.0)
+        if len(nodes) == 1 and not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
+            share = beam.lumped_at / beam.length if float_or_none(beam.length) != 0.0 else 1.0
+            total, weights = beam.lumped_mass, (1.0 - share, share)
+        for node, weight in zip([nodes[0] - 1, *nodes], weights, strict=True):
+            if node >= 0:
+                masses[node] = masses[node] + weight * total
+        if nodes[0] > 0:
+            masses[nodes[0] - 1] = masses[nodes[0] - 1] + arm.joints[index].mass
+    masses[-1] = masses[-1] + payload
+    return masses
+
+
+def float_or_none(value: Scalar) -> float | None:
+    """The value where it is a plain number."""
+    return float(value) if isinstance(value, (float, int)) else None
+
+
+def response(
+    segments: SegmentedArm, q: Sequence[Scalar], beams: Sequence[Beam], forces: Sequence[Vector]
+) -> tuple[Vector, ...]:
+    """The displacements (m) of the segments' far ends under forces (N) there; `q` and `beams` are the whole arm's."""
+    places, pieces = segment_coordinates(segments, q), segment_beams(segments, beams)
+    state = solve(segments.arm, places, pieces, LoadCase(), warming=0.0, point_forces=forces)
+    twists = [twist for each in segments.effects for twist in each.effect.twists(state, each.settings)]
+    return displacements(state, twists)
+
+
+def compliance_matrices(segments: SegmentedArm, beams: Sequence[Beam], q: Array) -> Array:
+    """The compliance (m/N) of the segments' far ends at poses q (N, n): (N, 3 s, 3 s), by unit forces."""
+    poses, size = len(q), 3 * len(segments.owner)
+    every_q = [np.repeat(q[:, j], size) for j in range(q.shape[1])]
+    unit = np.tile(np.eye(size), (poses, 1))
+    forces: list[Vector] = [(unit[:, 3 * k], unit[:, 3 * k + 1], unit[:, 3 * k + 2]) for k in range(size // 3)]
+    moved = response(segments, every_q, beams, forces)
+    columns = [np.broadcast_to(component, poses * size) for shift in moved for component in shift]
+    return np.stack(columns, axis=1).reshape(poses, size, size).transpose(0, 2, 1)
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The first mode at N poses: frequency (N,) in Hz, and the displacements of the nodes (N, 3 s), largest entry 1."""
+
+    frequency: Array
+    shape: Array
+
+
+def first_modes(arm: Arm, beams: Sequence[Beam], payload: float, q: Array) -> Modes:
+    """The first bending frequency and mode at poses q (N, n) with a payload (kg) at the tip.
+
+    The tool's offset beyond the last link counts as rigid and massless but for the payload, which sits at the last
+    link's end. Where nothing gives, the frequency is infinite.
+    """
+    segments = segmented(arm)
+    masses = np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, payload)]), 3)
+    root = np.sqrt(masses)
+    compliance = compliance_matrices(segments, beams, q)
+    symmetric = 0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :]
+    values, vectors = np.linalg.eigh(symmetric)
+    largest = np.maximum(values[:, -1], 0.0)
+    with np.errstate(divide="ignore"):
+        frequency = 1.0 / (2.0 * math.pi * np.sqrt(largest))
+    # The eigenvector is M^(1/2) phi; the displacements follow from F M phi, which also holds where a mass is zero.
+    shape = np.einsum("nij,nj->ni", compliance * root[None, None, :], vectors[:, :, -1])
+    top = np.abs(shape).max(axis=1, keepdims=True)
+    return Modes(frequency, shape / np.where(top > 0.0, top, 1.0))
+
+
+def inertia_excess(
+    arm: Arm,
+    segments: SegmentedArm,
+    q: Sequence[float],
+    beams: Sequence[Beam],
+    payload: Scalar,
+    shape: Sequence[float],
+    frequency: float,
+) -> Scalar:
+    """(M phi)' F (M phi) omega^2 / phi' M phi - 1 for a fixed trial shape: above 0, the frequency lies below `frequency`.
+
+    For the true mode it is exact; for any other shape it is a valid cut (Rayleigh), so an optimiser may use shapes found
+    at earlier designs. `beams` may hold symbols.
+    """
+    masses = node_masses(arm, segments, beams, payload)
+    forces: list[Vector] = [
+        (times(mass, shape[3 * k]), times(mass, shape[3 * k + 1]), times(mass, shape[3 * k + 2]))
+        for k, mass in enumerate(masses)
+    ]
+    moved = response(segments, q, beams, forces)
+    work: Scalar = 0.0
+    inertia: Scalar = 0.0
+    for k, shift in enumerate(moved):
+        for axis in range(3):
+            work = work + times(forces[k][axis], shift[axis])
+            inertia = inertia + times(forces[k][axis], shape[3 * k + axis])
+    return work * (2.0 * math.pi * frequency) ** 2 / inertia - 1.0
+
+
+__all__ = [
+    "SEGMENTS",
+    "Modes",
+    "SegmentedArm",
+    "compliance_matrices",
+    "first_modes",
+    "inertia_excess",
+    "segmented",
+]

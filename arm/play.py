@@ -1,0 +1,215 @@
+"""How clearance and backlash count: worst, loaded or statistical.
+
+worst: the play that puts the tip farthest away. Exact in the plane, where the set of reachable errors is a zonotope
+with a disc around it: its farthest point is a vertex, plus the sum of the radii. In space the discs have different
+normals, and the farthest point is sought by climbing the support function v(d), d = v/|v|, from many directions
+(each step cannot decrease |v|, since the set is convex).
+loaded: each play lies where its load pushes it; play without load counts as worst.
+statistical: a quantile over seeded draws, uniform in each interval and over each disc, the same draws at every pose.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .chain import PlayMode, Statistics
+from .model import PoseArrays
+
+Array = NDArray[np.float64]
+
+_MOST_ENUMERATED = 4
+_CLIMBS = 25
+_CHUNK = 8192
+
+
+@dataclass(frozen=True)
+class PlayedError:
+    """The error at N poses with the play where the mode puts it.
+
+    `error` (N,) in m; `vector` (N, 3) the error vector with the play in it; `signs` (N, k) where each interval stands
+    (-1 to 1), `shifts` (N, d, 3) where each disc's centre lies (m).
+    """
+
+    error: Array
+    vector: Array
+    signs: Array
+    shifts: Array
+
+
+def played(
+    arrays: PoseArrays, radii: Array, mode: PlayMode, *, planar: bool, statistics: Statistics | None = None
+) -> PlayedError:
+    """The error at each pose of `arrays`, with the discs' `radii` (m), counted in a play mode."""
+    count = len(arrays.vector)
+    pieces = [_chunk(arrays, start, start + _CHUNK) for start in range(0, max(count, 1), _CHUNK)]
+    done = [_played(piece, radii, mode, planar, statistics or Statistics()) for piece in pieces]
+    return PlayedError(
+        np.concatenate([piece.error for piece in done]),
+        np.concatenate([piece.vector for piece in done]),
+        np.concatenate([piece.signs for piece in done]),
+        np.concatenate([piece.shifts for piece in done]),
+    )
+
+
+def _chunk(arrays: PoseArrays, start: int, stop: int) -> PoseArrays:
+    part = slice(start, stop)
+    return PoseArrays(
+        arrays.vector[part],
+        arrays.intervals[part],
+        arrays.interval_seating[part],
+        arrays.normals[part],
+        arrays.disc_seating[part],
+    )
+
+
+def _played(
+    arrays: PoseArrays, radii: Array, mode: PlayMode, planar: bool, statistics: Statistics
+) -> PlayedError:
+    if mode == "statistical":
+        return _statistical(arrays, radii, statistics)
+    every_radius = np.broadcast_to(radii, arrays.normals.shape[:2])
+    if mode == "worst":
+        return _worst(arrays.vector, arrays.intervals, arrays.normals, every_radius, planar)
+    return _loaded(arrays, every_radius, planar)
+
+
+def sign_vertices(count: int) -> Array:
+    """All 2^count rows of signs, (2^count, count)."""
+    return np.array(list(itertools.product((-1.0, 1.0), repeat=count))).reshape(2**count, count)
+
+
+def _length(vectors: Array) -> Array:
+    return np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+
+
+def _worst(vector: Array, intervals: Array, normals: Array, radii: Array, planar: bool) -> PlayedError:
+    if planar:
+        signs = _farthest_vertex(vector, intervals)
+        center = vector + np.einsum("nk,nki->ni", signs, intervals)
+        distance = _length(center)
+        outward = center / np.where(distance > 0.0, distance, 1.0)[:, None]
+        outward[distance == 0.0] = (1.0, 0.0, 0.0)
+        shifts = radii[:, :, None] * outward[:, None, :]
+        return PlayedError(distance + radii.sum(axis=1), center + shifts.sum(axis=1), signs, shifts)
+    return _farthest_in_space(vector, intervals, normals, radii)
+
+
+def _farthest_vertex(vector: Array, intervals: Array) -> Array:
+    """The signs (N, k) of the farthest vertex of vector + zonotope in the x-y plane."""
+    count, plays = intervals.shape[:2]
+    if plays == 0:
+        return np.zeros((count, 0))
+    if plays <= _MOST_ENUMERATED:
+        candidates = np.broadcast_to(sign_vertices(plays), (count, 2**plays, plays))
+    else:
+        candidates = _plane_vertices(intervals)
+    points = vector[:, None, :] + np.einsum("nck,nki->nci", candidates, intervals)
+    best = np.argmax(np.einsum("nci,nci->nc", points, points), axis=1)
+    return candidates[np.arange(count), best].copy()
+
+
+def _plane_vertices(intervals: Array) -> Array:
+    """The signs (N, 4 k, k) of all vertices of a plane zonotope: the support changes only normal to a generator."""
+    x, y = intervals[:, :, 0], intervals[:, :, 1]
+    turning = x[:, :, None] * y[:, None, :] - y[:, :, None] * x[:, None, :]
+    alike = x[:, :, None] * x[:, None, :] + y[:, :, None] * y[:, None, :]
+    size = np.sqrt(x * x + y * y)
+    parallel = np.abs(turning) <= 1e-12 * (size[:, :, None] * size[:, None, :])
+    rows: list[Array] = []
+    for side, own in itertools.product((-1.0, 1.0), (-1.0, 1.0)):
+        rows.append(np.where(parallel, own * np.where(alike >= 0.0, 1.0, -1.0), side * np.sign(turning)))
+    return np.concatenate(rows, axis=1)
+
+
+def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: Array) -> PlayedError:
+    count, plays = intervals.shape[:2]
+    directions = [np.broadcast_to(row, (count, 3)) for row in np.vstack([np.eye(3), -np.eye(3)])]
+    directions.append(vector)
+    if plays:
+        vertices = sign_vertices(min(plays, 8))
+        points = vector[:, None, :] + np.einsum("ck,nki->nci", vertices, intervals[:, : vertices.shape[1]])
+        order = np.argsort(-_length(points), axis=1)[:, :6]
+        directions += [points[np.arange(count), order[:, column]] for column in range(order.shape[1])]
+    best = PlayedError(np.full(count, -1.0), vector, np.zeros((count, plays)), np.zeros((*normals.shape[:2], 3)))
+    for start in directions:
+        climbed = _climb(vector, intervals, normals, radii, np.asarray(start, dtype=float))
+        better = climbed.error > best.error
+        best = PlayedError(
+            np.where(better, climbed.error, best.error),
+            np.where(better[:, None], climbed.vector, best.vector),
+            np.where(better[:, None], climbed.signs, best.signs),
+            np.where(better[:, None, None], climbed.shifts, best.shifts),
+        )
+    return best
+
+
+def _climb(vector: Array, intervals: Array, normals: Array, radii: Array, direction: Array) -> PlayedError:
+    signs = np.zeros(intervals.shape[:2])
+    shifts = np.zeros((*normals.shape[:2], 3))
+    reached = vector
+    for _ in range(_CLIMBS):
+        signs = np.where(np.einsum("nki,ni->nk", intervals, direction) >= 0.0, 1.0, -1.0)
+        across = direction[:, None, :] - np.einsum("ndi,ni->nd", normals, direction)[:, :, None] * normals
+        size = _length(across)[:, :, None]
+        shifts = radii[:, :, None] * across / np.where(size > 0.0, size, 1.0)
+        new = vector + np.einsum("nk,nki->ni", signs, intervals) + shifts.sum(axis=1)
+        if np.array_equal(new, reached):
+            break
+        reached = direction = new
+    return PlayedError(_length(reached), reached, signs, shifts)
+
+
+def _loaded(arrays: PoseArrays, radii: Array, planar: bool) -> PlayedError:
+    scale = np.abs(arrays.interval_seating).max(initial=0.0)
+    seated = np.abs(arrays.interval_seating) > 1e-12 * scale
+    signs = np.where(seated, np.sign(arrays.interval_seating), 0.0)
+    across = arrays.disc_seating - (
+        np.einsum("ndi,ndi->nd", arrays.normals, arrays.disc_seating)[:, :, None] * arrays.normals
+    )
+    load = _length(across)
+    pushed = load > 1e-12 * _length(arrays.disc_seating).max(initial=0.0)
+    shifts = np.where(pushed, radii / np.where(load > 0.0, load, 1.0), 0.0)[:, :, None] * across
+    vector = arrays.vector + np.einsum("nk,nki->ni", signs, arrays.intervals) + shifts.sum(axis=1)
+    free = np.where(seated[:, :, None], 0.0, arrays.intervals)
+    rest = _worst(vector, free, arrays.normals, np.where(pushed, 0.0, radii), planar)
+    return PlayedError(rest.error, rest.vector, np.where(seated, signs, rest.signs), shifts + rest.shifts)
+
+
+def draws(statistics: Statistics, intervals: int, discs: int) -> tuple[Array, Array]:
+    """The seeded draws: positions in the intervals (draws, k) and in unit discs (draws, d, 2)."""
+    generator = np.random.default_rng(statistics.seed)
+    positions = generator.uniform(-1.0, 1.0, (statistics.draws, intervals))
+    radius = np.sqrt(generator.uniform(0.0, 1.0, (statistics.draws, discs)))
+    angle = generator.uniform(0.0, 2.0 * np.pi, (statistics.draws, discs))
+    return positions, np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=2)
+
+
+def _disc_axes(normals: Array) -> tuple[Array, Array]:
+    """Two unit vectors across each normal (N, d, 3)."""
+    hint = np.where(np.abs(normals[..., :1]) < 0.9, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    first = hint - np.einsum("ndi,ndi->nd", normals, hint)[:, :, None] * normals
+    first /= _length(first)[:, :, None]
+    return first, np.cross(normals, first)
+
+
+def _statistical(arrays: PoseArrays, radii: Array, statistics: Statistics) -> PlayedError:
+    positions, places = draws(statistics, arrays.intervals.shape[1], arrays.normals.shape[1])
+    first, second = _disc_axes(arrays.normals)
+    count, rank = len(arrays.vector), min(int(np.ceil(statistics.level * statistics.draws)), statistics.draws) - 1
+    chosen = np.empty(count, dtype=np.intp)
+    reach = radii[:, None]
+    generators = np.concatenate([arrays.intervals, reach * first, reach * second], axis=1)
+    weights = np.concatenate([positions, places[:, :, 0], places[:, :, 1]], axis=1)
+    for start in range(0, count, 256):
+        part = slice(start, start + 256)
+        points = arrays.vector[part, None, :] + np.einsum("sg,ngi->nsi", weights, generators[part])
+        squares = np.einsum("nsi,nsi->ns", points, points)
+        chosen[part] = np.argpartition(squares, rank, axis=1)[:, rank]
+    signs = positions[chosen]
+    shifts = reach * (places[chosen][:, :, :1] * first + places[chosen][:, :, 1:] * second)
+    vector = arrays.vector + np.einsum("nk,nki->ni", signs, arrays.intervals) + shifts.sum(axis=1)
+    return PlayedError(_length(vector), vector, signs, shifts)

@@ -1,0 +1,131 @@
+"""Local searches for worse poses where the error is no polynomial, or the workspace more than a box of joint angles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from .workspace import Workspace, distance_to_path, path_points, pull
+
+Array = NDArray[np.float64]
+Bounds = tuple[Array, Array]
+ErrorFunction = Callable[[Array], Array]
+"""Poses (N, n) to errors (N,), m."""
+TipFunction = Callable[[Array], Array]
+
+_ON_REGION = 1e-7
+
+
+def uphill(error: ErrorFunction, starts: Array, bounds: Bounds, *, step: float = 1e-5) -> Array:
+    """Local maxima of an error from `starts`, by L-BFGS-B with central differences; bounds may be infinite."""
+    size = starts.shape[1]
+    offsets = np.vstack([np.zeros(size), step * np.eye(size), -step * np.eye(size)])
+    scale = max(float(error(starts).max()), 1e-30)
+
+    def objective(q: Array) -> tuple[float, Array]:
+        values = error(q + offsets) / scale
+        return -float(values[0]), -(values[1 : size + 1] - values[size + 1 :]) / (2.0 * step)
+
+    box = list(zip(*bounds, strict=True))
+    results = [minimize(objective, start, jac=True, bounds=box, method="L-BFGS-B") for start in starts]
+    return np.array([np.asarray(result.x, dtype=float) for result in results])
+
+
+def in_region(workspace: Workspace, places: Array) -> NDArray[np.bool_]:
+    """Whether tips (N, 3) lie in the box, or on the path, to 0.1 um."""
+    axes = 2 if workspace.in_plane else 3
+    points = np.array(workspace.points)[:, :axes]
+    if workspace.kind == "path":
+        return distance_to_path(places[:, :axes], points) < _ON_REGION
+    low, high = points.min(axis=0) - _ON_REGION, points.max(axis=0) + _ON_REGION
+    return np.all((places[:, :axes] >= low) & (places[:, :axes] <= high), axis=1)
+
+
+def uphill_in_region(
+    value_and_gradient: Callable[[Array], tuple[float, Array]],
+    start: Array,
+    workspace: Workspace,
+    tip: TipFunction,
+    bounds: Bounds,
+) -> Array:
+    """A constrained local maximum from `start` with the tip in a box or on its segment of a path (SLSQP).
+
+    The start itself comes back where the search does not better it.
+    """
+    axes = 2 if workspace.in_plane else 3
+    points = np.array(workspace.points)[:, :axes]
+
+    def place(q: Array) -> Array:
+        return tip(q[None])[0, :axes]
+
+    scale = max(abs(value_and_gradient(start)[0]), 1e-30)
+
+    def objective(q: Array) -> tuple[float, Array]:
+        value, gradient = value_and_gradient(q)
+        return -value / scale, -gradient / scale
+
+    if workspace.kind == "box":
+        low, high = points.min(axis=0), points.max(axis=0)
+        free = high > low
+        constraints = [{"type": "ineq", "fun": lambda q: np.concatenate([place(q) - low, high - place(q)])}]
+        if not np.all(free):
+            constraints = [
+                {"type": "ineq", "fun": lambda q: np.concatenate([place(q) - low, high - place(q)])[np.tile(free, 2)]},
+                {"type": "eq", "fun": lambda q: (place(q) - low)[~free]},
+            ]
+    else:
+        constraints = _on_segment(place, place(start), points)
+    result = minimize(
+        objective,
+        start,
+        jac=True,
+        bounds=list(zip(*bounds, strict=True)),
+        constraints=constraints,
+        method="SLSQP",
+        options={"maxiter": 100, "ftol": 1e-14},
+    )
+    reached = np.clip(np.asarray(result.x, dtype=float), *bounds)
+    better = -objective(reached)[0] >= 1.0 - 1e-9 and bool(in_region(workspace, tip(reached[None]))[0])
+    return reached if better else start
+
+
+def _on_segment(place: Callable[[Array], Array], here: Array, points: Array) -> list[dict[str, object]]:
+    segments = [(a, b) for a, b in zip(points[:-1], points[1:], strict=True)] or [(points[0], points[0])]
+    a, b = min(segments, key=lambda ends: float(distance_to_path(here[None], np.array(ends))[0]))
+    along = b - a
+    length = float(np.sqrt(along @ along))
+    if length == 0.0:
+        return [{"type": "eq", "fun": lambda q: place(q) - a}]
+    across = np.linalg.svd(along[None] / length)[2][1:]
+    return [
+        {"type": "eq", "fun": lambda q: across @ (place(q) - a)},
+        {"type": "ineq", "fun": lambda q: np.array([(place(q) - a) @ along, (b - place(q)) @ along]) / length},
+    ]
+
+
+def wander_in_region(
+    error: ErrorFunction, starts: Array, workspace: Workspace, tip: TipFunction, bounds: Bounds, *, seed: int = 5
+) -> Array:
+    """Worse poses near `starts` with the tip in a box or on a path: ever closer random neighbours, pulled back."""
+    generator = np.random.default_rng(seed)
+    best, value, reach = starts, error(starts), 0.1
+    axes = 2 if workspace.in_plane else 3
+    used = np.array([1.0, 1.0, float(not workspace.in_plane)])
+    path = path_points(workspace) if workspace.kind == "path" else np.empty((0, 3))
+    each = 8
+    for _ in range(16):
+        trial = np.repeat(best, each, axis=0)
+        trial = np.clip(trial + reach * generator.standard_normal(trial.shape), *bounds)
+        if workspace.kind == "path":
+            gaps = ((path[None, :, :axes] - tip(trial)[:, None, :axes]) ** 2).sum(axis=2)
+            trial, _ = pull(tip, trial, path[gaps.argmin(axis=1)], *bounds, used, steps=20)
+        values = np.where(in_region(workspace, tip(trial)), error(trial), -np.inf).reshape(len(best), each)
+        better = values.max(axis=1) > value
+        picked = trial.reshape(len(best), each, -1)[np.arange(len(best)), values.argmax(axis=1)]
+        best = np.where(better[:, None], picked, best)
+        value = np.where(better, values.max(axis=1), value)
+        reach *= 0.6
+    return best

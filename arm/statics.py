@@ -1,0 +1,157 @@
+"""Statics of a serial chain at a pose: what each link and joint carries.
+
+The loads run from the tip to the base: payload and process force, the links' distributed weight, the joints' masses.
+All forces are fixed in the base frame (dead loads), moments are those about the point named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .beam import Beam
+from .chain import REFERENCE_TEMPERATURE, Arm, LoadCase
+from .kinematics import Frames, place
+from .vectors import Scalar, Vector, add, cross, dot, is_zero, scale, subtract, times
+
+
+@dataclass(frozen=True)
+class LinkState:
+    """A link at a pose: its directions, its beam, and the load at its far end.
+
+    `force` (N) and `moment` (N*m) act on the link's far end, `weight` (N) is its own, spread evenly.
+    `vector` runs from its joint to its far end (m). `warming` is its temperature less 20 degC (K).
+    """
+
+    vector: Vector
+    along: Vector
+    height: Vector
+    width: Vector
+    beam: Beam
+    force: Vector
+    moment: Vector
+    weight: Vector
+    warming: Scalar
+    base_moment: Vector
+
+    @property
+    def base_force(self) -> Vector:
+        """The force that the rest of the arm carries at this link's joint, N."""
+        return add(self.force, self.weight)
+
+
+@dataclass(frozen=True)
+class JointState:
+    """A joint at a pose: its axis, what it carries (force N, moment N*m) and the load on its drive.
+
+    `drive_load` is the torque about the axis (N*m), or the force along it (N) for a slide.
+    """
+
+    revolute: bool
+    axis: Vector
+    force: Vector
+    moment: Vector
+    drive_load: Scalar
+    stiffness: float | Scalar | None
+    clearance: float
+    backlash: float
+    mass: float
+    coordinate: Scalar
+    spans: int
+
+
+@dataclass(frozen=True)
+class PoseState:
+    """The arm at a pose under a load: all that an effect may ask. `tip` is None where nobody needs it."""
+
+    joints: tuple[JointState, ...]
+    links: tuple[LinkState, ...]
+    leads: tuple[Vector, ...]
+    tool: Vector
+    absolute: bool
+    planar: bool
+    load: LoadCase
+
+
+def solve(
+    arm: Arm,
+    q: Sequence[Scalar],
+    beams: Sequence[Beam],
+    load: LoadCase | None = None,
+    *,
+    warming: Scalar | None = None,
+    payload_mass: Scalar | None = None,
+    tip_force: Vector | None = None,
+    point_forces: Sequence[Vector] | None = None,
+    frames: Frames | None = None,
+) -> PoseState:
+    """The state of the arm at joint coordinates q (rad, m) under a load case.
+
+    `beams` gives each link's rigidities and length (floats or symbols). `payload_mass` (kg) and `tip_force` (N)
+    replace those of the load case, as symbols say. `point_forces` (N, one per link) act at the links' far ends in
+    addition. `warming` is the temperature above 20 degC of all links (K), the arm's own by default.
+    """
+    case = arm.payload if load is None else load
+    rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
+    placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
+    gravity: Vector = arm.gravity
+    force: Vector = case.force if tip_force is None else tip_force
+    force = add(force, scale(case.mass if payload_mass is None else payload_mass, gravity))
+    moment: Vector = add(case.moment, cross(placed.tool, force))
+    joints: list[JointState] = []
+    links: list[LinkState] = []
+    ends: dict[int, Vector] = {}
+    for index in range(arm.size - 1, -1, -1):
+        beam, frame, joint = beams[index], placed.links[index], arm.joints[index]
+        if point_forces is not None:
+            force = add(force, point_forces[index])
+        ends[index] = moment
+        weight = scale(times(beam.mass_per_length, beam.length), gravity)
+        half = add(force, scale(0.5, weight))
+        base_moment = add(moment, cross(frame.vector, half))
+        base_force = add(force, weight)
+        if not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
+            lumped = scale(beam.lumped_mass, gravity)
+            base_moment = add(base_moment, cross(scale(beam.lumped_at, frame.along), lumped))
+            base_force = add(base_force, lumped)
+        links.append(
+            LinkState(
+                frame.vector, frame.along, frame.height, frame.width, beam, force, moment, weight, rise, base_moment
+            )
+        )
+        axis = placed.joints[index].axis
+        if not joint.revolute:
+            drive_load = dot(axis, base_force)
+        elif arm.angles == "absolute":
+            # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
+            drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))
+        else:
+            drive_load = dot(axis, base_moment)
+        joints.append(
+            JointState(
+                joint.revolute,
+                axis,
+                base_force,
+                base_moment,
+                drive_load,
+                joint.stiffness,
+                joint.clearance,
+                joint.backlash,
+                joint.mass,
+                q[index],
+                joint.spans,
+            )
+        )
+        force = add(base_force, scale(joint.mass, gravity))
+        lead = placed.joints[index].lead
+        moment = base_moment if is_zero(lead) else add(base_moment, cross(lead, force))
+    return PoseState(
+        tuple(reversed(joints)),
+        tuple(reversed(links)),
+        tuple(joint.lead for joint in placed.joints),
+        placed.tool,
+        arm.angles == "absolute",
+        arm.planar(case),
+        case,
+    )
+

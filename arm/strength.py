@@ -1,0 +1,192 @@
+"""How near a link is to yielding, buckling, or bending beyond what linear theory can say.
+
+Stress: normal stress of axial force and of bending in both planes, added up at the corner where they meet (exact for
+bending in one plane, safe for round sections bent in two), with torsional shear by von Mises. Transverse shear
+vanishes at the fibre where bending is largest and is left out. Buckling: each link as an Euler column fixed at its joint
+and free at its end (effective length 2 L; Gere & Goodno, Mechanics of Materials, columns), under the largest
+compression along it. Deflection: a link's own bending against a tenth of its length, where linear theory ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from .chain import Arm, LoadCase
+from .compile import VectorFunction, vectorise
+from .effects.link_bending import bent_end
+from .kinematics import parts
+from .model import beam_symbols, symbolic_beams
+from .statics import LinkState, PoseState, solve
+from .vectors import Scalar, Vector, add, cross, dot, plus, scale, times
+
+if TYPE_CHECKING:
+    from sections.properties import SectionProperties
+
+Array = NDArray[np.float64]
+
+STRENGTH_FIELDS = ("area", "section_modulus_y", "section_modulus_z", "torsion_modulus")
+"""The order in which `strength_values` lists each link's section."""
+STATIONS = (0.0, 0.5, 1.0)
+"""Where along a link its stress is looked at, as a share of its length from its joint."""
+LARGEST_DEFLECTION = 0.1
+"""A link's own bending beyond this share of its length is outside linear theory."""
+
+
+@dataclass(frozen=True)
+class StrengthCase:
+    """Stress, compression and deflection under one load case, as functions of poses.
+
+    `function` maps (q, p, s) to: equivalent stresses (Pa; link after link, each at `STATIONS`), the share of Euler's
+    load that presses each link (negative in tension), and each link's own deflection over its length. Rigid links are
+    left out: `links` numbers those that are listed.
+    """
+
+    links: tuple[int, ...]
+    inputs: tuple[Any, Any, Any]
+    outputs: tuple[Any, Any, Any]
+
+    @cached_property
+    def function(self) -> Any:
+        """The CasADi function (q, p, s) -> (stress, compression, deflection)."""
+        return ca.Function("strength", list(self.inputs), list(self.outputs))
+
+    @cached_property
+    def vectorised(self) -> VectorFunction:
+        """The same for many poses."""
+        return vectorise(list(self.inputs), list(self.outputs))
+
+
+def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
+    """Each link's area and moduli as one row (4 per link, in the order of `STRENGTH_FIELDS`); 1 where rigid."""
+    rows = [[1.0] * 4 if section is None else [float(getattr(section, f)) for f in STRENGTH_FIELDS] for section in sections]
+    return np.array(rows).ravel()
+
+
+def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
+    """The strength of an arm's links under a load case."""
+    q = ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
+    p = beam_symbols(arm)
+    s = ca.SX.sym("s", len(STRENGTH_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
+    state = solve(arm, parts(q), symbolic_beams(arm, p), load)
+    links = tuple(index for index, link in enumerate(arm.links) if link.elastic)
+    stress = [_stress(state.links[i], _entries(s, i), x) for i in links for x in STATIONS]
+    compression = [_compression(state, i) for i in links]
+    deflection = [_deflection(state.links[i]) for i in links]
+    return StrengthCase(links, (q, p, s), (_column(stress), _column(compression), _column(deflection)))
+
+
+def _entries(s: Any, link: int) -> tuple[Any, ...]:
+    base = len(STRENGTH_FIELDS) * link
+    return tuple(s[base + k] for k in range(len(STRENGTH_FIELDS)))
+
+
+def _column(entries: Sequence[Scalar]) -> Any:
+    return ca.vertcat(*[ca.SX(entry) for entry in entries]) if entries else ca.SX(0, 1)
+
+
+def _magnitude(value: Scalar) -> Scalar:
+    """|value|, smooth: a millionth of a newton (or newton metre) in the root keeps derivatives finite at zero."""
+    return ca.sqrt(value * value + 1e-12) if isinstance(value, ca.SX) else abs(value)
+
+
+def _stress(link: LinkState, section: Sequence[Any], share: float) -> Scalar:
+    area, modulus_y, modulus_z, torsion_modulus = section
+    rest = times(1.0 - share, link.beam.length)
+    beyond = scale(1.0 - share, link.weight)
+    force: Vector = add(link.force, beyond)
+    moment = add(link.moment, cross(scale(rest, link.along), add(link.force, scale(0.5, beyond))))
+    axial = _magnitude(dot(force, link.along)) / area
+    bending = plus(
+        _magnitude(dot(moment, link.width)) / modulus_y, _magnitude(dot(moment, link.height)) / modulus_z
+    )
+    shear = dot(link.moment, link.along) / torsion_modulus
+    normal = plus(axial, bending)
+    return ca.sqrt(normal * normal + 3.0 * shear * shear + 1e-6)
+
+
+def _compression(state: PoseState, index: int) -> Scalar:
+    link = state.links[index]
+    pressing = times(-1.0, dot(link.base_force, link.along))
+    length = link.beam.length
+    weaker = ca.fmin(ca.SX(link.beam.flexural_rigidity_height), ca.SX(link.beam.flexural_rigidity_width))
+    return pressing * (4.0 / math.pi**2) * length * length / weaker
+
+
+def _deflection(link: LinkState) -> Scalar:
+    in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
+    assert in_height is not None
+    assert in_width is not None
+    first = bent_end(link, link.height, link.width, in_height)
+    second = bent_end(link, link.width, scale(-1.0, link.height), in_width)
+    return ca.sqrt(ca.SX(plus(times(first, first), times(second, second))) + 1e-24) / link.beam.length
+
+
+@dataclass(frozen=True)
+class StrengthResult:
+    """The worst over poses and load cases, link by link (numbered from 0).
+
+    `stress` in Pa; `safety_factor` is yield strength over stress, None where a material has no yield strength;
+    `buckling` is Euler's load over the compression, infinite where nothing presses; `deflection` is each link's own
+    bending over its length. `poses` are the poses (q) and load cases of the greatest stress.
+    """
+
+    links: tuple[int, ...]
+    stress: tuple[float, ...]
+    safety_factor: tuple[float | None, ...]
+    buckling: tuple[float, ...]
+    deflection: tuple[float, ...]
+    poses: tuple[tuple[tuple[float, ...], int], ...]
+    buckling_poses: tuple[tuple[tuple[float, ...], int], ...]
+
+    @property
+    def least_safety_factor(self) -> float | None:
+        """The least of the links' safety factors; None where one is not known, or no link is elastic."""
+        if not self.links or any(factor is None for factor in self.safety_factor):
+            return None
+        return min(factor for factor in self.safety_factor if factor is not None)
+
+    @property
+    def least_buckling(self) -> float | None:
+        """The least of the links' factors against buckling; None where nothing presses any link."""
+        pressed = [factor for factor in self.buckling if math.isfinite(factor)]
+        return min(pressed) if pressed else None
+
+
+def worst_strength(
+    cases: Sequence[StrengthCase], q: Array, p: Array, s: Array, yields: Sequence[float | None]
+) -> StrengthResult:
+    """The worst strength over poses q (N, n): `yields` are the links' yield strengths (Pa), None where unknown."""
+    links = cases[0].links
+    count = len(links)
+    results = [tuple(np.asarray(out) for out in case.vectorised(q, p, s)) for case in cases]
+    stress = np.stack([out[0].reshape(len(q), count, len(STATIONS)).max(axis=2) for out in results])
+    compression = np.stack([out[1] for out in results])
+    deflection = np.stack([out[2] for out in results])
+    greatest = stress.max(axis=(0, 1)) if count else np.zeros(0)
+    pressed = compression.max(axis=(0, 1)) if count else np.zeros(0)
+
+    def where(values: Array) -> tuple[tuple[float, ...], int]:
+        case, pose = np.unravel_index(int(np.argmax(values)), values.shape)
+        return tuple(q[int(pose)].tolist()), int(case)
+
+    factors: list[float | None] = []
+    for index, link in enumerate(links):
+        strength = yields[link]
+        factors.append(None if strength is None else strength / max(float(greatest[index]), 1e-300))
+    return StrengthResult(
+        links,
+        tuple(greatest.tolist()),
+        tuple(factors),
+        tuple(math.inf if load <= 0.0 else 1.0 / load for load in pressed.tolist()),
+        tuple(deflection.max(axis=(0, 1)).tolist()) if count else (),
+        tuple(where(stress[:, :, index]) for index in range(count)),
+        tuple(where(compression[:, :, index]) for index in range(count)),
+    )

@@ -1,0 +1,262 @@
+"""Functions of the joint coordinates as trigonometric polynomials, exactly.
+
+Under dead loads every component of the tip's error is a polynomial of degree two in the cosine and sine of each
+revolute joint's angle and in each slide's position: the load on a joint or link has degree one in each, its lever to
+the tip too. So a few samples give it whole, and its derivatives and their bounds with it, whatever the chain.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_NEGLIGIBLE = 1e-14
+
+
+class NotPolynomial(ValueError):
+    """A function is no trigonometric polynomial of the degree that was asked for."""
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """The joints' kinds and, for slides, the range (m) that is scaled to -1..1."""
+
+    revolute: tuple[bool, ...]
+    ranges: tuple[tuple[float, float], ...]
+
+    def scaled(self, q: Array) -> Array:
+        """Joint coordinates with slides scaled to -1..1 (angles as they are)."""
+        out = np.array(q, dtype=float, copy=True)
+        for j, turns in enumerate(self.revolute):
+            if not turns:
+                low, high = self.ranges[j]
+                out[..., j] = (out[..., j] - 0.5 * (low + high)) / (0.5 * (high - low) or 1.0)
+        return out
+
+    def unscaled(self, x: Array) -> Array:
+        """The inverse of `scaled`."""
+        out = np.array(x, dtype=float, copy=True)
+        for j, turns in enumerate(self.revolute):
+            if not turns:
+                low, high = self.ranges[j]
+                out[..., j] = 0.5 * (low + high) + 0.5 * (high - low) * out[..., j]
+        return out
+
+    def nodes(self, joint: int, degree: int) -> Array:
+        """Sample points (scaled) that determine a polynomial of `degree` in one joint."""
+        count = 2 * degree + 1
+        if self.revolute[joint]:
+            return 2.0 * np.pi * np.arange(count) / count
+        return np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+
+    def basis(self, joint: int, degree: int, points: Array) -> ComplexArray:
+        """exp(i k q), k = -degree..degree, or 1, x, .. x^degree, at scaled points: (N, basis)."""
+        if self.revolute[joint]:
+            return np.exp(1j * np.outer(points, np.arange(-degree, degree + 1)))
+        return np.vander(points, degree + 1, increasing=True).astype(complex)
+
+
+def _along(tensor: ComplexArray, matrix: ComplexArray, axis: int) -> ComplexArray:
+    return np.moveaxis(np.tensordot(matrix, tensor, axes=(1, axis)), 0, axis)
+
+
+def sample_grid(coordinates: Coordinates, degree: int) -> Array:
+    """The sample points (unscaled, rows) that determine polynomials of `degree` in every joint."""
+    nodes = [coordinates.nodes(j, degree) for j in range(len(coordinates.revolute))]
+    mesh = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(nodes))
+    return coordinates.unscaled(mesh)
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Coefficient tensors (functions, basis of joint 1, basis of joint 2, ...) of polynomials of one degree."""
+
+    coordinates: Coordinates
+    degree: int
+    tensor: ComplexArray
+
+    def depends_on(self) -> tuple[bool, ...]:
+        """Whether any of the functions depends on each joint."""
+        scale = np.abs(self.tensor).max(initial=0.0)
+        found: list[bool] = []
+        for j, turns in enumerate(self.coordinates.revolute):
+            constant = self.degree if turns else 0
+            rest = np.delete(self.tensor, constant, axis=j + 1)
+            found.append(bool(np.abs(rest).max(initial=0.0) > 1e-12 * scale))
+        return tuple(found)
+
+    def keep(self, joints: Sequence[bool]) -> Coefficients:
+        """The same functions of fewer joints; those dropped must not matter."""
+        tensor = self.tensor
+        for j in reversed(range(len(joints))):
+            if not joints[j]:
+                tensor = np.take(tensor, self.degree if self.coordinates.revolute[j] else 0, axis=j + 1)
+        kept = [j for j, keep in enumerate(joints) if keep]
+        coordinates = Coordinates(
+            tuple(self.coordinates.revolute[j] for j in kept), tuple(self.coordinates.ranges[j] for j in kept)
+        )
+        return Coefficients(coordinates, self.degree, tensor)
+
+    def values_on(self, degree: int) -> ComplexArray:
+        """The functions' values on the sample grid of a higher degree: (functions, grid of joint 1, ...)."""
+        values = self.tensor
+        for j in range(len(self.coordinates.revolute)):
+            nodes = self.coordinates.nodes(j, degree)
+            values = _along(values, self.coordinates.basis(j, self.degree, nodes), j + 1)
+        return values
+
+
+def fit(
+    function: Callable[[Array], Array], coordinates: Coordinates, degree: int = 2, *, check: int = 32
+) -> Coefficients:
+    """The coefficients of functions given as q (N, n) -> (N, functions), from samples on a grid.
+
+    Raises `NotPolynomial` where the result misses the function at `check` seeded poses by more than 1e-9 of its size.
+    """
+    size = len(coordinates.revolute)
+    values = function(sample_grid(coordinates, degree))
+    shape = [len(coordinates.nodes(j, degree)) for j in range(size)]
+    coefficients = from_values(coordinates, degree, values.T.reshape(-1, *shape).astype(complex))
+    generator = np.random.default_rng(size)
+    trial = coordinates.unscaled(
+        np.stack([generator.uniform(-np.pi, np.pi, check) if turns else generator.uniform(-1.0, 1.0, check)
+                  for turns in coordinates.revolute], axis=1)
+    )  # fmt: skip
+    expected = function(trial)
+    got = evaluate(coefficients, trial)
+    scale = max(np.abs(values).max(initial=0.0), 1e-300)
+    if np.abs(got - expected).max(initial=0.0) > 1e-9 * scale:
+        raise NotPolynomial(f"no trigonometric polynomial of degree {degree} in each joint")
+    return coefficients
+
+
+def from_values(coordinates: Coordinates, degree: int, values: ComplexArray) -> Coefficients:
+    """The coefficients of functions from their values on the sample grid of `degree`."""
+    for j in range(len(coordinates.revolute)):
+        matrix = np.linalg.inv(coordinates.basis(j, degree, coordinates.nodes(j, degree)))
+        values = _along(values, matrix, j + 1)
+    return Coefficients(coordinates, degree, values)
+
+
+def evaluate(coefficients: Coefficients, q: Array) -> Array:
+    """The functions' values (N, functions) at unscaled joint coordinates q (N, n)."""
+    x = coefficients.coordinates.scaled(np.atleast_2d(q))
+    size = len(coefficients.coordinates.revolute)
+    if size == 0:
+        return np.broadcast_to(coefficients.tensor.real, (len(x), len(coefficients.tensor))).copy()
+    bases = [coefficients.coordinates.basis(j, coefficients.degree, x[:, j]) for j in range(size)]
+    flat = coefficients.tensor.reshape(len(coefficients.tensor), -1)
+    weights = bases[0]
+    for basis in bases[1:]:
+        weights = (weights[:, :, None] * basis[:, None, :]).reshape(len(x), -1)
+    return (weights @ flat.T).real
+
+
+@dataclass(frozen=True)
+class Terms:
+    """Functions f_v(x) = Re sum_k amplitude_vk exp(i frequency_k . x) prod_j x_j^power_kj of scaled coordinates x.
+
+    `frequency` and `power` are (terms, joints), integers as floats; `amplitude` is (functions, terms), complex.
+    `neglected` bounds, for each function, what was dropped.
+    """
+
+    frequency: Array
+    power: Array
+    amplitude: ComplexArray
+    neglected: Array
+
+    @property
+    def slides(self) -> bool:
+        """Whether any term has a power of a slide's position."""
+        return bool(np.any(self.power > 0.0))
+
+    def at(self, x: Array, which: NDArray[np.intp], order: int = 2) -> tuple[Array, Array, Array]:
+        """Value (N,), gradient (N, n) and Hessian (N, n, n) of function `which[i]` at scaled x[i]; |x_j| <= 1 for slides.
+
+        Derivatives beyond `order` come back empty.
+        """
+        terms = np.exp(1j * (x @ self.frequency.T)) * self.amplitude[which]
+        if not self.slides:
+            value = terms.real.sum(axis=1)
+            gradient = -(terms.imag @ self.frequency) if order >= 1 else np.empty((0, 0))
+            if order < 2:
+                return value, gradient, np.empty((0, 0, 0))
+            n = self.frequency.shape[1]
+            squares = (self.frequency[:, :, None] * self.frequency[:, None, :]).reshape(-1, n * n)
+            return value, gradient, -(terms.real @ squares).reshape(-1, n, n)
+        return self._with_slides(x, terms)
+
+    def _with_slides(self, x: Array, terms: ComplexArray) -> tuple[Array, Array, Array]:
+        n = x.shape[1]
+        factors = [self._powers(x[:, j], self.power[:, j]) for j in range(n)]
+
+        def product(orders: Sequence[int]) -> ComplexArray:
+            out = terms
+            for j, derivative in enumerate(orders):
+                for split in [self._derivative(factors[j], self.frequency[:, j], derivative)]:
+                    out = out * split
+            return out
+
+        value = product([0] * n).real.sum(axis=1)
+        gradient = np.stack([product([int(j == a) for j in range(n)]).real.sum(axis=1) for a in range(n)], axis=1)
+        hessian = np.empty((len(x), n, n))
+        for a, b in itertools.combinations_with_replacement(range(n), 2):
+            entry = product([int(j == a) + int(j == b) for j in range(n)]).real.sum(axis=1)
+            hessian[:, a, b] = hessian[:, b, a] = entry
+        return value, gradient, hessian
+
+    @staticmethod
+    def _powers(x: Array, power: Array) -> tuple[Array, Array, Array]:
+        base = x[:, None]
+        first = np.where(power >= 1, power * base ** np.maximum(power - 1, 0), 0.0)
+        second = np.where(power >= 2, power * (power - 1) * base ** np.maximum(power - 2, 0), 0.0)
+        return base**power, first, second
+
+    @staticmethod
+    def _derivative(powers: tuple[Array, Array, Array], frequency: Array, order: int) -> ComplexArray | Array:
+        plain, first, second = powers
+        if order == 0:
+            return plain
+        if order == 1:
+            return first + 1j * frequency * plain
+        return second + 2j * frequency * first - frequency**2 * plain
+
+    def remainder(self, half: Array, order: int) -> Array:
+        """Bound (functions, N) on what a Taylor polynomial of `order` misses within +-`half` (N, n) of any point.
+
+        For slides |x| + half <= 1 bounds every power, so the derivatives' bounds hold over the whole cell.
+        """
+        reach = half @ (np.abs(self.frequency) + self.power).T
+        # Derivatives of x^p with |x| <= 1 are at most p^k, those of exp(i w x) at most w^k, so (p + w)^k bounds both.
+        factorial = {0: 1.0, 1: 2.0, 2: 6.0}[order]
+        return np.abs(self.amplitude) @ (reach ** (order + 1)).T / factorial
+
+
+def terms_of(coefficients: Coefficients) -> Terms:
+    """The polynomials as real parts of terms, conjugate pairs joined and negligible terms dropped (and bounded)."""
+    size = len(coefficients.coordinates.revolute)
+    spans = [
+        np.arange(-coefficients.degree, coefficients.degree + 1) if turns else np.arange(coefficients.degree + 1)
+        for turns in coefficients.coordinates.revolute
+    ]
+    index = np.array(list(itertools.product(*spans)), dtype=float).reshape(-1, size)
+    turns = np.array(coefficients.coordinates.revolute, dtype=bool)
+    frequency = np.where(turns, index, 0.0)
+    power = np.where(turns, 0.0, index)
+    flat = coefficients.tensor.reshape(len(coefficients.tensor), -1)
+    # One of each pair of opposite frequencies stands for both: the functions are real.
+    sign = np.zeros(len(frequency))
+    for j in range(size):
+        sign = np.where(sign == 0.0, np.sign(frequency[:, j]), sign)
+    amplitude = np.where(sign > 0.0, 2.0 * flat, np.where(sign == 0.0, flat.real, 0.0))
+    scale = np.abs(amplitude).max(initial=0.0)
+    kept = np.abs(amplitude).max(axis=0, initial=0.0) > _NEGLIGIBLE * scale
+    neglected = np.abs(amplitude[:, ~kept]).sum(axis=1)
+    return Terms(frequency[kept], power[kept], amplitude[:, kept].astype(complex), neglected)

@@ -1,0 +1,222 @@
+"""Where an arm works: its joint ranges, a box in space or a path, as sets of joint coordinates.
+
+A region samples itself, pulls poses onto itself (by damped Gauss-Newton steps on the nominal tip), and tells which
+cells of joint space cannot meet it, so that the certificate needs to look at the rest only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from .chain import Arm
+from .trigonometric import Coefficients, Terms, terms_of
+
+Array = NDArray[np.float64]
+TipFunction = Callable[[Array], Array]
+"""Joint coordinates (N, n) to nominal tips (N, 3), m."""
+
+PATH_POINTS = 25
+"""Points looked at along each segment of a path, ends included, when poses are sampled."""
+
+_ON_PATH = 1e-9
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """`joints`: every pose within the joint ranges; `box`: those whose tip lies in a box; `path`: on a polyline.
+
+    `points` (m, in the base frame) are the box's two corners or the path's vertices, each with three components; None
+    in a component leaves that direction free. `ranges` replaces the arm's joint ranges where given (rad, m).
+    """
+
+    kind: Literal["joints", "box", "path"] = "joints"
+    points: tuple[tuple[float, float, float], ...] = ()
+    ranges: tuple[tuple[float, float], ...] | None = None
+    in_plane: bool = True
+    """Whether the points were given as x and y only."""
+
+
+class Unreachable(ValueError):
+    """A workspace holds a point that the arm cannot reach within its joint ranges."""
+
+    def __init__(self, point: tuple[float, ...], missing: float) -> None:
+        """`point` in m, `missing` the least distance that the tip keeps from it, m."""
+        place = ", ".join(f"{1e3 * x:.4g}" for x in point)
+        super().__init__(f"the point ({place}) mm cannot be reached: the tip stays {1e3 * missing:.4g} mm away")
+        self.point, self.missing = point, missing
+
+
+def joint_box(arm: Arm, workspace: Workspace) -> tuple[Array, Array]:
+    """Lower and upper joint coordinates; a revolute range beyond a full circle is cut to one turn."""
+    ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
+    lower = np.array([low for low, _ in ranges])
+    upper = np.array([high for _, high in ranges])
+    for index, joint in enumerate(arm.joints):
+        if joint.revolute and upper[index] - lower[index] > 2.0 * math.pi:
+            upper[index] = lower[index] + 2.0 * math.pi
+    return lower, upper
+
+
+def climbing_bounds(arm: Arm, lower: Array, upper: Array) -> tuple[Array, Array]:
+    """The same bounds, infinite for full-circle joints: a climb must not stop where a circle was cut open."""
+    full = np.array([joint.revolute for joint in arm.joints]) & (upper - lower >= 2.0 * math.pi - 1e-12)
+    return np.where(full, -np.inf, lower), np.where(full, np.inf, upper)
+
+
+def wrapped(arm: Arm, q: Array, lower: Array, upper: Array) -> Array:
+    """Full-circle joints brought back into their range by whole turns."""
+    out = np.array(q, dtype=float, copy=True)
+    for index, joint in enumerate(arm.joints):
+        if joint.revolute and upper[index] - lower[index] >= 2.0 * math.pi - 1e-12:
+            out[..., index] = lower[index] + np.mod(out[..., index] - lower[index], 2.0 * math.pi)
+    return out
+
+
+def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
+    """`count` low-discrepancy points in a box (a scrambled Sobol sequence, seeded), and its corners up to 64."""
+    size = len(lower)
+    power = max(1, math.ceil(math.log2(max(count, 2))))
+    points = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)[:count]
+    corners = np.array([[(k >> j) & 1 for j in range(size)] for k in range(2 ** min(size, 6))], dtype=float)
+    return lower + (upper - lower) * np.vstack([points, corners])
+
+
+def path_points(workspace: Workspace) -> Array:
+    """Points along a path, every vertex among them, (N, 3)."""
+    vertices = np.array(workspace.points)
+    if len(vertices) == 1:
+        return vertices
+    share = np.linspace(0.0, 1.0, PATH_POINTS)[:, None]
+    pieces = [a + share * (b - a) for a, b in zip(vertices[:-1], vertices[1:], strict=True)]
+    return np.unique(np.vstack(pieces), axis=0)
+
+
+def pull(
+    tip: TipFunction, starts: Array, targets: Array, lower: Array, upper: Array, used: Array, steps: int = 60
+) -> tuple[Array, Array]:
+    """Joint coordinates near `starts` whose tips meet `targets` (N, 3) in the components `used`, within the box.
+
+    Levenberg-Marquardt on all rows at once, clipped to the box. Returns (q, remaining distance in m).
+    """
+    q = np.clip(starts, lower, upper)
+    size = q.shape[1]
+    damping = np.full(len(q), 1e-3)
+    miss = (targets - tip(q)) * used
+    distance = np.sqrt((miss * miss).sum(axis=1))
+    for _ in range(steps):
+        step = 1e-7
+        jacobian = np.stack([(tip(q + step * np.eye(size)[j]) - tip(q)) * used / step for j in range(size)], axis=2)
+        held_low = (q <= lower) & (np.einsum("nij,ni->nj", jacobian, miss) < 0.0)
+        held_high = (q >= upper) & (np.einsum("nij,ni->nj", jacobian, miss) > 0.0)
+        jacobian = jacobian * ~(held_low | held_high)[:, None, :]
+        square = np.einsum("nij,nkj->nik", jacobian, jacobian)
+        scale = np.einsum("nii->n", square)[:, None, None] + 1e-30
+        solved = np.linalg.solve(square + damping[:, None, None] * scale * np.eye(3), miss[:, :, None])
+        trial = np.clip(q + np.clip(np.einsum("nij,nik->nj", jacobian, solved), -0.5, 0.5), lower, upper)
+        new_miss = (targets - tip(trial)) * used
+        new_distance = np.sqrt((new_miss * new_miss).sum(axis=1))
+        better = new_distance < distance
+        damping = np.where(better, np.maximum(damping * 0.1, 1e-14), np.minimum(damping * 10.0, 1e2))
+        q = np.where(better[:, None], trial, q)
+        miss, distance = np.where(better[:, None], new_miss, miss), np.where(better, new_distance, distance)
+        if np.all((distance < _ON_PATH) | (damping >= 1e2)):
+            break
+    return q, distance
+
+
+def sample(
+    workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, count: int, seed: int = 1
+) -> Array:
+    """Poses of the workspace, spread over it; raises `Unreachable` where a path has a point without any pose."""
+    q = spread(lower, upper, count, seed)
+    if workspace.kind == "joints":
+        return q
+    used = np.array([1.0, 1.0, 0.0 if workspace.in_plane else 1.0])
+    if workspace.kind == "box":
+        low, high = np.min(workspace.points, axis=0), np.max(workspace.points, axis=0)
+        reached = tip(q)
+        targets = np.clip(reached, low, high)
+        inside = np.all((np.abs(targets - reached) * used) == 0.0, axis=1)
+        near = np.argsort(np.sqrt((((targets - reached) * used) ** 2).sum(axis=1)) + np.where(inside, np.inf, 0.0))
+        outside = near[: min(len(near) - int(inside.sum()), max(64, count // 8))]
+        pulled, distance = pull(tip, q[outside], targets[outside], lower, upper, used)
+        found = np.vstack([q[inside], pulled[distance < 1e-7]])
+        if not len(found):
+            nearest = outside[int(np.argmin(distance))]
+            raise Unreachable(tuple(targets[nearest][: 2 if workspace.in_plane else 3]), float(distance.min()))
+        return found
+    points = path_points(workspace)
+    each = max(8, count // len(points))
+    starts = np.tile(q[:each], (len(points), 1)) if each <= len(q) else np.tile(q, (len(points), 1))
+    targets = np.repeat(points, len(starts) // len(points), axis=0)
+    pulled, distance = pull(tip, starts, targets, lower, upper, used)
+    nearest = distance.reshape(len(points), -1).min(axis=1)
+    if np.any(nearest > 1e-7):
+        first = int(np.argmax(nearest > 1e-7))
+        raise Unreachable(tuple(points[first][: 2 if workspace.in_plane else 3]), float(nearest[first]))
+    return pulled[distance < 1e-7]
+
+
+@dataclass(frozen=True)
+class RegionCells:
+    """Tells which cells of joint space can hold a pose of a box or path, from bounds on the nominal tip."""
+
+    workspace: Workspace
+    tip: Terms
+
+    def keep(self, centers: Array, half: Array) -> NDArray[np.bool_]:
+        """False only for cells (N, n) none of whose poses has its tip in the region."""
+        places, reach = self._tips(centers, half)
+        axes = slice(0, 2) if self.workspace.in_plane else slice(0, 3)
+        places, reach = places[:, axes], reach[:, axes] + 1e-9
+        points = np.array(self.workspace.points)[:, axes]
+        if self.workspace.kind == "box":
+            return np.all((places + reach >= points.min(axis=0)) & (places - reach <= points.max(axis=0)), axis=1)
+        allowed = np.sqrt((reach * reach).sum(axis=1))
+        return distance_to_path(places, points) <= allowed
+
+    def holds(self, centers: Array) -> NDArray[np.bool_]:
+        """Whether the poses themselves have their tip in the box; a path has no inside."""
+        if self.workspace.kind == "path":
+            return np.zeros(len(centers), dtype=bool)
+        places, _ = self._tips(centers, np.zeros_like(centers))
+        axes = slice(0, 2) if self.workspace.in_plane else slice(0, 3)
+        points = np.array(self.workspace.points)[:, axes]
+        places = places[:, axes]
+        return np.all((places >= points.min(axis=0)) & (places <= points.max(axis=0)), axis=1)
+
+    def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:
+        count = len(centers)
+        places, reach = np.empty((count, 3)), np.empty((count, 3))
+        second = self.tip.remainder(half, 1)
+        for axis in range(3):
+            which = np.full(count, axis, dtype=np.intp)
+            value, gradient, _ = self.tip.at(centers, which, order=1)
+            places[:, axis] = value
+            reach[:, axis] = (np.abs(gradient) * half).sum(axis=1) + second[axis]
+        return places, reach
+
+
+def region_cells(workspace: Workspace, tip: Coefficients) -> RegionCells:
+    """The cell test for a box or path, from the tip's coefficients."""
+    return RegionCells(workspace, terms_of(tip))
+
+
+def distance_to_path(points: Array, vertices: Array) -> Array:
+    """The distance of each point (N, d) to a polyline (M, d)."""
+    if len(vertices) == 1:
+        return np.sqrt(((points - vertices[0]) ** 2).sum(axis=1))
+    best = np.full(len(points), np.inf)
+    for a, b in zip(vertices[:-1], vertices[1:], strict=True):
+        along = b - a
+        square = float(along @ along) or 1.0
+        share = np.clip(((points - a) @ along) / square, 0.0, 1.0)
+        best = np.minimum(best, np.sqrt(((points - a - share[:, None] * along) ** 2).sum(axis=1)))
+    return best

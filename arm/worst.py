@@ -1,0 +1,278 @@
+"""The worst pose: the largest position error over a workspace and all load cases, with a bound where one can be had.
+
+Where the error is a trigonometric polynomial of few joints, its local maxima are climbed to and branch and bound
+certifies the largest; its maximiser is fed back. Otherwise a scan over spread poses is refined from many starts.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .certificate import Certified, climb, maximise
+from .model import ErrorModel
+from .play import PlayedError, played
+from .polynomial_error import MOST_JOINTS, ErrorPolynomials, error_polynomials
+from .refine import uphill, uphill_in_region, wander_in_region
+from .trigonometric import Coordinates, NotPolynomial, fit
+from .workspace import RegionCells, Workspace, climbing_bounds, joint_box, region_cells, sample, wrapped
+
+Array = NDArray[np.float64]
+
+DEFAULT_GAP = 1e-4
+"""Relative gap of the certificate."""
+_DISTINCT = 0.05
+
+
+@dataclass(frozen=True)
+class WorstPose:
+    """A pose with its error (m): joint coordinates q, load case (from 0), error vector, and where the play stands."""
+
+    q: tuple[float, ...]
+    load_case: int
+    error: float
+    vector: tuple[float, float, float]
+    signs: tuple[float, ...]
+    shifts: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class WorstCase:
+    """The worst position error (m) over a workspace, its local maxima (worst first), and a bound that no pose exceeds.
+
+    `upper_bound` is None where none is known; `certified` says whether it lies within the gap asked for.
+    """
+
+    error: float
+    upper_bound: float | None
+    certified: bool
+    poses: tuple[WorstPose, ...]
+
+
+class WorstSearch:
+    """Searches a workspace for the worst pose of a design, again and again as the design changes."""
+
+    def __init__(
+        self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096
+    ) -> None:
+        """`gap`: relative, of the certificate; `scan`: poses looked at where no polynomial serves."""
+        self.model, self.workspace, self.gap, self.scan = model, workspace, gap, scan
+        self.arm = model.arm
+        self.lower, self.upper = joint_box(self.arm, workspace)
+        self._climbing = climbing_bounds(self.arm, self.lower, self.upper)
+        self._coordinates = Coordinates(
+            tuple(joint.revolute for joint in self.arm.joints),
+            tuple(zip(self.lower.tolist(), self.upper.tolist(), strict=True)),
+        )
+
+    def worst(self, p: Array, *, certify: bool = True, extra: Array | None = None) -> WorstCase:
+        """The worst case of a design p (see `arm.model.beam_values`); `extra` (N, n) are poses worth starting from.
+
+        Raises `Unreachable` where the workspace holds points that the arm cannot reach.
+        """
+        polynomials = self._polynomials(p)
+        starts = self.poses(p, 64 * 2**self.arm.size if polynomials is not None else self.scan)
+        if extra is not None and len(extra) and self.workspace.kind == "joints":
+            starts = np.vstack([starts, np.clip(extra, self.lower, self.upper)])
+        if polynomials is None:
+            return self._scanned(p, starts)
+        return self._climbed_and_certified(p, polynomials, starts, certify)
+
+    def poses(self, p: Array, count: int, seed: int = 1) -> Array:
+        """About `count` poses (N, n) spread over the workspace of a design p."""
+        count = min(count, self.scan)
+        return sample(self.workspace, lambda q: self.tip(q, p), self.lower, self.upper, count, seed)
+
+    def tip(self, q: Array, p: Array) -> Array:
+        """Nominal tips (N, 3) at poses q for a design p, m."""
+        return np.ascontiguousarray(self.model.tip(np.atleast_2d(q), p)[0])
+
+    def errors(self, q: Array, p: Array, case: int) -> PlayedError:
+        """The error at poses q (N, n) in a load case, with the play where the arm's mode puts it."""
+        model = self.model.cases[case]
+        arrays = model.arrays(np.atleast_2d(q), p)
+        planar = self.model.planar
+        return played(arrays, model.radii, self.arm.play, planar=planar, statistics=self.arm.statistics)
+
+    def worst_poses_at(self, q: Array, p: Array, case: int) -> list[WorstPose]:
+        """The poses q (N, n) with their errors in a load case."""
+        result = self.errors(q, p, case)
+        return [
+            WorstPose(
+                tuple(q[k].tolist()),
+                case,
+                float(result.error[k]),
+                _triple(result.vector[k]),
+                tuple(result.signs[k].tolist()),
+                tuple(_triple(shift) for shift in result.shifts[k]),
+            )
+            for k in range(len(q))
+        ]
+
+    # ---- polynomials
+
+    def _polynomials(self, p: Array) -> list[ErrorPolynomials] | None:
+        confined = self.workspace.kind != "joints"
+        if confined and self.arm.size > MOST_JOINTS:
+            return None
+        try:
+            return [
+                error_polynomials(
+                    case,
+                    number,
+                    p,
+                    self._coordinates,
+                    self.arm.play,
+                    planar=self.model.planar,
+                    all_joints=confined,
+                )
+                for number, case in enumerate(self.model.cases)
+            ]
+        except NotPolynomial:
+            return None
+
+    def _climbed_and_certified(
+        self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify: bool
+    ) -> WorstCase:
+        cells = None
+        if self.workspace.kind != "joints":
+            tips = fit(lambda q: self.tip(q, p), self._coordinates, degree=1)
+            cells = region_cells(self.workspace, tips)
+        poses = [pose for each in polynomials for pose in self._climbed(p, each, starts)]
+        worst = max(poses, key=lambda pose: pose.error)
+        if not certify:
+            return WorstCase(worst.error, None, False, distinct(poses))
+        bound, closed = worst.error, True
+        for each in polynomials:
+            certified = self._certify(each, worst.error, cells)
+            if certified.function >= 0:
+                # The certificate knows a worse pose than the climbs found: it counts.
+                poses += self.worst_poses_at(self._whole(each, certified.point)[None], p, each.case)
+                worst = max(poses, key=lambda pose: pose.error)
+            bound = max(bound, math.sqrt(max(certified.bound, 0.0)) + each.radius)
+            closed = closed and certified.complete and each.exact
+        closed = closed and bound <= worst.error * (1.0 + 2.0 * self.gap) + 1e-15
+        return WorstCase(worst.error, bound, closed, distinct(poses))
+
+    def _climbed(self, p: Array, polynomials: ErrorPolynomials, starts: Array) -> list[WorstPose]:
+        functions = len(polynomials.signs)
+        values = polynomials.values(starts)
+        each = 12 if functions <= 8 else 4
+        order = np.argsort(-values, axis=0, kind="stable")[:each]
+        which = np.tile(np.arange(functions, dtype=np.intp), len(order))
+        q = starts[order.ravel()].copy()
+        joints = list(polynomials.joints)
+        scaled = self._coordinates.scaled
+        if self.workspace.kind == "joints":
+            lower, upper = scaled(self._climbing[0])[joints], scaled(self._climbing[1])[joints]
+            x = scaled(q)
+            x[:, joints], _ = climb(polynomials.terms, x[:, joints], which, lower, upper)
+            q = wrapped(self.arm, self._coordinates.unscaled(x), self.lower, self.upper)
+            poses = self.worst_poses_at(q, p, polynomials.case)
+        else:
+            best = np.argsort(-values[order.ravel(), which], kind="stable")[:16]
+            q = np.array([self._climb_in_region(p, polynomials, int(which[k]), q[k]) for k in best])
+            poses = self.worst_poses_at(q, p, polynomials.case)
+        if not polynomials.exact or polynomials.seatings is not None:
+            poses += self._refined(p, polynomials.case, np.array([pose.q for pose in distinct(poses)][:6]))
+        return poses
+
+    def _climb_in_region(self, p: Array, polynomials: ErrorPolynomials, which: int, start: Array) -> Array:
+        index = np.array([which], dtype=np.intp)
+        slope = np.array(
+            [
+                1.0 if joint.revolute else 2.0 / max(float(high - low), 1e-12)
+                for joint, low, high in zip(self.arm.joints, self.lower, self.upper, strict=True)
+            ]
+        )
+
+        def value_and_gradient(q: Array) -> tuple[float, Array]:
+            value, gradient, _ = polynomials.terms.at(self._coordinates.scaled(q[None]), index, order=1)
+            return float(value[0]), gradient[0] * slope
+
+        return uphill_in_region(
+            value_and_gradient, start, self.workspace, lambda q: self.tip(q, p), (self.lower, self.upper)
+        )
+
+    def _certify(self, polynomials: ErrorPolynomials, known: float, cells: RegionCells | None) -> Certified:
+        joints = list(polynomials.joints)
+        lower = self._coordinates.scaled(self.lower)[joints]
+        upper = self._coordinates.scaled(self.upper)[joints]
+        filtered = polynomials.seatings is not None or cells is not None
+
+        def keep(centers: Array, half: Array, which: NDArray[np.intp]) -> NDArray[np.bool_]:
+            inside = polynomials.may_be_seated(centers, half, which)
+            return inside & cells.keep(centers, half) if cells is not None else inside
+
+        def admissible(centers: Array, half: Array, which: NDArray[np.intp]) -> NDArray[np.bool_]:
+            inside = polynomials.may_be_seated(centers, np.zeros_like(half), which)
+            return inside & cells.holds(centers) if cells is not None else inside
+
+        return maximise(
+            polynomials.terms,
+            lower,
+            upper,
+            gap=2.0 * self.gap,
+            incumbent=max(known - polynomials.radius, 0.0) ** 2,
+            keep=keep if filtered else None,
+            admissible=admissible if filtered else None,
+        )
+
+    def _whole(self, polynomials: ErrorPolynomials, point: Array) -> Array:
+        """A certificate's point as joint coordinates; joints that do not matter stand mid-range."""
+        x = self._coordinates.scaled(0.5 * (self.lower + self.upper))
+        x[list(polynomials.joints)] = point
+        return self._coordinates.unscaled(x)
+
+    # ---- scans
+
+    def _scanned(self, p: Array, starts: Array) -> WorstCase:
+        poses: list[WorstPose] = []
+        for case in range(len(self.model.cases)):
+            errors = self.errors(starts, p, case).error
+            chosen = starts[_apart(starts, errors, 16)]
+            poses += self.worst_poses_at(chosen, p, case)
+            poses += self._refined(p, case, chosen)
+        found = distinct(poses)
+        return WorstCase(found[0].error, None, False, found)
+
+    def _refined(self, p: Array, case: int, starts: Array) -> list[WorstPose]:
+        def error(q: Array) -> Array:
+            return self.errors(q, p, case).error
+
+        if self.workspace.kind == "joints":
+            reached = wrapped(self.arm, uphill(error, starts, self._climbing), self.lower, self.upper)
+        else:
+            bounds = (self.lower, self.upper)
+            reached = wander_in_region(error, starts, self.workspace, lambda q: self.tip(q, p), bounds)
+        return self.worst_poses_at(reached, p, case)
+
+
+def _triple(row: Array) -> tuple[float, float, float]:
+    return (float(row[0]), float(row[1]), float(row[2]))
+
+
+def _apart(q: Array, values: Array, count: int) -> Array:
+    """Indices of the best values whose poses lie apart."""
+    chosen: list[int] = []
+    for index in np.argsort(-values):
+        if all(np.abs(q[index] - q[other]).max() > 0.2 for other in chosen):
+            chosen.append(int(index))
+        if len(chosen) == count:
+            break
+    return np.array(chosen, dtype=int)
+
+
+def distinct(poses: list[WorstPose], most: int = 12) -> tuple[WorstPose, ...]:
+    """The worst first, near repeats left out."""
+    kept: list[WorstPose] = []
+    for pose in sorted(poses, key=lambda pose: -pose.error):
+        turns = [np.array(pose.q) - np.array(other.q) for other in kept if other.load_case == pose.load_case]
+        if all(np.abs(turn).max() > _DISTINCT for turn in turns):
+            kept.append(pose)
+        if len(kept) == most:
+            break
+    return tuple(kept)

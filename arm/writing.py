@@ -1,0 +1,175 @@
+"""`Arm` back to arm.yaml, with short units, so that what was read is what is written."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from materials.quantities import format_quantity
+from sections.section import Section
+
+from .chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
+from .effects import EFFECTS
+from .vectors import IDENTITY, Rotation, to_roll_pitch_yaw
+
+
+def arm_to_yaml(arm: Arm) -> str:
+    """The arm as the text of an arm file."""
+    lines = [f"name: {_flow(arm.name)}"]
+    lines.append(f"gravity: {_flow(_vector(arm.gravity, 'acceleration'))}")
+    lines.append(f"angles: {arm.angles}")
+    lines.append(f"temperature: {format_quantity(arm.temperature, 'temperature')}")
+    lines.append("chain:")
+    for joint, link in zip(arm.joints, arm.links, strict=True):
+        lines.append(f"  - joint: {_flow(_joint(joint))}")
+        if joint.origin_rotation != IDENTITY or any(joint.origin_translation):
+            lines.append(f"    origin: {_flow(_origin(joint))}")
+        lines.append(f"    link: {_flow(_link(link))}")
+    if any(arm.tool):
+        lines.append(f"tool: {_flow({'xyz': _vector(arm.tool, 'length')})}")
+    lines.append(f"payload: {_flow(load_to_mapping(arm.payload))}")
+    if arm.play == "statistical":
+        statistics = arm.statistics
+        play: object = {
+            "mode": arm.play,
+            "level": statistics.level,
+            "draws": statistics.draws,
+            "seed": statistics.seed,
+        }
+    else:
+        play = arm.play
+    lines.append(f"play: {_flow(play)}")
+    if arm.leave_out:
+        lines.append(f"leave_out: {_flow(sorted(arm.leave_out))}")
+    if arm.effects:
+        lines.append("effects:")
+        lines += [f"  - {_flow(_effect(entry))}" for entry in arm.effects]
+    return "\n".join(lines) + "\n"
+
+
+def write_arm(arm: Arm, path: Path | str) -> None:
+    """Write the arm file, whole or not at all."""
+    write_text(arm_to_yaml(arm), path)
+
+
+def write_text(text: str, path: Path | str) -> None:
+    """Write a file whole or not at all: to a neighbour first, then renamed into place."""
+    target = Path(path)
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(temporary).chmod(0o666 & ~mask)
+        Path(temporary).replace(target)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _flow(value: object) -> str:
+    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False, allow_unicode=True)
+    return text.replace("\n...\n", "\n").strip()
+
+
+def _vector(vector: FloatVector, kind: str) -> list[str]:
+    return [format_quantity(component, kind) for component in vector]
+
+
+def load_to_mapping(load: LoadCase) -> dict[str, Any]:
+    """A load case as the mapping of an arm file's `payload`."""
+    out: dict[str, Any] = {"mass": format_quantity(load.mass, "mass")}
+    out["force"] = _vector(load.force, "force")
+    if any(load.moment):
+        out["moment"] = _vector(load.moment, "moment")
+    return out
+
+
+def _joint(joint: Joint) -> dict[str, Any]:
+    motion = "angle" if joint.revolute else "length"
+    out: dict[str, Any] = {"type": joint.type}
+    if joint.axis != ((0.0, 0.0, 1.0) if joint.revolute else (1.0, 0.0, 0.0)):
+        out["axis"] = list(joint.axis)
+    out["range"] = [_neatest(value, motion) for value in joint.range]
+    if joint.clearance:
+        out["clearance"] = format_quantity(joint.clearance, "length")
+    if joint.backlash:
+        out["backlash"] = _neatest(joint.backlash, motion)
+    if joint.stiffness is not None:
+        kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
+        out["stiffness"] = format_quantity(joint.stiffness, kind)
+    if joint.mass:
+        out["mass"] = format_quantity(joint.mass, "mass")
+    if joint.zero:
+        out["zero"] = format_quantity(joint.zero, motion)
+    return out
+
+
+def _neatest(value: float, kind: str) -> str:
+    """A length or angle in whichever usual unit takes the fewest digits: `3.4 arcmin`, not 0.989019909463 mrad."""
+    units = ("deg", "arcmin", "mrad") if kind == "angle" else ("mm", "um")
+    return min((format_quantity(value, kind, unit) for unit in units), key=lambda text: len(text.split()[0]))
+
+
+def _origin(joint: Joint) -> dict[str, Any]:
+    return {"xyz": _vector(joint.origin_translation, "length"), "rpy": _angles(joint.origin_rotation)}
+
+
+def _angles(rotation: Rotation) -> list[str]:
+    return [format_quantity(angle, "angle") for angle in to_roll_pitch_yaw(rotation)]
+
+
+def _link(link: Link) -> dict[str, Any]:
+    body: dict[str, Any] = {"length": format_quantity(link.length, "length")}
+    if link.direction != (1.0, 0.0, 0.0):
+        body["direction"] = list(link.direction)
+    if link.end_rotation != IDENTITY:
+        body["end_rotation"] = _angles(link.end_rotation)
+    if link.height_direction is not None:
+        body["height_direction"] = list(link.height_direction)
+    if link.section is not None and link.material is not None:
+        body["section"] = link.section_name or section_to_mapping(link.section)
+        body["material"] = material_to_value(link)
+    else:
+        body["rigid"] = True
+        body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
+        if link.center_of_mass is not None:
+            body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
+    return body
+
+
+def section_to_mapping(section: Section) -> dict[str, Any]:
+    """A section as the mapping of an arm file."""
+    out: dict[str, Any] = {"shape": section.shape}
+    for name, value in section.given().items():
+        out[name] = _dimension(value)
+    return out
+
+
+def _dimension(value: Any) -> Any:
+    if isinstance(value, (tuple, list)):
+        return [_dimension(item) for item in value]
+    return format_quantity(float(value), "length")
+
+
+def material_to_value(link: Link) -> Any:
+    """A link's material as an arm file names it, or describes it in place."""
+    if link.material_given is not None or link.material is None:
+        return link.material_given
+    return link.material.name
+
+
+def _effect(entry: EffectEntry) -> dict[str, Any]:
+    out: dict[str, Any] = {"effect": entry.effect}
+    if entry.at:
+        out["at"] = list(entry.at)
+    kinds = {parameter.name: parameter.kind for parameter in EFFECTS[entry.effect].parameters}
+    for name, value in entry.parameters.items():
+        out[name] = format_quantity(value, kinds[name])
+    return out
+

@@ -1,0 +1,181 @@
+"""An arm drawn to scale at its worst pose, with the error at its tip exaggerated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain import Arm, Joint
+from arm.evaluation import Evaluation
+from arm.kinematics import place
+from arm.worst import WorstPose
+from linkwright.words import figure, mm, pose
+
+from .svg import drawing, element, line, nice_below, path, scale_bar
+
+Point = tuple[float, float]
+_ARROW = 0.16
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """An arm at a pose, projected on the page (mm, y down): thin leads, links as start, end and thickness, and the tip.
+
+    `error` is the tip's error on the same page, mm.
+    """
+
+    leads: tuple[tuple[Point, Point], ...]
+    links: tuple[tuple[Point, Point, float], ...]
+    joints: tuple[tuple[Point, Joint], ...]
+    tip: Point
+    error: Point
+    pose: WorstPose
+
+    @property
+    def points(self) -> list[Point]:
+        """What must be within the picture."""
+        found = [(0.0, 0.0), self.tip]
+        for start, end, thickness in self.links:
+            for x, y in (start, end):
+                found += [(x - thickness / 2, y - thickness / 2), (x + thickness / 2, y + thickness / 2)]
+        return found
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of the plane (mm) that pictures share, and how many times errors are drawn larger."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+    exaggeration: float
+
+
+def skeleton(evaluation: Evaluation) -> Skeleton:
+    """The arm of an evaluation at its worst pose: in the x-y plane, or in the upright plane through the tip."""
+    arm, worst = evaluation.arm, evaluation.worst.poses[0]
+    frames = place(arm, worst.q)
+    project = _projection(arm, np.array(frames.tip(), dtype=float))
+    here = np.zeros(3)
+    leads: list[tuple[Point, Point]] = []
+    links: list[tuple[Point, Point, float]] = []
+    joints: list[tuple[Point, Joint]] = []
+    for joint, link, lead, frame in zip(arm.joints, arm.links, frames.joints, frames.links, strict=True):
+        start = here + np.array(lead.lead, dtype=float)
+        end = start + np.array(frame.vector, dtype=float)
+        if np.abs(start - here).max() > 1e-9:
+            leads.append((project(here), project(start)))
+        joints.append((project(start), joint))
+        if link.section is None:
+            leads.append((project(start), project(end)))
+        else:
+            outer = link.section.outline()[0]
+            links.append((project(start), project(end), 1e3 * float(np.ptp(outer[:, 1]))))
+        here = end
+    tip = here + np.array(frames.tool, dtype=float)
+    if any(arm.tool):
+        leads.append((project(here), project(tip)))
+    error = project(np.array(worst.vector, dtype=float))
+    return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
+
+
+def _projection(arm: Arm, tip: np.ndarray) -> Callable[[np.ndarray], Point]:
+    """From metres in space to millimetres on the page, y down."""
+    across, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    if not arm.planar():
+        gravity = np.array(arm.gravity)
+        up = -gravity / np.linalg.norm(gravity) if np.any(gravity) else np.array([0.0, 0.0, 1.0])
+        level = tip - (tip @ up) * up
+        if np.linalg.norm(level) < 1e-6:
+            level = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])
+        across = level / np.linalg.norm(level)
+
+    def project(point: np.ndarray) -> Point:
+        return 1e3 * float(point @ across), -1e3 * float(point @ up)
+
+    return project
+
+
+def shared_window(skeletons: Sequence[Skeleton]) -> Window:
+    """One window and one exaggeration for pictures that are to be compared."""
+    points = [point for each in skeletons for point in each.points]
+    reach = max(math.hypot(*point) for point in points)
+    largest = max(math.hypot(*each.error) for each in skeletons)
+    exaggeration = nice_below(_ARROW * reach / largest) if largest > 0.0 else 1.0
+    points += [(x.tip[0] + exaggeration * x.error[0], x.tip[1] + exaggeration * x.error[1]) for x in skeletons]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    margin = 0.09 * reach
+    width, height = max(xs) - min(xs) + 2 * margin, max(ys) - min(ys) + 2 * margin
+    missing = max(0.0, 0.45 * width - height)
+    below = 0.07 * width
+    return Window(min(xs) - margin, min(ys) - margin - missing / 2, width, height + missing + below, exaggeration)
+
+
+def arm_picture(arm: Arm, drawn: Skeleton, window: Window, when: str) -> str:
+    """The picture, with a scale bar; `when` is the class of its colours (before, after)."""
+    size = 0.031 * window.width
+    joint_radius = 0.012 * window.width
+    parts = [_ground(joint_radius)]
+    parts += [line(start, end, "lead", 0.006 * window.width) for start, end in drawn.leads]
+    parts += [path([_bar(start, end, thickness)], f"link {when}") for start, end, thickness in drawn.links]
+    parts += [_joint(point, joint, joint_radius) for point, joint in drawn.joints]
+    parts.append(_arrow(drawn.tip, drawn.error, window))
+    length = nice_below(0.3 * window.width)
+    y = window.top + window.height - 0.02 * window.width
+    words = f"{figure(length)} mm"
+    parts.append(scale_bar(window.left + 0.03 * window.width, y, length, 0.006 * window.width, size, words))
+    about = f"{arm.name} {when} at its worst pose ({pose(arm, drawn.pose.q)}); error at the tip {mm(drawn.pose.error)}"
+    return drawing(window.left, window.top, window.width, window.height, about, *parts)
+
+
+def _bar(start: Point, end: Point, thickness: float) -> list[Point]:
+    length = math.hypot(end[0] - start[0], end[1] - start[1])
+    if length < 1e-9:
+        return [start, end, start]
+    x, y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
+    nx, ny = -y * thickness / 2, x * thickness / 2
+    return [
+        (start[0] + nx, start[1] + ny),
+        (end[0] + nx, end[1] + ny),
+        (end[0] - nx, end[1] - ny),
+        (start[0] - nx, start[1] - ny),
+    ]
+
+
+def _ground(size: float) -> str:
+    return path([[(0.0, 0.0), (-2.2 * size, 3.0 * size), (2.2 * size, 3.0 * size)]], "ground")
+
+
+def _joint(point: Point, joint: Joint, radius: float) -> str:
+    if joint.revolute:
+        return element("circle", cx=point[0], cy=point[1], r=radius, class_="joint", stroke_width=radius / 2.5)
+    side = 2 * radius
+    corner = {"x": point[0] - radius, "y": point[1] - radius, "width": side, "height": side}
+    return element("rect", **corner, class_="joint", stroke_width=radius / 2.5)
+
+
+def _arrow(tip: Point, error: Point, window: Window) -> str:
+    """The tip's error, exaggerated, as an arrow from where the tip should be."""
+    dx, dy = window.exaggeration * error[0], window.exaggeration * error[1]
+    length = math.hypot(dx, dy)
+    dot = element("circle", cx=tip[0], cy=tip[1], r=0.007 * window.width, class_="tip")
+    if length < 1e-6 * window.width:
+        return dot
+    head = min(0.02 * window.width, length)
+    x, y = dx / length, dy / length
+    end = (tip[0] + dx, tip[1] + dy)
+    neck = (end[0] - head * x, end[1] - head * y)
+    aside = (-0.4 * head * y, 0.4 * head * x)
+    wings = [end, (neck[0] + aside[0], neck[1] + aside[1]), (neck[0] - aside[0], neck[1] - aside[1])]
+    return line(tip, neck, "error-line", 0.006 * window.width) + path([wings], "error-head") + dot
+
+
+def arm_caption(arm: Arm, drawn: Skeleton, window: Window) -> str:
+    """What the picture shows, in words."""
+    view = "" if arm.planar() else "; seen from the side, in the upright plane through the tip"
+    arrow = f"the arrow is the tip's error, drawn {figure(window.exaggeration)} times its size"
+    return f"{pose(arm, drawn.pose.q)}: {mm(drawn.pose.error)}; {arrow}{view}"

@@ -1,0 +1,99 @@
+"""Figures that plotly draws, as plain mappings: the error map over the workspace, and the exchange."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from arm.evaluation import ErrorMap, Evaluation
+from arm.kinematics import tip_position
+from linkwright.as_json import objective_unit
+from linkwright.words import figure, mm, pose
+from optimize.result import Iteration
+
+MOST_MARKS = 5
+Figure = dict[str, Any]
+
+
+def colour_range(maps: Sequence[ErrorMap], evaluations: Sequence[Evaluation]) -> tuple[float, float]:
+    """Least and greatest error (mm) on all maps, so that they share one scale."""
+    least = min((float(np.nanmin(each.worst)) for each in maps if np.isfinite(each.worst).any()), default=0.0)
+    return 1e3 * least, 1e3 * max(each.max_error for each in evaluations)
+
+
+def error_map_figure(field: ErrorMap, evaluation: Evaluation, colours: tuple[float, float]) -> Figure:
+    """The worst error at each place of the tip, in mm, with the worst poses marked."""
+    names = ("x", "y") if field.planar else ("distance from the base's z axis", "z")
+    rows = [[None if np.isnan(value) else round(1e3 * float(value), 7) for value in row] for row in field.worst]
+    heat = {
+        "type": "heatmap",
+        "x": _rounded(field.horizontal),
+        "y": _rounded(field.vertical),
+        "z": rows,
+        "zmin": colours[0],
+        "zmax": colours[1],
+        "colorscale": "Viridis",
+        "colorbar": {"title": {"text": "mm"}, "thickness": 12, "outlinewidth": 0},
+        "hovertemplate": f"{names[0]} %{{x}} mm<br>{names[1]} %{{y}} mm<br>error %{{z:.5g}} mm<extra></extra>",
+    }
+    layout = {
+        "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain"},
+        "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x"},
+        "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
+        "showlegend": False,
+    }
+    return {"data": [heat, _marks(field, evaluation)], "layout": layout}
+
+
+def _rounded(values: Any) -> list[float]:
+    return [round(1e3 * float(value), 4) for value in values]
+
+
+def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
+    poses = evaluation.worst.poses[:MOST_MARKS]
+    tips = 1e3 * tip_position(evaluation.arm, [each.q for each in poses])
+    across = tips[:, 0] if field.planar else np.hypot(tips[:, 0], tips[:, 1])
+    up = tips[:, 1] if field.planar else tips[:, 2]
+    return {
+        "type": "scatter",
+        "mode": "markers+text",
+        "x": [round(float(value), 4) for value in across],
+        "y": [round(float(value), 4) for value in up],
+        "text": [str(number) for number in range(1, len(poses) + 1)],
+        "textposition": "top center",
+        "hovertext": [f"worst pose {k}: {pose(evaluation.arm, x.q)}, {mm(x.error, 5)}" for k, x in enumerate(poses, 1)],
+        "hoverinfo": "text",
+        "cliponaxis": False,
+        "marker": {"symbol": "circle-open", "size": 11, "color": "#e5383b", "line": {"width": 2.5}},
+        "textfont": {"color": "#e5383b", "size": 13},
+    }
+
+
+def error_map_words(field: ErrorMap, evaluation: Evaluation) -> str:
+    """The map in a sentence, for those who cannot see it."""
+    tip = 1e3 * tip_position(evaluation.arm, [evaluation.worst.poses[0].q])[0]
+    place = ", ".join(figure(float(round(value, 3))) for value in (tip[:2] if field.planar else tip))
+    return f"Error over the workspace; the worst, {mm(evaluation.max_error)}, is where the tip is at ({place}) mm."
+
+
+def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:
+    """The objective round by round; for errors also the worst found afterwards: where both meet, the exchange ends."""
+    factor, unit = objective_unit(minimize)
+    numbers = [each.number for each in iterations]
+    series = [("over the poses so far", [factor * each.objective for each in iterations])]
+    if minimize == "max_error":
+        found = [factor * each.objective * (1.0 + max(each.worst_violation, 0.0)) for each in iterations]
+        series.insert(0, ("worst pose found afterwards", found))
+    data = [
+        {"type": "scatter", "mode": "lines+markers", "name": name, "x": numbers, "y": values} for name, values in series
+    ]
+    layout = {
+        "xaxis": {"title": {"text": "iteration"}, "dtick": max(1, len(numbers) // 10), "zeroline": False},
+        "yaxis": {"title": {"text": f"{minimize.replace('_', ' ')} in {unit}"}, "zeroline": False},
+        "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
+        "legend": {"orientation": "h", "y": 1.12},
+        "showlegend": len(series) > 1,
+    }
+    return {"data": data, "layout": layout}

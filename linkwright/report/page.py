@@ -1,0 +1,70 @@
+"""The frame of a report page: one file with its styles, its script and the plotting library inside."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+
+from plotly.offline import get_plotlyjs
+
+from linkwright.writing import strict
+
+from .figures import Figure
+from .svg import element, text
+
+
+def section(title: str, *body: str, lead: str = "") -> str:
+    """A part of the page under a heading; `lead` says in a sentence what to see in it."""
+    opening = element("p", text(lead), class_="lead") if lead else ""
+    return element("section", element("h2", text(title)), opening, *body)
+
+
+def figure_place(name: str, label: str, caption: str = "") -> str:
+    """Where the script draws the figure called `name`; `label` says in words what it shows."""
+    place = element("div", class_="plot", id=f"plot-{name}", data_figure=name, role="img", aria_label=label)
+    words = element("figcaption", caption) if caption else ""
+    return element("figure", place, words)
+
+
+def side_by_side(*parts: str) -> str:
+    """Parts beside each other where there is room, below each other on a phone."""
+    return element("div", *parts, class_=f"columns-{len(parts)}")
+
+
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), class_: str = "") -> str:
+    """A table of text; the columns `numbers` (from 0) are set right. The first cell of a row is its heading."""
+
+    def cell(tag: str, index: int, content: str, **more: str) -> str:
+        return element(tag, text(content), class_="number" if index in numbers else None, **more)
+
+    head = element("tr", *(cell("th", k, words, scope="col") for k, words in enumerate(headings)))
+
+    def line(row: Sequence[str]) -> str:
+        return element("tr", cell("th", 0, row[0], scope="row"), *(cell("td", k, x) for k, x in enumerate(row[1:], 1)))
+
+    body = [line(row) for row in rows]
+    made = element("table", element("thead", head), element("tbody", *body), class_=class_ or None)
+    return element("div", made, class_="scroll")
+
+
+def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure]) -> str:
+    """The whole page. It loads nothing: styles, script, figures and plotly stand in the file."""
+    folder = files("linkwright.report")
+    styles = folder.joinpath("style.css").read_text(encoding="utf-8")
+    script = folder.joinpath("script.js").read_text(encoding="utf-8")
+    data = json.dumps(strict(figures), allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    head = (
+        '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f"<title>{text(title)}</title><style>{styles}</style>"
+    )
+    scripts = (
+        f'<script type="application/json" id="figures">{data}</script>'
+        f"<script>{get_plotlyjs()}</script><script>{script}</script>"
+    )
+    without = "Without JavaScript the maps are not drawn; result.json has the figures."
+    missing = element("noscript", element("p", without, class_="lead"))
+    opening = element("header", element("h1", text(title)), element("p", text(summary), class_="headline"), missing)
+    main = element("main", opening, *body)
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>{main}{scripts}</body></html>\n'

@@ -1,0 +1,60 @@
+"""Cross-sections of the links, all drawn to one scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import zip_longest
+
+import numpy as np
+
+from arm.chain import Arm, Link
+from linkwright.words import figure, material_words, mm, section_words
+
+from .svg import drawing, element, nice_below, path, scale_bar, text
+
+
+def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
+    """A card for each link with its cross-section in each arm; `arms` are (before or after, arm)."""
+    side = _largest(arms)
+    if side <= 0.0:
+        return element("p", text("No link has a section: all are rigid."))
+    rows = zip_longest(*(arm.links for _, arm in arms))
+    return element("div", *(_card(number, arms, row, side) for number, row in enumerate(rows, start=1)), class_="cards")
+
+
+def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[Link | None], side: float) -> str:
+    figures = [_figure(number, when, link, side) for (when, _), link in zip(arms, row, strict=True) if link is not None]
+    heading = element("h3", text(f"Link {number}"))
+    return element("div", heading, element("div", *figures, class_=f"columns-{len(arms)}"), class_="card")
+
+
+def _largest(arms: Sequence[tuple[str, Arm]]) -> float:
+    """The largest extent of any section, mm."""
+    sizes = [
+        1e3 * float(np.ptp(link.section.outline()[0], axis=0).max())
+        for _, arm in arms
+        for link in arm.links
+        if link.section is not None
+    ]
+    return max(sizes, default=0.0)
+
+
+def _figure(number: int, when: str, link: Link, side: float) -> str:
+    words = [element("strong", text(when)) if when else "", text(section_words(link)), text(material_words(link))]
+    words.append(text(f"length {mm(link.length, 5)}"))
+    caption = element("figcaption", element("span", "<br>".join(word for word in words if word)))
+    return element("figure", _section(number, when, link, side), caption)
+
+
+def _section(number: int, when: str, link: Link, side: float) -> str:
+    width = 1.12 * side
+    rings: list[list[tuple[float, float]]] = []
+    if link.section is not None:
+        outline = link.section.outline()
+        center = 0.5 * (outline[0].max(axis=0) + outline[0].min(axis=0))
+        rings = [[(1e3 * float(y), -1e3 * float(z)) for y, z in ring - center] for ring in outline]
+    length = nice_below(0.5 * side)
+    bar = scale_bar(-length / 2, 0.66 * side, length, 0.012 * side, 0.075 * side, f"{figure(length)} mm")
+    about = f"cross-section of link {number} {when}: {section_words(link)}"
+    drawn = path(rings, f"link {when or 'after'}") if rings else ""
+    return drawing(-width / 2, -width / 2, width, width + 0.14 * side, about, drawn, bar)

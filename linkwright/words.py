@@ -1,0 +1,123 @@
+"""Figures, poses, sections and load cases in words, the same on the screen and in reports."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from arm.chain import Arm, Link, LoadCase
+from arm.effects import EFFECTS
+from arm.workspace import Workspace
+
+MINUS = "−"
+
+
+def figure(value: float | None, digits: int = 4) -> str:
+    """A number in so many significant digits, without exponent where that stays readable; a dash where unknown."""
+    if value is None or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    if value == 0.0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    if size < -5 or size >= 7:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}".replace("-", MINUS)
+    text = f"{value:.{max(0, digits - 1 - size)}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return text.replace("-", MINUS) if text not in ("-0", "0") else "0"
+
+
+def percent(value: float, digits: int = 2) -> str:
+    """A ratio as a percentage."""
+    return f"{figure(100.0 * value, digits)} %"
+
+
+def mm(metres: float | None, digits: int = 4) -> str:
+    """A length with its unit, millimetres."""
+    return "–" if metres is None else f"{figure(1e3 * metres, digits)} mm"
+
+
+def with_unit(value: float | None, unit: str, digits: int = 4) -> str:
+    """A figure with its unit, a dash where it is not known."""
+    return "–" if value is None else f"{figure(value, digits)} {unit}"
+
+
+def coordinate(arm: Arm, index: int, value: float) -> str:
+    """One joint coordinate: degrees for a joint that turns, millimetres for one that slides."""
+    if arm.joints[index].revolute:
+        shown = round(math.degrees(value), 2) + 0.0
+        return f"{shown:g}°".replace("-", MINUS)
+    return f"{round(1e3 * value, 2) + 0.0:g} mm".replace("-", MINUS)
+
+
+def pose(arm: Arm, q: Sequence[float]) -> str:
+    """A pose as its joint coordinates, from the base out."""
+    return ", ".join(coordinate(arm, index, value) for index, value in enumerate(q))
+
+
+def shape_words(shape: str | None, dimensions: Mapping[str, float]) -> str:
+    """A section as its shape and its dimensions (m), one after another."""
+    if shape is None:
+        return "rigid"
+    parts = [
+        f"{name.replace('_', ' ')} {figure(1e3 * value, 5)}"
+        for name, value in dimensions.items()
+        if isinstance(value, float | int)  # pyright: ignore[reportUnnecessaryIsInstance] - a polygon has points
+    ]
+    return f"{shape.replace('_', ' ')}: {', '.join(parts)} mm" if parts else shape.replace("_", " ")
+
+
+def section_words(link: Link) -> str:
+    """A link's section: its stock name or its shape, with dimensions."""
+    if link.section is None:
+        return "rigid"
+    words = shape_words(link.section.shape, link.section.given())
+    return f"{link.section_name} ({words})" if link.section_name else words
+
+
+def material_words(link: Link) -> str:
+    """The name of a link's material."""
+    return "–" if link.material is None else link.material.name
+
+
+def load_case_words(case: LoadCase) -> str:
+    """What acts at the tip in a load case."""
+    parts = [f"payload {with_unit(case.mass, 'kg')}"]
+    if any(case.force):
+        parts.append(f"force ({', '.join(figure(value) for value in case.force)}) N")
+    if any(case.moment):
+        parts.append(f"moment ({', '.join(figure(value) for value in case.moment)}) N·m")
+    return ", ".join(parts)
+
+
+def workspace_words(arm: Arm, workspace: Workspace) -> str:
+    """Where the arm works, as a phrase."""
+    if workspace.kind == "joints":
+        ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
+        spans = [
+            f"joint {index + 1} {coordinate(arm, index, low)} to {coordinate(arm, index, high)}"
+            for index, (low, high) in enumerate(ranges)
+        ]
+        return f"all poses within the joint ranges: {'; '.join(spans)}"
+    used = 2 if workspace.in_plane else 3
+    points = [f"({', '.join(figure(1e3 * value) for value in point[:used])})" for point in workspace.points]
+    if workspace.kind == "box":
+        return f"all poses whose tip lies in the box from {points[0]} mm to {points[1]} mm"
+    return f"all poses whose tip lies on the path {' – '.join(points)} mm"
+
+
+def effect_title(effect: str) -> str:
+    """An effect's title, as its file gives it."""
+    return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
+
+
+def factor_words(before: float, after: float) -> str:
+    """How many times smaller or larger something became."""
+    if before <= 0.0 or after <= 0.0:
+        return ""
+    ratio = before / after
+    if abs(ratio - 1.0) < 5e-4:
+        return "unchanged"
+    return f"{figure(ratio, 3)} times smaller" if ratio > 1.0 else f"{figure(1.0 / ratio, 3)} times larger"

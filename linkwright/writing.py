@@ -1,0 +1,121 @@
+"""Results into files: strict JSON, each file whole or not at all, and never over what is not ours."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from arm.writing import write_text
+from materials.quantities import InputError
+
+RESULT, REPORT, DESIGN = "result.json", "report.html", "arm.yaml"
+"""The files of an output folder."""
+
+
+def strict(value: Any) -> Any:
+    """The value as strict JSON can hold it: mappings and lists of plain values, null for nan and infinities."""
+    if isinstance(value, Mapping):
+        return {str(key): strict(entry) for key, entry in cast(Mapping[Any, Any], value).items()}
+    if isinstance(value, list | tuple):
+        return [strict(entry) for entry in cast(list[Any], value)]
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """The content as JSON without NaN or Infinity."""
+    return json.dumps(strict(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def check_target(path: Path | None, *inputs: Path | None) -> None:
+    """Refuse, before any work is done, a file that could not be written or that is one of the inputs.
+
+    Raises `InputError`.
+    """
+    if path is None:
+        return
+    if path.is_dir():
+        raise InputError(path, "", "is a folder; name a file to write")
+    if any(given is not None and _same(path, given) for given in inputs):
+        raise InputError(path, "", "is the input; name another file to write")
+    if path.exists():
+        if not os.access(path, os.W_OK):
+            raise InputError(path, "", "cannot be written: permission denied")
+        return
+    parent = path.absolute().parent
+    if not parent.is_dir():
+        raise InputError(path, "", f"cannot be written: there is no folder {path.parent}")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(path, "", "cannot be written: permission denied")
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one.exists() and other.exists() and one.samefile(other)
+
+
+def write_file(path: Path, text: str) -> None:
+    """Write a text file whole or not at all; a device or a pipe is written to as it is. Raises `InputError`."""
+    try:
+        target = path.resolve()
+        if target.exists() and not target.is_file():
+            path.write_text(text, encoding="utf-8")
+        else:
+            write_text(text, target)
+    except OSError as error:
+        raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
+
+
+def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
+    """Write the content where `--json` names a file. Raises `InputError`."""
+    if path is not None:
+        write_file(path, json_text(content))
+
+
+def claim_folder(folder: Path | None, command: str) -> None:
+    """Make the output folder of a command, or take an earlier one of the same command again.
+
+    A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
+    """
+    if folder is None:
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        names = {entry.name for entry in folder.iterdir()}
+    except FileExistsError:
+        raise InputError(folder, "", "is a file; name a folder to write to") from None
+    except OSError as error:
+        raise InputError(folder, "", f"cannot be made: {error.strerror or error}") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(folder, "", "cannot be written: permission denied")
+    if not names:
+        return
+    strangers = sorted(names - {RESULT, REPORT, DESIGN})
+    if strangers:
+        raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
+    if _made_by(folder / RESULT) != command:
+        raise InputError(folder, "", f"holds files that are not of `linkwright {command}`; name a new or empty folder")
+
+
+def _made_by(path: Path) -> str | None:
+    """The command that wrote a result file, None for anything else."""
+    try:
+        content: object = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(content, dict):
+        return None
+    made_by: object = cast(dict[str, object], content).get("made_by")
+    words = made_by.split() if isinstance(made_by, str) else []
+    return words[1] if len(words) > 1 and words[0] == "linkwright" else None
+
+
+def write_folder(folder: Path | None, files: Mapping[str, str]) -> None:
+    """Write a command's files into its folder, `result.json` first. Raises `InputError`."""
+    if folder is not None:
+        for name in sorted(files, key=lambda name: name != RESULT):
+            write_file(folder / name, files[name])

@@ -1,0 +1,166 @@
+"""The catalogue of materials: files by family, the user's own laid over the shipped one, every entry checked.
+
+A catalogue file:
+
+```yaml
+format_version: 1
+family: steel                          # optional; the file's name without ending otherwise
+references:
+  en-1993-1-1: "EN 1993-1-1:2005, Eurocode 3: ..."
+materials:
+  steel-s355:
+    title: S355 structural steel
+    source: en-1993-1-1                # for all properties that name none of their own
+    elastic_modulus: 210 GPa           # see entry.py for what a property can be
+    density: {value: 7850 kg/m^3, source: en-1993-1-2}
+```
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from collections.abc import Mapping as MappingLike
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+
+from platformdirs import user_config_dir
+
+from materials.entry import read_entry, read_inline
+from materials.material import Material
+from materials.quantities import InputError, shown
+from materials.reading import Mapping, load_yaml, nearest, parse_yaml
+
+FORMAT_VERSION = 1
+"""The version of the catalogue format that this code reads and writes."""
+
+CATALOGUE_VARIABLE = "LINKWRIGHT_CATALOGUE"
+"""The environment variable that names the user's own catalogue in place of the default one."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One catalogue file: where it stands, the name of its family, and its materials by name."""
+
+    file: str
+    family: str
+    materials: MappingLike[str, Material]
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Materials by name, from layers of which a later one hides what an earlier one has under the same
+    name."""
+
+    layers: tuple[Layer, ...]
+
+    @property
+    def materials(self) -> MappingLike[str, Material]:
+        """Every visible material by name."""
+        visible: dict[str, Material] = {}
+        for layer in self.layers:
+            visible.update(layer.materials)
+        return MappingProxyType(visible)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of every visible material, sorted."""
+        return tuple(sorted(self.materials))
+
+    def __iter__(self) -> Iterator[Material]:
+        """Iterate over the visible materials by name."""
+        return (self.materials[name] for name in self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Tell whether a material of that name is visible."""
+        return name in self.materials
+
+    def find(self, name: str, *, file: object = "", key: str = "material") -> Material:
+        """Return the material called `name`; raises `InputError` for file and key with the nearest known
+        name."""
+        materials = self.materials
+        if name not in materials:
+            raise InputError(file, key, f"there is no material '{name}'{nearest(name, self.names)}")
+        return materials[name]
+
+    def read(self, value: object, *, file: object, key: str) -> Material:
+        """Return the material that a file names, or describes in place; raises `InputError`."""
+        if isinstance(value, dict):
+            return read_inline(value, file=file, key=key)
+        if isinstance(value, str) and value.strip():
+            return self.find(value.strip(), file=file, key=key)
+        raise InputError(file, key, "needs a material's name, or properties, e.g. {elastic_modulus: 71 GPa}")
+
+    def where(self, name: str) -> tuple[str, ...]:
+        """Return the files that have the material, the visible one last."""
+        return tuple(layer.file for layer in self.layers if name in layer.materials)
+
+
+def read_layer(mapping: Mapping, default_family: str) -> Layer:
+    """Return the checked layer that a catalogue file's mapping holds; raises `InputError`."""
+    version = mapping.raw("format_version", f"format_version: {FORMAT_VERSION}")
+    if isinstance(version, bool) or version != FORMAT_VERSION:
+        known = f"this program reads {FORMAT_VERSION}"
+        raise mapping.error("format_version", f"{shown(version)} is not known here; {known}")
+    family = mapping.text("family", default_family)
+    references = _read_references(mapping)
+    materials: dict[str, Material] = {}
+    if mapping.has("materials"):
+        entries = mapping.mapping("materials")
+        for name in entries.content:
+            if not name.strip() or name != name.strip() or "\n" in name:
+                raise entries.error("", f"{name!r} cannot be a material's name")
+            materials[name] = read_entry(entries.mapping(name), name, references, family)
+    mapping.close("materials")
+    return Layer(str(mapping.file), family, MappingProxyType(materials))
+
+
+def _read_references(mapping: Mapping) -> dict[str, str]:
+    if not mapping.has("references"):
+        return {}
+    references = mapping.mapping("references")
+    return {key: references.text(key) for key in references.content}
+
+
+def load_layer(path: Path | str) -> Layer:
+    """Return the layer of one catalogue file; raises `InputError`."""
+    return read_layer(load_yaml(path), Path(path).stem)
+
+
+@lru_cache(maxsize=1)
+def shipped_layers() -> tuple[Layer, ...]:
+    """Return the layers that come with the program, one per family, read from its package data and
+    checked."""
+    folder = files("materials").joinpath("catalogue")
+    layers: list[Layer] = []
+    for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if item.name.endswith(".yaml"):
+            name = f"catalogue/{item.name}"
+            content = parse_yaml(item.read_text(encoding="utf-8"), file=name)
+            layers.append(read_layer(Mapping(content, file=name), item.name.removesuffix(".yaml")))
+    return tuple(layers)
+
+
+def user_catalogue_path() -> Path:
+    """Return where the user's own catalogue is, or would be: `LINKWRIGHT_CATALOGUE`, or the configuration
+    folder."""
+    named = os.environ.get(CATALOGUE_VARIABLE, "").strip()
+    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "materials.yaml"
+
+
+def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Catalogue:
+    """Return the shipped catalogue, over it the user's own (where it exists and `user` is true), over that
+    `paths`.
+
+    A file named by the environment variable or in `paths` must exist. Raises `InputError`.
+    """
+    layers = list(shipped_layers())
+    if user:
+        own = user_catalogue_path()
+        if own.exists() or os.environ.get(CATALOGUE_VARIABLE, "").strip():
+            layers.append(load_layer(own))
+    layers.extend(load_layer(path) for path in paths)
+    return Catalogue(tuple(layers))

@@ -1,0 +1,222 @@
+"""One entry of a catalogue, or a material described in place, read and checked.
+
+A property is written as a plain quantity (`71 GPa`), or as a mapping:
+
+```yaml
+elastic_modulus:
+  value: 210 GPa                       # or table: [[20 degC, 210 GPa], ...]
+  spread: [200 GPa, 215 GPa]           # or polynomial: {origin: 20 degC, coefficients: [210 GPa, -60 MPa,
+  ...]} range: [0 degC, 100 degC]            # (the n-th coefficient is per kelvin^n) source: en-1993-1-1
+  note: where to be careful ```
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as MappingLike
+from typing import cast, get_args
+
+from materials.material import (
+    REFERENCE_TEMPERATURE,
+    Constant,
+    Law,
+    Material,
+    Polynomial,
+    Property,
+    PropertyName,
+    Table,
+    property_kinds,
+)
+from materials.quantities import InputError, format_quantity, read_quantity, shown
+from materials.reading import Mapping
+
+_REQUIRED: tuple[PropertyName, ...] = ("elastic_modulus", "density")
+_POSITIVE: tuple[PropertyName, ...] = ("elastic_modulus", "shear_modulus", "density", "yield_strength")
+_NOT_NEGATIVE: tuple[PropertyName, ...] = ("cost",)
+CONSISTENT_WITHIN = 0.02
+"""How far a given shear modulus may be from E/(2(1+nu)) in an isotropic material, relative."""
+
+
+def read_inline(content: object, *, file: object, key: str, name: str = "") -> Material:
+    """Return the material that an arm file describes in place, such as `{elastic_modulus: 71 GPa, ...}`.
+
+    Nothing is required: what a question needs and the entry lacks is a `MissingProperty` when the question is
+    asked. What is there is checked as in a catalogue. Raises `InputError`.
+    """
+    mapping = Mapping(content, file=file, key=key)
+    if not mapping.content:
+        raise InputError(file, key, "the material has no properties; give e.g. {elastic_modulus: 71 GPa}")
+    named = mapping.text("name", name or key or "material in place")
+    material = _read(mapping, named, references=None, family="in place")
+    mapping.close()
+    return material
+
+
+def read_entry(mapping: Mapping, name: str, references: MappingLike[str, str], family: str) -> Material:
+    """Return the checked material of one catalogue entry; raises `InputError` naming the entry and its
+    key."""
+    for required in _REQUIRED:
+        if not mapping.has(required):
+            raise mapping.error(required, "is missing; every material needs it, with its source")
+    material = _read(mapping, name, references, family)
+    mapping.close()
+    return material
+
+
+def _read(mapping: Mapping, name: str, references: MappingLike[str, str] | None, family: str) -> Material:
+    title = mapping.text("title", "") if mapping.has("title") else ""
+    isotropic = mapping.boolean("isotropic", True)
+    default_source = _source(mapping, references, "") if mapping.has("source") else ""
+    magnetic, magnetic_source = _read_magnetic(mapping, references, default_source)
+    properties: dict[PropertyName, Property] = {}
+    for property_name in get_args(PropertyName):
+        if mapping.has(property_name):
+            properties[property_name] = _read_property(mapping, property_name, references, default_source)
+    used = [item.source for item in properties.values()] + [magnetic_source]
+    cited = {key: references[key] for key in used if references is not None and key}
+    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited)
+    _check_values(material, mapping)
+    return material
+
+
+def _source(mapping: Mapping, references: MappingLike[str, str] | None, default: str) -> str:
+    """Return the source key of a property, which must stand among the references of a catalogue."""
+    source = mapping.text("source", default) if default or references is None else mapping.text("source")
+    if references is not None and source not in references:
+        known = ", ".join(references) or "none are given"
+        raise mapping.error("source", f"'{source}' is not among the file's references ({known})")
+    return source
+
+
+def _read_magnetic(
+    mapping: Mapping, references: MappingLike[str, str] | None, default_source: str
+) -> tuple[bool | None, str]:
+    if not mapping.has("magnetic"):
+        return None, ""
+    if isinstance(mapping.content["magnetic"], dict):
+        inner = mapping.mapping("magnetic")
+        value = inner.boolean("value")
+        source = _source(inner, references, default_source)
+        inner.close()
+        return value, source
+    value = mapping.boolean("magnetic")
+    if references is not None and not default_source:
+        raise mapping.error("magnetic", "has no source; write {value: true, source: KEY}")
+    return value, default_source
+
+
+def _read_property(
+    mapping: Mapping, name: PropertyName, references: MappingLike[str, str] | None, default_source: str
+) -> Property:
+    kind = property_kinds()[name]
+    content = mapping.raw(name)
+    path = mapping.path_of(name)
+    if not isinstance(content, dict):
+        value = read_quantity(content, kind, file=mapping.file, key=path)
+        if references is not None and not default_source:
+            raise mapping.error(name, "has no source; write {value: ..., source: KEY} or a source for all")
+        return Property(Constant(value), source=default_source)
+    inner = mapping.mapping(name)
+    ways = [way for way in ("value", "table", "polynomial") if inner.has(way)]
+    if len(ways) != 1:
+        several = ", not several" if ways else ""
+        raise mapping.error(name, f"needs one of value, table or polynomial{several}")
+    law, span = _read_law(inner, ways[0], kind)
+    valid = inner.range("range", "temperature") if inner.has("range") else span
+    spread = inner.range("spread", kind) if inner.has("spread") else None
+    note = inner.text("note", "") if inner.has("note") else ""
+    source = _source(inner, references, default_source)
+    inner.close()
+    return Property(law, valid, source, spread, note)
+
+
+def _read_law(inner: Mapping, way: str, kind: str) -> tuple[Law, tuple[float, float]]:
+    everywhere = (0.0, float("inf"))
+    if way == "value":
+        return Constant(inner.quantity("value", kind)), everywhere
+    if way == "table":
+        return _read_table(inner, kind)
+    polynomial = inner.mapping("polynomial")
+    origin = polynomial.quantity("origin", "temperature")
+    path = polynomial.path_of("coefficients")
+    coefficients = tuple(
+        read_quantity(item, kind, file=inner.file, key=f"{path}[{number}]")
+        for number, item in enumerate(polynomial.items("coefficients"), start=1)
+    )
+    polynomial.close()
+    if not coefficients:
+        raise inner.error("polynomial", "needs at least one coefficient")
+    if not inner.has("range"):
+        raise inner.error("range", "is missing; a polynomial needs one, e.g. [0 degC, 300 degC]")
+    return Polynomial(coefficients, origin), everywhere
+
+
+def _read_table(inner: Mapping, kind: str) -> tuple[Table, tuple[float, float]]:
+    rows = inner.items("table")
+    path = inner.path_of("table")
+    points: list[tuple[float, float]] = []
+    for number, row in enumerate(rows, start=1):
+        where = f"{path}[{number}]"
+        if not isinstance(row, list) or len(cast(list[object], row)) != 2:
+            raise InputError(inner.file, where, f"needs [temperature, value], not {shown(row)}")
+        temperature, value = cast(list[object], row)
+        point = (
+            read_quantity(temperature, "temperature", file=inner.file, key=where),
+            read_quantity(value, kind, file=inner.file, key=where),
+        )
+        if points and point[0] <= points[-1][0]:
+            raise InputError(inner.file, where, "the temperatures must rise from row to row")
+        points.append(point)
+    if len(points) < 2:
+        raise InputError(inner.file, path, "a table needs two rows or more")
+    temperatures = tuple(point[0] for point in points)
+    table = Table(temperatures, tuple(point[1] for point in points))
+    return table, (temperatures[0], temperatures[-1])
+
+
+def _temperatures_to_check(item: Property) -> list[float]:
+    """Return temperatures that show every extreme of a property: ends, reference, table points, a fine
+    sweep."""
+    low, high = item.valid
+    if high == float("inf"):
+        return [min(max(REFERENCE_TEMPERATURE, low), high)]
+    sweep = [low + (high - low) * step / 40 for step in range(41)]
+    points = list(item.law.temperatures) if isinstance(item.law, Table) else []
+    return [kelvin for kelvin in [*sweep, *points, REFERENCE_TEMPERATURE] if low <= kelvin <= high]
+
+
+def _check_values(material: Material, mapping: Mapping) -> None:
+    for name, item in material.properties.items():
+        kind = property_kinds()[name]
+        low, high = item.valid
+        if not low <= REFERENCE_TEMPERATURE <= high:
+            raise mapping.error(name, "its range must hold the reference temperature, 20 degC")
+        for kelvin in _temperatures_to_check(item):
+            value = item.law.value(kelvin)
+            is_so = f"not {format_quantity(value, kind, digits=4)} at {kelvin - 273.15:g} degC"
+            if name in _POSITIVE and value <= 0:
+                raise mapping.error(name, f"must be above zero, {is_so}")
+            if name in _NOT_NEGATIVE and value < 0:
+                raise mapping.error(name, f"must not be negative, {is_so}")
+            if name == "poisson_ratio" and not -1 < value < 0.5:
+                raise mapping.error(name, f"must be between -1 and 0.5, {is_so}")
+        if item.spread is not None:
+            value = item.law.value(REFERENCE_TEMPERATURE)
+            if not item.spread[0] <= value <= item.spread[1]:
+                raise mapping.error(name, "its value at 20 degC is outside its spread")
+            if name in _POSITIVE and item.spread[0] <= 0:
+                raise mapping.error(name, "its spread must be above zero")
+    _check_shear_modulus(material, mapping)
+
+
+def _check_shear_modulus(material: Material, mapping: Mapping) -> None:
+    constants = ("elastic_modulus", "poisson_ratio", "shear_modulus")
+    if not material.isotropic or any(name not in material.properties for name in constants):
+        return
+    expected = material.need("elastic_modulus") / (2 * (1 + material.need("poisson_ratio")))
+    shear_modulus = material.need("shear_modulus")
+    if abs(shear_modulus - expected) > CONSISTENT_WITHIN * expected:
+        written = format_quantity(shear_modulus, "elastic_modulus", digits=4)
+        due = format_quantity(expected, "elastic_modulus", digits=4)
+        raise mapping.error(
+            "shear_modulus", f"{written} does not fit E/(2(1+nu)) = {due}; or write isotropic: false"
+        )

@@ -1,0 +1,297 @@
+"""What a link is made of: properties with their sources, as functions of temperature within a range that is
+enforced.
+
+Reading and checking of files is in `catalogue.py`; here is what the rest of the project computes with.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping as MappingLike
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal, Protocol, get_args
+
+from materials.quantities import InputError
+
+PropertyName = Literal[
+    "elastic_modulus",
+    "poisson_ratio",
+    "shear_modulus",
+    "density",
+    "yield_strength",
+    "thermal_expansion",
+    "cost",
+    "highest_service_temperature",
+]
+
+REFERENCE_TEMPERATURE = 293.15
+"""20 degC in kelvin, the reference temperature of ISO 1."""
+
+
+def property_kinds() -> dict[PropertyName, str]:
+    """Return the properties a material can have, each with its kind of quantity (`units.kinds()`)."""
+    return {
+        "elastic_modulus": "elastic_modulus",
+        "poisson_ratio": "dimensionless",
+        "shear_modulus": "elastic_modulus",
+        "density": "density",
+        "yield_strength": "pressure",
+        "thermal_expansion": "thermal_expansion",
+        "cost": "cost_per_mass",
+        "highest_service_temperature": "temperature",
+    }
+
+
+class OutOfRange(InputError):
+    """A property was asked for at a temperature for which its source gives none.
+
+    `material`, `property_name`, `asked` (K) and `valid` (lowest and highest, K) say which and where.
+    """
+
+    def __init__(self, material: str, property_name: str, asked: float, valid: tuple[float, float]) -> None:
+        self.material = material
+        self.property_name = property_name
+        self.asked = asked
+        self.valid = valid
+        low, high = (f"{kelvin - 273.15:g} degC" for kelvin in valid)
+        message = f"is known from {low} to {high}, not at {asked - 273.15:g} degC"
+        super().__init__(material, property_name, message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the fields when the error crosses between processes."""
+        return OutOfRange, (self.material, self.property_name, self.asked, self.valid)
+
+
+class MissingProperty(InputError):
+    """A question needs a property that the material's entry lacks; `material` and `property_name` say
+    which."""
+
+    def __init__(self, material: str, property_name: str) -> None:
+        self.material = material
+        self.property_name = property_name
+        super().__init__(material, property_name, "is needed here and is not given; add it to the material")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the fields when the error crosses between processes."""
+        return MissingProperty, (self.material, self.property_name)
+
+
+class Law(Protocol):
+    """How a value depends on temperature (K); the value in SI."""
+
+    def value(self, temperature: float) -> float:
+        """Return the value at `temperature` (K)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Constant:
+    """The same value at every temperature of the range."""
+
+    constant: float
+
+    def value(self, temperature: float) -> float:  # noqa: ARG002 - the same at every temperature
+        """Return the value."""
+        return self.constant
+
+
+@dataclass(frozen=True)
+class Table:
+    """Points with linear interpolation between them; beyond the first and last point their value holds."""
+
+    temperatures: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def value(self, temperature: float) -> float:
+        """Return the interpolated value at `temperature` (K)."""
+        if temperature <= self.temperatures[0]:
+            return self.values[0]
+        if temperature >= self.temperatures[-1]:
+            return self.values[-1]
+        upper = bisect_right(self.temperatures, temperature)
+        t0, t1 = self.temperatures[upper - 1], self.temperatures[upper]
+        share = (temperature - t0) / (t1 - t0)
+        return self.values[upper - 1] * (1 - share) + self.values[upper] * share
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """`c0 + c1*(T - origin) + c2*(T - origin)^2 + ...`, T and origin in kelvin, coefficients in SI per
+    kelvin^n."""
+
+    coefficients: tuple[float, ...]
+    origin: float
+
+    def value(self, temperature: float) -> float:
+        """Return the polynomial at `temperature` (K), by Horner's rule."""
+        total = 0.0
+        for coefficient in reversed(self.coefficients):
+            total = total * (temperature - self.origin) + coefficient
+        return total
+
+
+@dataclass(frozen=True)
+class Property:
+    """One property of a material.
+
+    `law` gives its value (SI) at a temperature; `valid` is the range (K) for which the source gives it;
+    `source` is a key of the catalogue's references (empty for a material described in place); `spread` is the
+    lowest and highest value to expect at the reference temperature, where known; `note` says what a reader
+    should know.
+    """
+
+    law: Law
+    valid: tuple[float, float] = (0.0, math.inf)
+    source: str = ""
+    spread: tuple[float, float] | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class MaterialValues:
+    """The values of a material at one temperature, in SI; None where there is none.
+
+    `cost` is EUR/kg. `shear_modulus` is the entry's own or, for an isotropic material, E/(2(1+nu)). `beyond`
+    names the properties that the entry has, but not at this temperature, with their valid ranges (K).
+    """
+
+    material: str
+    temperature: float
+    elastic_modulus: float | None = None
+    poisson_ratio: float | None = None
+    shear_modulus: float | None = None
+    density: float | None = None
+    yield_strength: float | None = None
+    thermal_expansion: float | None = None
+    cost: float | None = None
+    highest_service_temperature: float | None = None
+    beyond: tuple[tuple[PropertyName, tuple[float, float]], ...] = ()
+
+    def need(self, name: PropertyName) -> float:
+        """Return the value; raises `MissingProperty` where there is none, `OutOfRange` where not at this
+        T."""
+        value: float | None = getattr(self, name)
+        if value is None:
+            for beyond, valid in self.beyond:
+                if beyond == name:
+                    raise OutOfRange(self.material, name, self.temperature, valid)
+            raise MissingProperty(self.material, name)
+        return value
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material: its name, its properties by name, and where they come from.
+
+    `magnetic` tells whether it is ferromagnetic (None: not known). `isotropic` materials have consistent E, G
+    and nu; for others the elastic modulus is the one along the link. `family` is the catalogue file's name.
+    `references` holds the text of each source that a property names.
+    """
+
+    name: str
+    properties: MappingLike[PropertyName, Property]
+    title: str = ""
+    family: str = ""
+    isotropic: bool = True
+    magnetic: bool | None = None
+    magnetic_source: str = ""
+    references: MappingLike[str, str] = field(default_factory=lambda: MappingProxyType(dict[str, str]()))
+
+    def __post_init__(self) -> None:
+        """Freeze the mappings too."""
+        object.__setattr__(self, "properties", MappingProxyType(dict(self.properties)))
+        object.__setattr__(self, "references", MappingProxyType(dict(self.references)))
+
+    def __hash__(self) -> int:
+        """Hash by name; equality compares everything."""
+        return hash(self.name)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Copy and pickle by plain dictionaries, so that a material can cross between processes."""
+        return Material, (
+            self.name,
+            dict(self.properties),
+            self.title,
+            self.family,
+            self.isotropic,
+            self.magnetic,
+            self.magnetic_source,
+            dict(self.references),
+        )
+
+    def has(self, name: PropertyName) -> bool:
+        """Tell whether the property is given or, for the shear modulus, follows from E and nu."""
+        if name == "shear_modulus" and self.isotropic and name not in self.properties:
+            return self.has("elastic_modulus") and self.has("poisson_ratio")
+        return name in self.properties
+
+    def need(self, name: PropertyName, temperature: float = REFERENCE_TEMPERATURE) -> float:
+        """Return one property at `temperature` (K), in SI.
+
+        Raises `MissingProperty` where the entry lacks it and `OutOfRange` beyond its valid range.
+        """
+        found = self.properties.get(name)
+        if found is None:
+            if name == "shear_modulus" and self.has(name):
+                poisson_ratio = self.need("poisson_ratio", temperature)
+                return self.need("elastic_modulus", temperature) / (2 * (1 + poisson_ratio))
+            raise MissingProperty(self.name, name)
+        low, high = found.valid
+        # A hair's breadth for conversions between scales; it is far below what a property can depend on.
+        if not low - 1e-9 <= temperature <= high + 1e-9:
+            raise OutOfRange(self.name, name, temperature, found.valid)
+        return found.law.value(temperature)
+
+    def spread(self, name: PropertyName) -> tuple[float, float]:
+        """Return the lowest and highest value to expect at 20 degC; both the value itself where no spread is
+        given."""
+        if name in self.properties and (spread := self.properties[name].spread) is not None:
+            return spread
+        value = self.need(name)
+        return value, value
+
+    def at(self, temperature: float = REFERENCE_TEMPERATURE) -> MaterialValues:
+        """Return every property at `temperature` (K), None for those the entry lacks.
+
+        Raises `OutOfRange` where the elastic modulus or the density is not known at this temperature; for any
+        other property that happens when the values are asked for it by `need`.
+        """
+        values: dict[str, float] = {}
+        beyond: list[tuple[PropertyName, tuple[float, float]]] = []
+        for name in get_args(PropertyName):
+            if not self.has(name):
+                continue
+            try:
+                values[name] = self.need(name, temperature)
+            except OutOfRange as error:
+                if name in ("elastic_modulus", "density"):
+                    raise
+                beyond.append((name, error.valid))
+        return MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
+
+    def at_bound(self, which: Literal["low", "high"], **bounds: bool) -> Material:
+        """Return the material with the properties named true at one end of their spread, constant over their
+        range.
+
+        `material.at_bound("low", elastic_modulus=True)` is the softest one, as for a table row "196 to 216
+        GPa".
+        """
+        changed = dict(self.properties)
+        for name in get_args(PropertyName):
+            if bounds.get(name) and name in changed:
+                low, high = self.spread(name)
+                old = changed[name]
+                value = low if which == "low" else high
+                changed[name] = Property(Constant(value), old.valid, old.source, old.spread, old.note)
+        return Material(
+            self.name,
+            changed,
+            self.title,
+            self.family,
+            self.isotropic,
+            self.magnetic,
+            self.magnetic_source,
+            self.references,
+        )

@@ -1,0 +1,292 @@
+"""Reading YAML files key by key, so that every mistake names the file and the key.
+
+`load_yaml` turns a file into plain dictionaries and lists; `Mapping` then reads the known keys of one
+dictionary and, at its `close()`, refuses what nobody knows, with the nearest known name.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+
+import yaml
+
+from materials.quantities import (
+    Bound,
+    InputError,
+    kind_of,
+    read_bound,
+    read_number,
+    read_quantity,
+    read_range,
+    shown,
+)
+
+_LARGEST_FILE = 64 * 1024 * 1024
+_DEEPEST = 60
+
+
+class _Loader(yaml.SafeLoader):
+    """PyYAML's safe loader; refuses a key that occurs twice, aliases that explode and nesting without end.
+
+    Plain words mean what YAML 1.2 says: `on`, `y`, dates and `1:30` are text, `012` is 12 and `1e3` is 1000.
+    """
+
+    depth = 0
+    yaml_implicit_resolvers = {}  # noqa: RUF012 - PyYAML's own table, filled once below
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """Compose one node; an alias is refused, because a few lines of them can stand for gigabytes."""
+        if self.check_event(yaml.AliasEvent):
+            raise _refusal("aliases (*name) are not read", self.peek_event().start_mark)
+        self.depth += 1
+        if self.depth > _DEEPEST:
+            raise _refusal("nested too deeply", self.peek_event().start_mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Construct a mapping with distinct text keys."""
+        seen: set[str] = set()
+        for key_node, _ in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise _refusal("a key must be plain text", key_node.start_mark)
+            if key_node.tag == "tag:yaml.org,2002:merge":
+                raise _refusal("merge keys (<<) are not read", key_node.start_mark)
+            if key_node.value in seen:
+                raise _refusal(f"the key '{key_node.value}' occurs twice", key_node.start_mark)
+            seen.add(key_node.value)
+            # `y`, `on`, `400` or `2024-01-01` as a key is that text, not a boolean, a number or a date.
+            key_node.tag = "tag:yaml.org,2002:str"
+        return super().construct_mapping(node, deep)
+
+
+for _tag, _pattern, _first in (
+    ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    ("merge", r"<<", "<"),
+    ("int", r"[-+]?(?:0|[1-9][0-9]*)", "-+0123456789"),
+    (
+        "float",
+        r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+        "-+.0123456789",
+    ),
+):
+    _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
+
+
+def _refusal(problem: str, mark: yaml.Mark) -> yaml.MarkedYAMLError:
+    return yaml.MarkedYAMLError(problem=problem, problem_mark=mark)
+
+
+def read_text(path: Path | str) -> str:
+    """Return the text of a UTF-8 file; raises `InputError` where it is missing, no file, too large or not
+    UTF-8."""
+    place = Path(path)
+    try:
+        if place.is_file() and place.stat().st_size > _LARGEST_FILE:
+            raise InputError(path, "", f"is larger than {_LARGEST_FILE // 1024**2} MB")
+        return place.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(path, "", "there is no such file") from None
+    except IsADirectoryError:
+        raise InputError(path, "", "is a directory, not a file") from None
+    except PermissionError:
+        raise InputError(path, "", "may not be read (permission)") from None
+    except UnicodeDecodeError as error:
+        raise InputError(path, "", f"is not UTF-8 text (byte {error.start})") from None
+    except (OSError, ValueError) as error:
+        raise InputError(path, "", f"cannot be read: {error}") from None
+
+
+def parse_yaml(text: str, *, file: object) -> object:
+    """Return what the YAML `text` holds; raises `InputError` with the line number where it is not YAML."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f"line {mark.line + 1}: " if mark is not None else ""
+        raise InputError(file, "", f"{line}{error.problem or 'is not YAML'}") from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise InputError(file, "", f"is not YAML: {shown(str(error))}") from None
+
+
+def load_yaml(path: Path | str) -> Mapping:
+    """Return the mapping that a YAML file holds; raises `InputError` for anything else, always in one line.
+
+    Refused: a missing, unreadable, empty or non-UTF-8 file, a directory, a syntax error (with its line), a
+    key that occurs twice, aliases and merge keys, and a file whose top level is not a mapping.
+    """
+    content = parse_yaml(read_text(path), file=path)
+    if content is None:
+        raise InputError(path, "", "is empty")
+    return Mapping(content, file=path)
+
+
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Return `; did you mean 'X'?` for the known name most like `name`, or a short list of what is known."""
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+    if not close:
+        by_case = {item.lower(): item for item in known}
+        likely = difflib.get_close_matches(name.lower(), list(by_case), n=1, cutoff=0.6)
+        close = [by_case[item] for item in likely]
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    if not known:
+        return ""
+    return f"; known: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+
+
+class Mapping:
+    """One mapping of a file, read key by key.
+
+    Each reader remembers its key as known; `close()` (or leaving `with mapping.reading():`) refuses every key
+    that no reader asked for. `file` and `key` say where the mapping stands, for messages. A default is
+    returned where the key is absent; without one, absence is an `InputError`. `null` counts as absent.
+    """
+
+    def __init__(self, content: object, *, file: object, key: str = "") -> None:
+        if not isinstance(content, dict):
+            raise InputError(file, key, f"needs keys with values, not {shown(content)}")
+        self.content = {str(name): value for name, value in cast(dict[object, object], content).items()}
+        self.file = file
+        self.key = key
+        self._asked: dict[str, None] = {}
+
+    def path_of(self, name: str) -> str:
+        """Return the full key of the entry `name`, such as `chain[2].joint.range`."""
+        return f"{self.key}.{name}" if self.key else name
+
+    def error(self, name: str, message: str) -> InputError:
+        """Return the error for the entry `name` (or for the mapping itself where `name` is empty)."""
+        return InputError(self.file, self.path_of(name) if name else self.key, message)
+
+    def has(self, name: str) -> bool:
+        """Tell whether the entry is there (and not null); the key counts as known from then on."""
+        self._asked[name] = None
+        return self.content.get(name) is not None
+
+    def raw(self, name: str, would_do: str = "a value") -> object:
+        """Return the entry as YAML gave it; raises `InputError` where it is missing, saying what would do."""
+        if not self.has(name):
+            others = [item for item in self.content if item not in self._asked]
+            near = difflib.get_close_matches(name, others, n=1, cutoff=0.75)
+            hint = f" ('{near[0]}' is not a key known here; did you mean '{name}'?)" if near else ""
+            raise self.error(name, f"is missing; write {would_do}{hint}")
+        return self.content[name]
+
+    def quantity(self, name: str, kind: str, default: float | None = None) -> float:
+        """Return a quantity in SI."""
+        if default is not None and not self.has(name):
+            return default
+        return read_quantity(self.raw(name, _example(kind)), kind, file=self.file, key=self.path_of(name))
+
+    def optional_quantity(self, name: str, kind: str) -> float | None:
+        """Return a quantity in SI, None where it is absent."""
+        return self.quantity(name, kind) if self.has(name) else None
+
+    def number(self, name: str, default: float | None = None) -> float:
+        """Return a pure, finite number."""
+        if default is not None and not self.has(name):
+            return default
+        return read_number(self.raw(name, "a number"), file=self.file, key=self.path_of(name))
+
+    def integer(self, name: str, default: int | None = None) -> int:
+        """Return a whole number."""
+        if default is not None and not self.has(name):
+            return default
+        value = self.raw(name, "a whole number")
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise self.error(name, f"needs a whole number, not {shown(value)}")
+        return value
+
+    def text(self, name: str, default: str | None = None) -> str:
+        """Return a text that is not empty; a number or a date in its place is refused (quote it)."""
+        if default is not None and not self.has(name):
+            return default
+        value = self.raw(name, "a text")
+        if not isinstance(value, str) or not value.strip():
+            raise self.error(name, f"needs a text, not {shown(value)}")
+        return value
+
+    def boolean(self, name: str, default: bool | None = None) -> bool:
+        """Return true or false."""
+        if default is not None and not self.has(name):
+            return default
+        value = self.raw(name, "true or false")
+        if not isinstance(value, bool):
+            raise self.error(name, f"needs true or false, not {shown(value)}")
+        return value
+
+    def choice(self, name: str, choices: Sequence[str], default: str | None = None) -> str:
+        """Return one of the names in `choices`."""
+        value = self.text(name, default) if default is not None else self.text(name)
+        if value not in choices:
+            meant = _meant(value, choices)
+            raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{meant}")
+        return value
+
+    def items(self, name: str, default: Sequence[object] | None = None) -> list[object]:
+        """Return a list; a single value in its place is refused."""
+        if default is not None and not self.has(name):
+            return list(default)
+        value = self.raw(name, "a list, e.g. [a, b]")
+        if not isinstance(value, list):
+            raise self.error(name, f"needs a list, not {shown(value)}")
+        return cast(list[object], value)
+
+    def mapping(self, name: str) -> Mapping:
+        """Return the mapping under `name`."""
+        return Mapping(self.raw(name, "keys with values"), file=self.file, key=self.path_of(name))
+
+    def mappings(self, name: str) -> list[Mapping]:
+        """Return the list of mappings under `name`, their keys numbered from 1."""
+        entries = enumerate(self.items(name), start=1)
+        path = self.path_of(name)
+        return [Mapping(entry, file=self.file, key=f"{path}[{number}]") for number, entry in entries]
+
+    def bound(self, name: str, kind: str) -> Bound:
+        """Return a limit such as `<= 26 kg`."""
+        return read_bound(self.raw(name, "a limit"), kind, file=self.file, key=self.path_of(name))
+
+    def range(self, name: str, kind: str) -> tuple[float, float]:
+        """Return `[low, high]` in SI."""
+        return read_range(self.raw(name, "a range [low, high]"), kind, file=self.file, key=self.path_of(name))
+
+    def vector(self, name: str, kind: str, length: int) -> tuple[float, ...]:
+        """Return `length` quantities of one kind, in SI."""
+        values = self.items(name)
+        if len(values) != length:
+            raise self.error(name, f"needs {length} values, not {len(values)}")
+        path = self.path_of(name)
+        return tuple(
+            read_quantity(value, kind, file=self.file, key=f"{path}[{number}]")
+            for number, value in enumerate(values, start=1)
+        )
+
+    def close(self, *also_known: str) -> None:
+        """Refuse the keys that nobody asked for; `also_known` names keys that are read elsewhere."""
+        known = [*self._asked, *also_known]
+        for name in self.content:
+            if name not in known:
+                raise self.error("", f"unknown key '{name}'{nearest(name, known)}")
+
+    @contextmanager
+    def reading(self, *also_known: str) -> Generator[Mapping]:
+        """Read inside `with`; at its end the keys that nobody asked for are refused."""
+        yield self
+        self.close(*also_known)
+
+
+def _meant(value: str, choices: Sequence[str]) -> str:
+    near = difflib.get_close_matches(value, choices, n=1, cutoff=0.6)
+    return f"; did you mean '{near[0]}'?" if near else ""
+
+
+def _example(kind: str) -> str:
+    return f"e.g. '{kind_of(kind).example}'"

@@ -1,0 +1,1 @@
+"""The least worst-case error: the min-max optimiser and the problems it solves."""

@@ -1,0 +1,287 @@
+"""One combination of shapes and materials as variables: from the optimiser's numbers to beams, and back to an arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.beam import Beam, elastic_beam
+from arm.chain import Arm
+from arm.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from arm.strength import STRENGTH_FIELDS
+from materials.material import Material, MaterialValues
+from sections import SHAPES
+from sections.properties import SectionProperties
+from sections.section import DesignVariable, Section
+
+from .problem import Problem
+
+Array = NDArray[np.float64]
+
+MATERIAL_FIELDS = ("elastic_modulus", "shear_modulus", "density", "poisson_ratio", "yield_strength", "cost")
+"""The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One number of the optimiser: the design quantity is exp(x), or x times `scale`, between `lower` and `upper` (SI)."""
+
+    link: int
+    name: str
+    logarithmic: bool
+    scale: float
+    lower: float
+    upper: float
+
+    def to_x(self, value: float) -> float:
+        """The optimiser's number for a design value (SI)."""
+        return math.log(value / self.scale) if self.logarithmic else value / self.scale
+
+    def from_x(self, x: Any) -> Any:
+        """The design value (SI) for the optimiser's number, in floats or symbols."""
+        return self.scale * (ca.exp(x) if self.logarithmic else x)
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """The variables of a combination of shapes (one a link, None for a rigid link), whatever the materials."""
+
+    problem: Problem
+    shapes: tuple[str | None, ...]
+    variables: tuple[Variable, ...]
+
+    @property
+    def free_lengths(self) -> bool:
+        """Whether lengths are among the variables."""
+        return any(variable.name == "length" for variable in self.variables)
+
+    def values(self, x: Any) -> list[Any]:
+        """The design quantities (SI) of all variables."""
+        return [variable.from_x(x[k]) for k, variable in enumerate(self.variables)]
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of x."""
+        lower = np.array([variable.to_x(variable.lower) for variable in self.variables])
+        upper = np.array([variable.to_x(variable.upper) for variable in self.variables])
+        return lower, upper
+
+    def sections_and_lengths(self, x: Any) -> tuple[list[Section | None], list[Any]]:
+        """Each link's section and length (m) for the optimiser's numbers."""
+        values = self.values(x)
+        sections: list[Section | None] = []
+        lengths: list[Any] = []
+        for link, shape in enumerate(self.shapes):
+            own = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == link}
+            if shape is None:
+                sections.append(None)
+            else:
+                source = own
+                if "size" in self.problem.same:
+                    first = next(k for k, other in enumerate(self.shapes) if other == shape)
+                    source = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == first}
+                kind = SHAPES[shape]
+                sections.append(kind.from_variables([source[variable.name] for variable in kind.variables]))
+            lengths.append(own.get("length", self.problem.arm.links[link].length))
+        return sections, lengths
+
+
+def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpace:
+    """The variables of a combination of shapes."""
+    variables: list[Variable] = []
+    for link, shape in enumerate(shapes):
+        if shape is None:
+            continue
+        shared = "size" in problem.same and shape in shapes[:link]
+        kind = SHAPES[shape]
+        bounds = kind.variable_bounds(problem.section_size, problem.thickness)
+        for variable, (lower, upper) in zip(kind.variables, bounds, strict=True):
+            if not shared:
+                variables.append(_section_variable(link, variable, lower, upper))
+        if problem.link_length is not None:
+            low, high = problem.link_length
+            variables.append(Variable(link, "length", True, 1.0, low, high))
+    return DesignSpace(problem, shapes, tuple(variables))
+
+
+def _section_variable(link: int, variable: DesignVariable, lower: float, upper: float) -> Variable:
+    # Areas span several decades: a scale between the bounds keeps the optimiser's numbers near one.
+    scale = 1.0 if variable.logarithmic else math.sqrt(lower * upper)
+    return Variable(link, variable.name, variable.logarithmic, scale, lower, upper)
+
+
+def material_row(materials: Sequence[Material | None], problem: Problem) -> Array:
+    """The materials' figures as the programs' parameters (6 a link); raises `MissingProperty` for what is needed."""
+    needed = {"elastic_modulus", "density"}
+    if needs_shear_modulus(problem.arm):
+        needed |= {"shear_modulus"}
+    if problem.limit("safety_factor"):
+        needed |= {"yield_strength"}
+    if problem.minimize == "cost" or problem.limit("cost"):
+        needed |= {"cost"}
+    rows: list[float] = []
+    for material in materials:
+        if material is None:
+            rows += [0.0] * len(MATERIAL_FIELDS)
+            continue
+        values = material.at(problem.arm.temperature)
+        for name in MATERIAL_FIELDS:
+            if name in needed:
+                rows.append(material.need(name, problem.arm.temperature))  # type: ignore[arg-type]
+            elif name == "poisson_ratio":
+                rows.append(0.3 if values.poisson_ratio is None else values.poisson_ratio)
+            else:
+                found = getattr(values, name)
+                rows.append(0.0 if found is None else found)
+    return np.array(rows)
+
+
+def material_values(row: Any, link: int) -> MaterialValues:
+    """One link's material from the parameters, as symbols or floats."""
+    base = len(MATERIAL_FIELDS) * link
+    fields = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
+    return MaterialValues("chosen", 0.0, **fields)
+
+
+@dataclass(frozen=True)
+class DesignExpressions:
+    """A design's figures as expressions of the optimiser's numbers and the materials' parameters (SI)."""
+
+    sections: tuple[Section | None, ...]
+    properties: tuple[SectionProperties | None, ...]
+    beams: tuple[Beam, ...]
+    beam_column: Any
+    strength_column: Any
+    mass: Any
+    cost: Any
+    reach: Any
+
+
+def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:
+    """The design's figures for symbols x and the materials' parameters."""
+    arm = space.problem.arm
+    sections, lengths = space.sections_and_lengths(x)
+    own = beams_of(arm) if any(section is None for section in sections) else None
+    beams: list[Beam] = []
+    properties: list[SectionProperties | None] = []
+    mass: Any = 0.0
+    cost: Any = 0.0
+    for link, (section, length) in enumerate(zip(sections, lengths, strict=True)):
+        if section is None:
+            assert own is not None
+            beams.append(own[link])
+            properties.append(None)
+            mass = mass + own[link].lumped_mass
+            continue
+        material = material_values(materials, link)
+        found = section.properties(material.poisson_ratio)
+        beam = elastic_beam(length, found, material, shear=True)
+        properties.append(found)
+        beams.append(beam)
+        weight = beam.mass_per_length * length
+        mass = mass + weight
+        cost = cost + weight * material.cost
+    column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
+    strength = [
+        1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS
+    ]
+    return DesignExpressions(
+        tuple(sections),
+        tuple(properties),
+        tuple(beams),
+        ca.vertcat(*[ca.SX(0.0 if entry is None else entry) for entry in column]),
+        ca.vertcat(*[ca.SX(entry) for entry in strength]),
+        mass,
+        cost,
+        sum(lengths),
+    )
+
+
+def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -> Arm:
+    """The arm that the optimiser's numbers describe."""
+    sections, lengths = space.sections_and_lengths([float(value) for value in x])
+    links = list(space.problem.arm.links)
+    for k, (section, length, material) in enumerate(zip(sections, lengths, materials, strict=True)):
+        if section is None:
+            continue
+        plain = type(section)(**{name: float(value) for name, value in section.given().items()})
+        given = links[k].material_given if material == links[k].material else None
+        links[k] = replace(
+            links[k], section=plain, length=float(length), material=material, section_name=None, material_given=given
+        )
+    return space.problem.arm.with_links(tuple(links))
+
+
+def numeric_beams(arm: Arm) -> Array:
+    """The beam values of an arm, as the error model takes them."""
+    return beam_values(beams_of(arm))
+
+
+def starting_points(space: DesignSpace, materials: Array, count: int, seed: int = 7) -> list[Array]:
+    """Starting values of x: equal shares of the mass allowed, the arm as given, then random ones (seeded)."""
+    problem = space.problem
+    lower, upper = space.bounds()
+    lengths = _starting_lengths(space)
+    starts = [_shared_mass(space, materials, lengths)]
+    own = _as_given(space, lengths)
+    if own is not None:
+        starts.append(own)
+    generator = np.random.default_rng(seed)
+    while len(starts) < count:
+        shift = generator.uniform(-0.5, 0.5, len(lower))
+        starts.append(np.clip(starts[0] + shift, lower, upper))
+    del problem
+    return [np.clip(start, lower, upper) for start in starts[:count]]
+
+
+def _starting_lengths(space: DesignSpace) -> list[float]:
+    problem = space.problem
+    lengths = [link.length for link in problem.arm.links]
+    if problem.link_length is not None:
+        low, high = problem.link_length
+        lengths = [
+            min(max(length, low), high) if link.elastic else length
+            for length, link in zip(lengths, problem.arm.links, strict=True)
+        ]
+    return lengths
+
+
+def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> Array:
+    problem = space.problem
+    most = min((limit.value for limit in problem.limit("mass") if limit.relation != ">="), default=math.inf)
+    elastic = [k for k, shape in enumerate(space.shapes) if shape is not None]
+    x: list[float] = []
+    for link in elastic:
+        shape = space.shapes[link]
+        assert shape is not None
+        density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
+        share = 0.9 * most / (len(elastic) * density * lengths[link]) if math.isfinite(most) else 3e-3
+        section = SHAPES[shape].start(share, problem.section_size, problem.thickness)
+        x += _own_values(space, link, section, lengths[link])
+    return np.array(x)
+
+
+def _own_values(space: DesignSpace, link: int, section: Section, length: float) -> list[float]:
+    named = dict(zip((v.name for v in section.variables), section.variable_values(), strict=True))
+    named["length"] = length
+    return [
+        variable.to_x(min(max(float(named[variable.name]), variable.lower), variable.upper))
+        for variable in space.variables
+        if variable.link == link
+    ]
+
+
+def _as_given(space: DesignSpace, lengths: list[float]) -> Array | None:
+    x: list[float] = []
+    for link, (shape, own) in enumerate(zip(space.shapes, space.problem.arm.links, strict=True)):
+        if shape is None:
+            continue
+        if own.section is None or own.section.shape != shape:
+            return None
+        x += _own_values(space, link, own.section, lengths[link])
+    return np.array(x)

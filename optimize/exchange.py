@@ -1,0 +1,332 @@
+"""The exchange (Blankenship and Falk 1976, doi:10.1007/BF00934096): binding poses in, a better design out.
+
+Solve the design for the poses found so far; look for poses at which that design is worse; add them; until the search, and
+for planar arms its certificate, agrees that there are none. Every figure is judged on the real arm, never on the program.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.evaluation import least_frequency, strength_over
+from arm.kinematics import tip_position
+from arm.model import ErrorModel, beams_of, error_model
+from arm.modes import first_modes
+from arm.strength import StrengthCase, StrengthResult, strength_case
+from arm.workspace import Unreachable
+from arm.worst import WorstCase, WorstPose, WorstSearch
+from materials.material import Material
+
+from .design import DesignSpace, arm_of, numeric_beams, starting_points
+from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
+from .problem import Problem
+from .program import Program, Solution, anchored, fixed_error
+from .result import Iteration
+
+Array = NDArray[np.float64]
+Log = Callable[[Iteration], None]
+
+TOLERANCE = 2e-5
+"""Relative violation at which the exchange stops; the certificate's gap is another 5e-5, so the whole is 1e-4."""
+CERTIFICATE_GAP = 3e-5
+_MOST_ROUNDS = 40
+_MOST_ADDED = 6
+_STRENGTH_POSES = 2048
+
+
+@dataclass(frozen=True)
+class Context:
+    """What all combinations of a problem share: the error model, the search for worst poses, the strength of links."""
+
+    problem: Problem
+    model: ErrorModel
+    search: WorstSearch
+    strengths: tuple[StrengthCase, ...]
+
+    @property
+    def uses_error(self) -> bool:
+        """Whether the error is minimised or limited."""
+        return self.problem.minimize == "max_error" or bool(self.problem.limit("max_error"))
+
+    def limit(self, name: str) -> float | None:
+        """The strictest limit on a figure that must not fall below it."""
+        return max((limit.value for limit in self.problem.limit(name)), default=None)
+
+
+@dataclass(frozen=True)
+class Exchanged:
+    """The end of an exchange: the design, the pool, the last solution, the worst case and the log.
+
+    `bounded_out` tells that it was given up because even the pool's poses alone are worse than what is known.
+    """
+
+    x: Array
+    solution: Solution
+    pool: Pool
+    worst: WorstCase | None
+    iterations: tuple[Iteration, ...]
+    certified: bool
+    converged: bool
+    bounded_out: bool = False
+
+
+def context_of(problem: Problem) -> Context:
+    """The shared parts of a problem's exchanges."""
+    model = error_model(problem.arm, problem.load_cases)
+    search = WorstSearch(model, problem.workspace, gap=CERTIFICATE_GAP)
+    wanted = problem.limit("safety_factor") or problem.limit("buckling")
+    strengths = tuple(strength_case(problem.arm, load) for load in problem.load_cases) if wanted else ()
+    return Context(problem, model, search, strengths)
+
+
+def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
+    """The value (SI) of what is minimised."""
+    from .program import carried_mass
+
+    mass, cost, _ = program.mass_cost_reach(x, materials)
+    return {
+        "max_error": error,
+        "mass": mass,
+        "total_mass": mass + carried_mass(context.problem),
+        "cost": cost,
+    }[context.problem.minimize]
+
+
+class Exchange:
+    """The exchange for one combination of shapes; materials and starts may differ from call to call."""
+
+    def __init__(self, context: Context, space: DesignSpace) -> None:
+        self.context, self.space = context, space
+        self._program: Program | None = None
+
+    def program(self, pool: Pool) -> Program:
+        """A compiled program with room for the pool (and some to spare)."""
+        if self._program is None or not self._program.holds(pool):
+            needed = pool.room(len(self.context.model.cases))
+            room = tuple(0 if need == 0 else 2 ** math.ceil(math.log2(need + 1)) for need in needed)
+            self._program = Program(self.space, self.context.model, self.context.strengths, (room[0], room[1], room[2]))
+        return self._program
+
+    def bound(self, materials: Array, pool: Pool, start: Array) -> tuple[Solution, float] | None:
+        """The solution for the pool alone, and its objective: no design near it does better. None where infeasible."""
+        program = self.program(pool)
+        solution = program.solve(start, materials, pool)
+        if not solution.solved:
+            return None
+        return solution, objective_of(self.context, program, solution.x, materials, solution.error)
+
+    def run(
+        self,
+        materials: Array,
+        chosen: Sequence[Material | None],
+        pool: Pool,
+        start: Array,
+        *,
+        give_up_above: float = math.inf,
+        log: Log | None = None,
+    ) -> Exchanged | None:
+        """The exchange from a start; None where the finite problem has no solution.
+
+        `give_up_above`: an objective that is known to be reached by other choices.
+        """
+        iterations: list[Iteration] = []
+        last, error = start, 1e-3
+        best: Exchanged | None = None
+        for number in range(1, _MOST_ROUNDS + 1):
+            program = self.program(pool)
+            solution = program.solve(last, materials, pool, error=error)
+            if not solution.solved:
+                solution = program.solve(start, materials, pool, error=error)
+            if not solution.solved:
+                return None
+            objective = objective_of(self.context, program, solution.x, materials, solution.error)
+            change = _change(self.space, last, solution.x) if number > 1 else math.nan
+            last, error = solution.x, solution.error
+            if objective > give_up_above * (1.0 + 1e-9):
+                return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
+            found = self._judge(last, solution, chosen, pool)
+            iterations.append(
+                Iteration(number, objective, change, pool.size, found.violation, found.certified)
+            )
+            if log is not None:
+                log(iterations[-1])
+            done = found.violation <= TOLERANCE or found.pool.size == pool.size
+            best = Exchanged(
+                last, solution, pool, found.worst, tuple(iterations), found.certified, found.violation <= TOLERANCE
+            )
+            if done:
+                break
+            pool = found.pool
+        return best
+
+    def _judge(self, x: Array, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> _Judged:
+        """How much worse the design is than its program believes, with the poses that show it."""
+        context = self.context
+        arm = arm_of(self.space, x, chosen)
+        p = numeric_beams(arm)
+        violation, certified, worst = -math.inf, True, None
+        grown = pool
+        if context.uses_error:
+            known = np.array([cut.q for cut in pool.errors])
+            allowed = solution.error
+            limit = min((each.value for each in context.problem.limit("max_error")), default=math.inf)
+            if context.problem.minimize != "max_error":
+                allowed = limit
+            worst = context.search.worst(p, certify=False, extra=known)
+            if worst.error <= allowed * (1.0 + TOLERANCE):
+                worst = context.search.worst(p, certify=True, extra=known)
+            certified = worst.certified
+            violation = worst.error / allowed - 1.0
+            worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
+            cuts = tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED])
+            grown = _anchored_again(context, grown, p) if anchored(self.space) else grown
+            grown = grown.with_errors(cuts)
+        violation, grown = self._judge_strength(arm, p, violation, grown)
+        violation, grown = self._judge_modes(arm, p, violation, grown)
+        return _Judged(max(violation, 0.0), certified, worst, grown)
+
+    def _judge_strength(self, arm: object, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
+        context = self.context
+        if not context.strengths:
+            return violation, pool
+        result = strength_of(context, arm, p)
+        cuts: list[StrengthCut] = []
+        factor, buckling = context.limit("safety_factor"), context.limit("buckling")
+        if factor is not None:
+            for have, place in zip(result.safety_factor, result.poses, strict=True):
+                assert have is not None
+                violation = max(violation, factor / have - 1.0)
+                if factor / have - 1.0 > TOLERANCE:
+                    cuts.append(StrengthCut(*place))
+        if buckling is not None:
+            for have, place in zip(result.buckling, result.buckling_poses, strict=True):
+                violation = max(violation, buckling / have - 1.0)
+                if buckling / have - 1.0 > TOLERANCE:
+                    cuts.append(StrengthCut(*place))
+        return violation, pool.with_strengths(tuple(cuts))
+
+    def _judge_modes(self, arm: object, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
+        context = self.context
+        limit = context.limit("first_frequency")
+        if limit is None:
+            return violation, pool
+        cut, frequency = slowest_mode(context, arm, p)
+        short = limit / frequency - 1.0
+        return max(violation, short), pool.with_modes((cut,)) if short > TOLERANCE else pool
+
+
+@dataclass(frozen=True)
+class _Judged:
+    violation: float
+    certified: bool
+    worst: WorstCase | None
+    pool: Pool
+
+
+def _change(space: DesignSpace, old: Array, new: Array) -> float:
+    """The largest relative change of a design quantity."""
+    before, after = np.array(space.values(list(old)), dtype=float), np.array(space.values(list(new)), dtype=float)
+    return float(np.abs(after / before - 1.0).max(initial=0.0))
+
+
+def strength_of(context: Context, arm: object, p: Array) -> StrengthResult:
+    """The strength of a design over spread poses of the workspace and the worst poses for each link."""
+    from arm.chain import Arm
+
+    assert isinstance(arm, Arm)
+    poses = context.search.poses(p, _STRENGTH_POSES)
+    return strength_over(arm, context.problem.load_cases, poses, p)
+
+
+def slowest_mode(context: Context, arm: object, p: Array) -> tuple[ModeCut, float]:
+    """The mode of the least first frequency over the workspace, and that frequency (Hz)."""
+    from arm.chain import Arm
+
+    assert isinstance(arm, Arm)
+    beams = beams_of(arm)
+    slowest = least_frequency(arm, context.search, beams, p, context.problem.load_cases)
+    if slowest is None:
+        raise ValueError("nothing in the model gives, so a limit on the first frequency means nothing")
+    payload = context.problem.load_cases[slowest.load_case].mass
+    modes = first_modes(arm, beams, payload, np.array([slowest.q]))
+    return ModeCut(slowest.q, payload, tuple(modes.shape[0].tolist())), float(modes.frequency[0])
+
+
+def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -> ErrorCut:
+    """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
+    shift = np.sum([np.zeros(3), *pose.shifts], axis=0)
+    if fixed_error(context.model) > 0.0:
+        shift = np.zeros(3)
+    anchor = _anchor(context, np.array(pose.q), p) if anchored(space) else None
+    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])), anchor)
+
+
+def _anchor(context: Context, q: Array, p: Array) -> Anchor:
+    """Where the tip stands, and how the joints can move without moving it."""
+    axes = 2 if context.model.planar else 3
+    step = 1e-6
+    tip = context.search.tip(q[None], p)[0]
+    moved = [context.search.tip(q[None] + step * row, p)[0] for row in np.eye(len(q))]
+    jacobian = np.stack([(place - tip)[:axes] / step for place in moved], axis=1)
+    null = np.linalg.svd(jacobian)[2][axes:]
+    return Anchor((float(tip[0]), float(tip[1]), float(tip[2])), tuple(tuple(row) for row in null.tolist()))
+
+
+def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
+    """The pool's poses for the lengths that the design now has, so that they reach the same places."""
+    from arm.workspace import pull
+
+    search = context.search
+    used = np.array([1.0, 1.0, float(not context.model.planar)])
+    kept: list[ErrorCut] = []
+    for cut in pool.errors:
+        if cut.anchor is None:
+            continue
+        q, miss = pull(
+            lambda q: search.tip(q, p), np.array([cut.q]), np.array([cut.anchor.tip]), search.lower, search.upper, used
+        )
+        if miss[0] < 1e-7:
+            kept.append(replace(cut, q=tuple(q[0].tolist()), anchor=_anchor(context, q[0], p)))
+    cases = {cut.load_case for cut in kept}
+    # A place that the new lengths do not reach is dropped, unless it is all that is known of its load case.
+    kept += [cut for cut in pool.errors if cut.load_case not in cases]
+    return replace(pool, errors=tuple(kept))
+
+
+def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Material | None]) -> Pool:
+    """The binding poses of a first design: the worst of each load case, each link's most stressed, the slowest mode.
+
+    Raises `Unreachable` where the workspace holds points that this design cannot reach.
+    """
+    arm = arm_of(space, x, chosen)
+    p = numeric_beams(arm)
+    pool = Pool()
+    if context.uses_error:
+        worst = context.search.worst(p, certify=False)
+        poses = list(worst.poses)
+        for case in range(len(context.model.cases)):
+            if not any(pose.load_case == case for pose in poses):
+                places = context.search.poses(p, 256)
+                poses += sorted(context.search.worst_poses_at(places, p, case), key=lambda pose: -pose.error)[:1]
+        top = [pose for pose in poses if pose.error > 0.5 * worst.error][:_MOST_ADDED]
+        for case in range(len(context.model.cases)):
+            if not any(pose.load_case == case for pose in top):
+                top.append(next(pose for pose in poses if pose.load_case == case))
+        pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in top))
+    if context.strengths:
+        result = strength_of(context, arm, p)
+        cuts = [StrengthCut(*place) for place in (*result.poses, *result.buckling_poses)]
+        places = context.search.poses(p, 16)
+        cuts += [StrengthCut(tuple(places[0].tolist()), case) for case in range(len(context.model.cases))]
+        pool = pool.with_strengths(tuple(cuts))
+    if context.limit("first_frequency") is not None:
+        pool = pool.with_modes((slowest_mode(context, arm, p)[0],))
+    return pool
+
+
+__all__ = ["Context", "Exchange", "Exchanged", "Unreachable", "context_of", "first_pool", "starting_points", "tip_position"]

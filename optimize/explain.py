@@ -1,0 +1,190 @@
+"""What holds a design back, what that costs, and why a problem has no answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from materials.quantities import format_quantity
+
+from .choice import Choice, Combination, combinations
+from .design import material_row, starting_points
+from .exchange import Context, Exchange, first_pool
+from .problem import LIMIT_KINDS, Problem
+from .program import Solution
+from .result import BindingLimit
+
+Array = NDArray[np.float64]
+
+_UNITS = {
+    "max_error": ("mm", 1e3),
+    "mass": ("kg", 1.0),
+    "total_mass": ("kg", 1.0),
+    "reach": ("mm", 1e3),
+    "cost": ("EUR", 1.0),
+    "safety_factor": ("", 1.0),
+    "first_frequency": ("Hz", 1.0),
+    "buckling": ("", 1.0),
+}
+_FELT = 1e-6
+"""A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""
+_EXPLAINED = 24
+"""Combinations looked at to explain why none is feasible."""
+
+
+def price_unit(problem: Problem, unit: str) -> str:
+    """The unit of a price: the objective's unit per the limit's."""
+    own = _UNITS[problem.minimize][0]
+    return f"{own}/{unit}" if unit else own
+
+
+def binding_limits(problem: Problem, choice: Choice, figures: dict[str, float]) -> tuple[BindingLimit, ...]:
+    """Every limit that holds the optimum, with what one unit more of it would buy; `figures` are the design's own (SI)."""
+    solution = choice.exchanged.solution
+    # The objective is a logarithm: of the error that design can change, of the mass, or of the cost.
+    unchanging = choice.exchange.program(choice.exchanged.pool).fixed_error if problem.minimize == "max_error" else 0.0
+    worth = (choice.objective - unchanging) * _UNITS[problem.minimize][1]
+    found: list[BindingLimit] = []
+    for limit, multiplier in zip(problem.limits, solution.limit_prices, strict=True):
+        if abs(multiplier) < _FELT:
+            continue
+        unit, factor = _UNITS[limit.name]
+        tightening = 1.0 if limit.relation == ">=" else -1.0
+        found.append(
+            BindingLimit(
+                name=limit.name,
+                text=limit.text,
+                value=figures[limit.name] * factor,
+                limit=limit.value * factor,
+                unit=unit,
+                price=tightening * multiplier * worth / (limit.value * factor),
+                price_unit=price_unit(problem, unit),
+            )
+        )
+    return (*found, *_bounds(problem, choice, solution, worth))
+
+
+def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) -> list[BindingLimit]:
+    """Bounds on lengths, outer sizes and walls that hold, all links' multipliers added up."""
+    prices: dict[tuple[str, int], float] = {}
+    where: dict[tuple[str, int], list[str]] = {}
+    for variable, multiplier in zip(choice.space.variables, solution.bound_prices.tolist(), strict=True):
+        if abs(multiplier) < _FELT:
+            continue
+        side = 1 if multiplier > 0.0 else 0
+        value = variable.upper if side else variable.lower
+        for name, bounds in _ranges(problem):
+            if abs(value - bounds[side]) <= 1e-12 * value and _kind(choice, variable.link, variable.name) == name:
+                slope = 1.0 / value if variable.logarithmic else 1.0 / variable.scale
+                prices[name, side] = prices.get((name, side), 0.0) - multiplier * slope
+                where.setdefault((name, side), []).append(f"link {variable.link + 1} {variable.name}")
+    _add_wall_prices(problem, choice, solution, prices, where)
+    found: list[BindingLimit] = []
+    for (name, side), slope in prices.items():
+        bound = dict(_ranges(problem))[name][side]
+        relation = "<=" if side else ">="
+        places = ", ".join(dict.fromkeys(where[name, side]))
+        text = f"{name} {relation} {format_quantity(bound, 'length')} ({places})"
+        price = slope * worth * 1e-3
+        found.append(
+            BindingLimit(name, text, bound * 1e3, bound * 1e3, "mm", price, price_unit(problem, "mm"))
+        )
+    return found
+
+
+def _ranges(problem: Problem) -> list[tuple[str, tuple[float, float]]]:
+    ranges = [("section_size", problem.section_size), ("thickness", problem.thickness)]
+    if problem.link_length is not None:
+        ranges.append(("link_length", problem.link_length))
+    return ranges
+
+
+def _kind(choice: Choice, link: int, name: str) -> str:
+    """Which of the problem's ranges bounds a variable; none for areas."""
+    from sections import SHAPES
+
+    if name == "length":
+        return "link_length"
+    shape = choice.combination.shapes[link]
+    assert shape is not None
+    kinds = {variable.name: variable.kind for variable in SHAPES[shape].variables}
+    return {"outer": "section_size", "wall": "thickness"}.get(kinds[name], "")
+
+
+def _add_wall_prices(
+    problem: Problem,
+    choice: Choice,
+    solution: Solution,
+    prices: dict[tuple[str, int], float],
+    where: dict[tuple[str, int], list[str]],
+) -> None:
+    """Walls that are no variables hold through constraints of their own: their price by moving the bound a little."""
+    multipliers = dict(solution.shape_prices)
+    sections, _ = choice.space.sections_and_lengths(solution.x.tolist())
+    for link, section in enumerate(sections):
+        if section is None:
+            continue
+        now = section.bound_constraints(problem.section_size, problem.thickness)
+        for side in (0, 1):
+            step = 1e-6 * problem.thickness[side]
+            low = problem.thickness[0] + (step if side == 0 else 0.0)
+            high = problem.thickness[1] + (step if side == 1 else 0.0)
+            moved = section.bound_constraints(problem.section_size, (low, high))
+            for before, after in zip(now, moved, strict=True):
+                multiplier = multipliers.get(f"link {link + 1}: {before.text}", 0.0)
+                slope = multiplier * float(after.value - before.value) / step
+                if abs(multiplier) > _FELT and slope != 0.0 and abs(float(before.value)) < 1e-6:
+                    prices["thickness", side] = prices.get(("thickness", side), 0.0) + slope
+                    where.setdefault(("thickness", side), []).append(f"link {link + 1} wall")
+
+
+def why_infeasible(context: Context) -> str:
+    """Which limits stand in each other's way, by the least relaxation that would let some combination through."""
+    problem = context.problem
+    best: tuple[float, str] | None = None
+    picks = combinations(problem)
+    step = max(1, len(picks) // _EXPLAINED)
+    for pick in picks[::step]:
+        found = _relaxation(context, pick)
+        if found is not None and (best is None or found[0] < best[0]):
+            best = found
+    if best is None:
+        return "no design keeps all limits, and no relaxation of them was found"
+    return best[1]
+
+
+def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None:
+    from .design import design_space
+
+    problem = context.problem
+    space = design_space(problem, pick.shapes)
+    materials = material_row(pick.materials, problem)
+    exchange = Exchange(context, space)
+    for start in starting_points(space, materials, 3):
+        pool = first_pool(context, space, start, pick.materials)
+        solution = exchange.program(pool).solve(start, materials, pool, relax=True)
+        if solution.solved:
+            broken = [k for k, slack in enumerate(solution.slacks) if abs(slack) > 1e-4]
+            if broken:
+                return sum(abs(slack) for slack in solution.slacks), _told(problem, solution.slacks, broken)
+    return None
+
+
+def _told(problem: Problem, slacks: Sequence[float], broken: Sequence[int]) -> str:
+    parts: list[str] = []
+    for index in broken:
+        limit = problem.limits[index]
+        factor = math.exp(-slacks[index] if limit.relation == ">=" else slacks[index])
+        if limit.name == "buckling":
+            factor = 1.0 / (1.0 + slacks[index])
+        elif limit.name == "first_frequency":
+            factor = 1.0 / math.sqrt(1.0 + slacks[index])
+        need = format_quantity(limit.value * factor, LIMIT_KINDS[limit.name], digits=4)
+        parts.append(f"{limit.text} would have to be {limit.relation} {need}")
+    rest = [limit.text for k, limit in enumerate(problem.limits) if k not in broken]
+    kept = f", with {', '.join(rest)} kept" if rest else ""
+    sizes = format_quantity(problem.section_size[0], "length"), format_quantity(problem.section_size[1], "length")
+    return f"no design keeps all limits: {' and '.join(parts)}{kept} (section_size {sizes[0]} to {sizes[1]})"

@@ -1,0 +1,318 @@
+"""problem.yaml to `Problem`: what to minimise, over which poses and loads, within which limits, choosing what."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, cast
+
+from arm.chain import Arm, LoadCase
+from arm.files import read_arm, read_load
+from arm.vectors import ZERO
+from arm.workspace import Workspace
+from materials.catalogue import Catalogue, load_catalogue
+from materials.material import Material
+from materials.quantities import Bound, format_quantity, read_bound, read_quantity, shown
+from materials.reading import Mapping, load_yaml, nearest
+from sections import SHAPES
+
+Objective = Literal["max_error", "mass", "total_mass", "cost"]
+Relation = Literal["<=", "==", ">="]
+
+LIMIT_KINDS = {
+    "max_error": "length",
+    "mass": "mass",
+    "total_mass": "mass",
+    "reach": "length",
+    "cost": "cost",
+    "safety_factor": "dimensionless",
+    "first_frequency": "frequency",
+    "buckling": "dimensionless",
+}
+"""The quantities that `subject_to` can limit, with their kinds."""
+_SENSE: dict[str, tuple[Relation, ...]] = {
+    "max_error": ("<=",),
+    "mass": ("<=", "==", ">="),
+    "total_mass": ("<=", "==", ">="),
+    "reach": ("<=", "==", ">="),
+    "cost": ("<=",),
+    "safety_factor": (">=",),
+    "first_frequency": (">=",),
+    "buckling": (">=",),
+}
+_RANGES = {"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)}
+
+
+class NoAnswer(Exception):
+    """A well-formed question without an answer; the message says which limit stands in the way."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit on a quantity of the whole design, in SI."""
+
+    name: str
+    relation: Relation
+    value: float
+
+    @property
+    def text(self) -> str:
+        """The limit as people write it."""
+        return f"{self.name} {self.relation} {format_quantity(self.value, LIMIT_KINDS[self.name])}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A design problem, in SI. `shapes` and `materials` are what each link may be; None keeps the arm's own.
+
+    `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
+    `material`, `size` (the dimensions too).
+    """
+
+    file: str
+    arm: Arm
+    minimize: Objective
+    workspace: Workspace
+    load_cases: tuple[LoadCase, ...]
+    limits: tuple[Limit, ...]
+    link_length: tuple[float, float] | None
+    section_size: tuple[float, float]
+    thickness: tuple[float, float]
+    shapes: tuple[str, ...] | None
+    materials: tuple[Material, ...] | None
+    same: frozenset[str]
+
+    def limit(self, name: str) -> tuple[Limit, ...]:
+        """The limits on one quantity."""
+        return tuple(limit for limit in self.limits if limit.name == name)
+
+
+def read_problem(path: Path | str, catalogue: Catalogue | None = None) -> Problem:
+    """The problem that a YAML file describes; raises `InputError`, one line, for anything wrong."""
+    known = catalogue or load_catalogue()
+    mapping = load_yaml(path)
+    with mapping.reading():
+        arm_path = Path(path).parent / mapping.text("arm")
+        arm = read_arm(arm_path, known)
+        objectives = ("max_error", "mass", "total_mass", "cost")
+        minimize = cast(Objective, mapping.choice("minimize", objectives, "max_error"))
+        workspace = _workspace(mapping, arm)
+        cases = _load_cases(mapping)
+        limits, ranges = _subject_to(mapping)
+        shapes, materials, same = _choose(mapping, known)
+    problem = Problem(
+        file=str(path),
+        arm=arm,
+        minimize=minimize,
+        workspace=workspace,
+        load_cases=cases or (arm.payload,),
+        limits=limits,
+        link_length=ranges.get("link_length"),
+        section_size=ranges.get("section_size", _RANGES["section_size"]),
+        thickness=ranges.get("thickness", _RANGES["thickness"]),
+        shapes=shapes,
+        materials=materials,
+        same=same,
+    )
+    _check(mapping, problem)
+    return problem
+
+
+def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
+    if not mapping.has("workspace"):
+        return Workspace()
+    with mapping.mapping("workspace").reading() as body:
+        kinds = [name for name in ("joints", "path", "box") if body.has(name)]
+        if len(kinds) != 1:
+            raise body.error("", "needs one of joints, path and box, e.g. {joints: range}")
+        if kinds[0] == "joints":
+            return _joint_ranges(body, arm)
+        points = [
+            _point(point, body, f"{kinds[0]}[{number}]") for number, point in enumerate(body.items(kinds[0]), start=1)
+        ]
+        if kinds[0] == "box" and len(points) != 2:
+            raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
+        if not points:
+            raise body.error("path", "needs at least one point, [[x, y], ...]")
+        if len({len(point) for point in points}) != 1:
+            raise body.error(kinds[0], "mixes points of two and of three components")
+        flat = len(points[0]) == 2
+        if not flat and arm.planar() and any(point[2] != 0.0 for point in points):
+            raise body.error(kinds[0], "leaves the plane in which the arm moves: z must be 0 mm")
+        if flat and not arm.planar():
+            raise body.error(kinds[0], "needs three components (x, y, z): the arm moves in space")
+        full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
+        return Workspace(cast(Literal["path", "box"], kinds[0]), full, None, flat or arm.planar())
+
+
+def _joint_ranges(body: Mapping, arm: Arm) -> Workspace:
+    raw = body.raw("joints")
+    if raw == "range":
+        return Workspace()
+    if not isinstance(raw, list) or len(cast(list[object], raw)) != arm.size:
+        raise body.error("joints", f"is `range`, or a range for each of the {arm.size} joints, not {shown(raw)}")
+    ranges: list[tuple[float, float]] = []
+    for number, (pair, joint) in enumerate(zip(cast(list[object], raw), arm.joints, strict=True), start=1):
+        single = Mapping({"range": pair}, file=body.file, key=body.path_of(f"joints[{number}]"))
+        ranges.append(single.range("range", "angle" if joint.revolute else "length"))
+    return Workspace(ranges=tuple(ranges))
+
+
+def _point(value: object, body: Mapping, key: str) -> tuple[float, ...]:
+    if not isinstance(value, list) or len(cast(list[object], value)) not in (2, 3):
+        raise body.error(key, f"is a point of two or three lengths, e.g. [400 mm, 300 mm], not {shown(value)}")
+    path = body.path_of(key)
+    return tuple(
+        read_quantity(part, "length", file=body.file, key=f"{path}[{number}]")
+        for number, part in enumerate(cast(list[object], value), start=1)
+    )
+
+
+def _load_cases(mapping: Mapping) -> tuple[LoadCase, ...]:
+    """Each case replaces the arm's payload wholly; a force may stand inside `payload` or beside it."""
+    if not mapping.has("load_cases"):
+        return ()
+    cases: list[LoadCase] = []
+    for body in mapping.mappings("load_cases"):
+        with body.reading():
+            inner = read_load(body.mapping("payload")) if body.has("payload") else LoadCase()
+            outer = {name: value for name, value in body.content.items() if name in ("mass", "force", "moment")}
+            for name in outer:
+                body.has(name)
+            beside = read_load(Mapping(outer, file=body.file, key=body.key)) if outer else LoadCase()
+            for name, empty in (("mass", 0.0), ("force", ZERO), ("moment", ZERO)):
+                if getattr(inner, name) != empty and getattr(beside, name) != empty:
+                    raise body.error(name, "is given twice: inside payload and beside it")
+            cases.append(
+                LoadCase(
+                    mass=inner.mass or beside.mass,
+                    force=inner.force if any(inner.force) else beside.force,
+                    moment=inner.moment if any(inner.moment) else beside.moment,
+                )
+            )
+    if not cases:
+        raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
+    return tuple(cases)
+
+
+def _subject_to(mapping: Mapping) -> tuple[tuple[Limit, ...], dict[str, tuple[float, float]]]:
+    limits: list[Limit] = []
+    ranges: dict[str, tuple[float, float]] = {}
+    if not mapping.has("subject_to"):
+        return (), {}
+    with mapping.mapping("subject_to").reading() as body:
+        for name, default in _RANGES.items():
+            if body.has(name):
+                ranges[name] = _range(body, name, default)
+        for name, kind in LIMIT_KINDS.items():
+            if not body.has(name):
+                continue
+            raw = body.raw(name)
+            texts = cast(list[object], raw) if isinstance(raw, list) else [raw]
+            for text in texts:
+                bound: Bound = read_bound(text, kind, file=body.file, key=body.path_of(name))
+                if bound.relation not in _SENSE[name]:
+                    would_do = " or ".join(_SENSE[name])
+                    raise body.error(name, f"can only be limited by {would_do}, not {shown(text)}")
+                if bound.value <= 0.0:
+                    raise body.error(name, f"needs a limit above zero, not {shown(text)}")
+                limits.append(Limit(name, bound.relation, bound.value))
+    return tuple(limits), ranges
+
+
+def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[float, float]:
+    if isinstance(body.content[name], str):
+        bound = body.bound(name, "length")
+        low = bound.value if bound.relation != "<=" else min(default[0], bound.value)
+        high = bound.value if bound.relation != ">=" else max(default[1], bound.value)
+    else:
+        low, high = body.range(name, "length")
+    if low <= 0.0:
+        raise body.error(name, f"must be above zero, not {shown(body.content[name])}")
+    return low, high
+
+
+def _choose(
+    mapping: Mapping, catalogue: Catalogue
+) -> tuple[tuple[str, ...] | None, tuple[Material, ...] | None, frozenset[str]]:
+    if not mapping.has("choose"):
+        return None, None, frozenset()
+    with mapping.mapping("choose").reading() as body:
+        shapes: tuple[str, ...] | None = None
+        materials: tuple[Material, ...] | None = None
+        if body.has("section"):
+            names = _names(body, "section")
+            free = [name for name, kind in SHAPES.items() if kind.variables]
+            for number, name in enumerate(names, start=1):
+                if name not in free:
+                    raise body.error(f"section[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
+            shapes = tuple(dict.fromkeys(names))
+        if body.has("material"):
+            values = body.raw("material")
+            entries = cast(list[object], values) if isinstance(values, list) else [values]
+            if not entries:
+                raise body.error("material", "is empty; name at least one material")
+            path = body.path_of("material")
+            read = [
+                catalogue.read(entry, file=body.file, key=f"{path}[{number}]")
+                for number, entry in enumerate(entries, start=1)
+            ]
+            materials = tuple({material.name: material for material in read}.values())
+        same = body.items("same", [])
+        for name in same:
+            if name not in ("section", "material", "size"):
+                raise body.error("same", f"takes section, material and size, not {shown(name)}")
+        return shapes, materials, frozenset(str(name) for name in same)
+
+
+def _names(body: Mapping, key: str) -> list[str]:
+    raw = body.raw(key)
+    entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
+    if not entries or not all(isinstance(entry, str) for entry in entries):
+        raise body.error(key, f"needs names, e.g. [circle, tube], not {shown(raw)}")
+    return [str(entry) for entry in entries]
+
+
+def _check(mapping: Mapping, problem: Problem) -> None:
+    """Limits that contradict each other, whatever the design."""
+    body = mapping.mapping("subject_to") if mapping.has("subject_to") else mapping
+    for name, kind in LIMIT_KINDS.items():
+        lower = max((x.value for x in problem.limit(name) if x.relation in (">=", "==")), default=0.0)
+        upper = min((x.value for x in problem.limit(name) if x.relation in ("<=", "==")), default=math.inf)
+        if lower > upper * (1.0 + 1e-9):
+            low, high = format_quantity(lower, kind), format_quantity(upper, kind)
+            raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
+    _check_reach(body, problem)
+    if not any(link.elastic for link in problem.arm.links):
+        raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
+    if problem.minimize != "max_error" and not problem.limit("max_error"):
+        other = [limit for limit in problem.limits if limit.relation == ">=" and limit.name != "reach"]
+        if not other:
+            would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
+            raise mapping.error("minimize", f"{problem.minimize} alone ends at the smallest sections; {would_do}")
+    for shape in problem.shapes or [link.section.shape for link in problem.arm.links if link.section is not None]:
+        reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
+        if reason is not None:
+            raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
+    for shape in {"polygon"} & {link.section.shape for link in problem.arm.links if link.section is not None}:
+        if problem.shapes is None:
+            would_do = "choose other shapes: choose: {section: [...]}"
+            raise mapping.error("choose", f"a {shape} has no dimensions to optimise; {would_do}")
+
+
+def _check_reach(body: Mapping, problem: Problem) -> None:
+    lengths: Sequence[tuple[float, float]] = [
+        problem.link_length if problem.link_length is not None and link.elastic else (link.length, link.length)
+        for link in problem.arm.links
+    ]
+    shortest, longest = sum(low for low, _ in lengths), sum(high for _, high in lengths)
+    for limit in problem.limit("reach"):
+        asked = format_quantity(limit.value, "length")
+        if limit.relation in ("==", ">=") and limit.value > longest * (1.0 + 1e-9):
+            most = format_quantity(longest, "length", digits=6)
+            raise body.error("reach", f"{asked} is beyond the longest the links can be together, {most}")
+        if limit.relation in ("==", "<=") and limit.value < shortest * (1.0 - 1e-9):
+            least = format_quantity(shortest, "length", digits=6)
+            raise body.error("reach", f"{asked} is below the shortest the links can be together, {least}")

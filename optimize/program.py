@@ -1,0 +1,220 @@
+"""The finite problem of the exchange: the best design for the binding poses found so far, by IPOPT with exact derivatives.
+
+minimise y over (x, y) subject to log |e(x; pose)|^2 <= 2 y for every pose of the pool: the worst error is then exp(y) mm
+plus the sum of the clearance discs' radii, which no design changes. Masses and errors enter through their logarithms:
+where they are posynomials of the dimensions, the problem is convex. Poses, play and materials are parameters, so one
+compiled program serves every round of the exchange and every choice of materials. Every limit has a slack, fixed at zero
+unless an infeasible problem is to be explained.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import ErrorModel
+from arm.strength import StrengthCase
+
+from .design import MATERIAL_FIELDS, DesignSpace, expressions
+from .pool import Pool
+from .problem import Problem
+from .rows import (
+    MM,
+    OWN_ROWS,
+    error_parameters,
+    error_rows,
+    limit_rows,
+    mode_rows,
+    shape_rows,
+    strength_rows,
+    symbol,
+)
+
+Array = NDArray[np.float64]
+
+_IPOPT: dict[str, Any] = {
+    "print_time": False,
+    "ipopt": {
+        "print_level": 0,
+        "sb": "yes",
+        "tol": 1e-9,
+        "constr_viol_tol": 1e-10,
+        "max_iter": 500,
+        "mu_strategy": "adaptive",
+        "bound_relax_factor": 0.0,
+        "honor_original_bounds": "yes",
+    },
+}
+_INSIDE = 1e-6
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What IPOPT found for a pool: the optimiser's numbers and the worst error over the pool (m).
+
+    `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
+    the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each limit
+    (in its logarithm) had to be relaxed.
+    """
+
+    x: Array
+    error: float
+    solved: bool
+    limit_prices: tuple[float, ...]
+    bound_prices: Array
+    shape_prices: tuple[tuple[str, float], ...]
+    slacks: tuple[float, ...]
+    message: str
+
+
+def carried_mass(problem: Problem) -> float:
+    """The mass (kg) that counts in `total_mass` beside the links': joints and the heaviest payload."""
+    return sum(joint.mass for joint in problem.arm.joints) + max(case.mass for case in problem.load_cases)
+
+
+def anchored(space: DesignSpace) -> bool:
+    """Whether poses must follow the design: the workspace is fixed in space and the lengths are free."""
+    return space.free_lengths and space.problem.workspace.kind != "joints"
+
+
+def fixed_error(model: ErrorModel) -> float:
+    """The part of the worst error (m) that no design changes: in the plane the clearances add up, whatever the pose."""
+    return float(model.cases[0].radii.sum()) if model.planar and model.arm.play == "worst" else 0.0
+
+
+class Program:
+    """The compiled finite problem for one combination of shapes, with room for a number of poses."""
+
+    def __init__(
+        self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: tuple[int, int, int]
+    ) -> None:
+        """`room`: slots for each load case's errors, each load case's strengths, and modes."""
+        self.space, self.model, self.room = space, model, room
+        problem = space.problem
+        limits = problem.limits
+        self._uses_error = problem.minimize == "max_error" or bool(problem.limit("max_error"))
+        self._anchored = anchored(space) and self._uses_error
+        x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
+        materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
+        design = expressions(space, x, materials)
+        self.fixed_error = fixed_error(model)
+        worst = self.fixed_error + ca.exp(y) / MM
+        errors = error_rows(model, design, y, room[0] if self._uses_error else 0, anchored=self._anchored)
+        stress = strength_rows(limits, strengths, design, materials, slack, room[1])
+        modes = mode_rows(space, limits, design, slack, room[2])
+        own, equal = limit_rows(limits, design, worst, carried_mass(problem), slack)
+        shapes = shape_rows(space, design)
+        families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes}
+        self._families = families
+        rows = [row for family in families.values() for row in family.rows]
+        self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
+        self._lower[len(rows) :] = 0.0
+        self._place: dict[str, slice] = {}
+        start = 0
+        for name, family in families.items():
+            self._place[name] = slice(start, start + len(family.rows))
+            start += len(family.rows)
+        self._lower[self._place["own"]] = np.where(equal, 0.0, -np.inf)
+        objective = {
+            "max_error": y,
+            "mass": ca.log(design.mass),
+            "total_mass": ca.log(design.mass + carried_mass(problem)),
+            "cost": ca.log(ca.SX(design.cost)),
+        }[problem.minimize]
+        parameters = [materials, weights, *errors.parameters, *stress.parameters, *modes.parameters]
+        every = [*rows, *errors.equalities]
+        program = {
+            "x": ca.vertcat(x, y, slack, *errors.unknowns),
+            "p": ca.vertcat(*parameters),
+            "f": weights[0] * objective + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack))),
+            "g": ca.vertcat(*every) if every else ca.SX(0, 1),
+        }
+        self._solver = ca.nlpsol("design", "ipopt", program, _IPOPT)
+        self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
+        self._mass = ca.Function("mass", [x, materials], [design.mass, design.cost, design.reach])
+
+    def figures(self, x: Array, materials: Array) -> tuple[Array, Array]:
+        """Beam values and strength values of a design."""
+        beam, strength = self._figures(x, materials)
+        return np.array(beam).ravel(), np.array(strength).ravel()
+
+    def mass_cost_reach(self, x: Array, materials: Array) -> tuple[float, float, float]:
+        """The links' mass (kg), their cost (EUR) and the reach (m) of a design."""
+        mass, cost, reach = self._mass(x, materials)
+        return float(mass), float(cost), float(reach)
+
+    def holds(self, pool: Pool) -> bool:
+        """Whether the program has room for a pool."""
+        needed = pool.room(len(self.model.cases))
+        return all(need <= have for need, have in zip(needed, self.room, strict=True))
+
+    def solve(
+        self, start: Array, materials: Array, pool: Pool, *, error: float = 1e-3, relax: bool = False
+    ) -> Solution:
+        """The best design for a pool of poses, from a start with about that error (m).
+
+        With `relax` the limits may give way and the least relaxation is sought instead of the objective.
+        """
+        lower, upper = self.space.bounds()
+        count = len(self.space.problem.limits)
+        y = math.log(max(error - self.fixed_error, 1e-12) * MM)
+        values, unknowns = [], []
+        if self._uses_error:
+            values, unknowns = error_parameters(self.model, pool, self.room[0], anchored=self._anchored)
+        for number in range(len(self.model.cases)):
+            own = [cut.q for cut in pool.strengths if cut.load_case == number]
+            for slot in range(self.room[1]):
+                values += list(own[min(slot, len(own) - 1)])
+        for slot in range(self.room[2]):
+            mode = pool.modes[min(slot, len(pool.modes) - 1)]
+            values += [*mode.q, mode.payload, *mode.shape]
+        give = 10.0 if relax else 0.0
+        equal = np.array([-give if limit.relation == "==" else 0.0 for limit in self.space.problem.limits])
+        # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
+        inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
+        turns = len(unknowns)
+        result = self._solver(
+            x0=[*inside, y, *([0.5 * give / 10.0] * count), *unknowns],
+            p=[*materials, *((0.0, 1.0) if relax else (1.0, 0.0)), *values],
+            lbx=[*lower, -40.0, *equal, *([-20.0] * turns)],
+            ubx=[*upper, 40.0, *([give] * count), *([20.0] * turns)],
+            lbg=self._lower,
+            ubg=np.zeros(len(self._lower)),
+        )
+        stats = self._solver.stats()
+        point = np.array(result["x"]).ravel()
+        multipliers = np.array(result["lam_g"]).ravel()
+        size = len(lower)
+        shapes = multipliers[self._place["shapes"]]
+        return Solution(
+            x=np.clip(point[:size], lower, upper),
+            error=self.fixed_error + math.exp(min(float(point[size]), 60.0)) / MM,
+            solved=bool(stats["success"]),
+            limit_prices=tuple(self._limit_prices(multipliers)),
+            bound_prices=np.array(result["lam_x"]).ravel()[:size],
+            shape_prices=tuple(zip(self._families["shapes"].labels, shapes.tolist(), strict=True)),
+            slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
+            message=str(stats["return_status"]),
+        )
+
+    def _limit_prices(self, multipliers: Array) -> list[float]:
+        """A multiplier for each limit: its own row's, or the sum over the poses through which it holds."""
+        sums: dict[str, float] = {}
+        for family in ("stress", "modes"):
+            for label, value in zip(self._families[family].labels, multipliers[self._place[family]], strict=True):
+                sums[label] = sums.get(label, 0.0) + float(value)
+        own = iter(multipliers[self._place["own"]].tolist())
+        prices: list[float] = []
+        for limit in self.space.problem.limits:
+            if limit.name in OWN_ROWS:
+                prices.append(next(own))
+            else:
+                # The frequency enters squared: one per cent of it is two per cent of its row.
+                prices.append(sums.get(limit.name, 0.0) * (2.0 if limit.name == "first_frequency" else 1.0))
+        return prices

@@ -1,0 +1,97 @@
+"""What an optimisation found, in SI: the design, what it was before, what holds it back, and how it got there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from arm.chain import Arm
+from arm.evaluation import ErrorMap, Evaluation
+
+Status = Literal["certified", "converged", "stopped"]
+"""`certified`: no pose is worse than the bound, within the gap; `converged`: no worse pose was found, without proof;
+`stopped`: the iteration limit ended the search."""
+
+
+@dataclass(frozen=True)
+class LinkDesign:
+    """A link of the new design: lengths in m, mass in kg, the section's dimensions in m by name."""
+
+    number: int
+    length: float
+    shape: str | None
+    dimensions: Mapping[str, float]
+    material: str | None
+    mass: float
+
+
+@dataclass(frozen=True)
+class BindingLimit:
+    """A limit that holds the optimum, and its price: the change of the objective for one unit more of it.
+
+    `text` is for people ("mass <= 26 kg"); `value` is what the design has and `limit` what it may have, in `unit`;
+    `price` is the objective's change (in `price_unit`, negative is better) for one `unit` more.
+    """
+
+    name: str
+    text: str
+    value: float
+    limit: float
+    unit: str
+    price: float
+    price_unit: str
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One round of the exchange: the objective over the poses so far (m, kg or EUR), how far the design moved (largest
+    relative change of a variable), how many poses bind it, the worst violation found afterwards (relative), and whether
+    the certificate agreed."""
+
+    number: int
+    objective: float
+    design_change: float
+    poses: int
+    worst_violation: float
+    certified: bool
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One combination of shapes and materials: its objective, or why it was left (`outcome`).
+
+    `objective` is a bound from below where `outcome` is `bounded out`, None where `outcome` is `infeasible`.
+    """
+
+    shapes: tuple[str | None, ...]
+    materials: tuple[str | None, ...]
+    objective: float | None
+    outcome: Literal["best", "solved", "bounded out", "infeasible"]
+
+
+@dataclass(frozen=True)
+class OptimizationResult:
+    """The best design found, with the arm as given for comparison.
+
+    `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `lower_bound` is the optimum over
+    the binding poses alone, from several starts: the design's own objective lies above it by no more than the
+    certificate's gap, and where the problem is convex (solid shapes, fixed lengths) no design does better.
+    """
+
+    problem_file: str
+    minimize: Literal["max_error", "mass", "total_mass", "cost"]
+    status: Status
+    arm: Arm
+    before: Evaluation
+    after: Evaluation
+    links: tuple[LinkDesign, ...]
+    objective: float
+    lower_bound: float
+    binding: tuple[BindingLimit, ...]
+    iterations: tuple[Iteration, ...]
+    candidates: tuple[Candidate, ...]
+    exhaustive: bool
+    seconds: float
+    before_map: ErrorMap
+    after_map: ErrorMap

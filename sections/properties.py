@@ -1,0 +1,56 @@
+"""What a beam needs to know of its cross-section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sections.numeric import Number
+
+
+@dataclass(frozen=True)
+class SectionProperties:
+    """Geometric properties of a cross-section about axes through its centroid, in SI units.
+
+    ``y`` runs along the width (to the right), ``z`` along the height (up), ``x`` along the link. Each value
+    is
+    a float, an array or a CasADi expression, whatever the section's dimensions were.
+
+    Attributes:
+        area: A, m^2.
+        second_moment_y: integral of z^2 dA, m^4; resists bending about y, in the plane of the height.
+        second_moment_z: integral of y^2 dA, m^4; resists bending about z, in the plane of the width.
+        torsion_constant: J of Saint-Venant, m^4; the twist per length is T / (G J).
+        shear_area_y: effective area for a shear force along y, m^2.
+        shear_area_z: effective area for a shear force along z, m^2. Both by strain energy: the energy per
+        length
+            of the exact flexural shear stress (Poisson's ratio included) is V^2 / (2 G A_s).
+        section_modulus_y: second_moment_y / extreme_fibre_y, m^3; the least elastic modulus about y.
+        section_modulus_z: second_moment_z / extreme_fibre_z, m^3.
+        extreme_fibre_y: distance of the outermost fibre in bending about y, that is max |z| from the
+        centroid, m.
+        extreme_fibre_z: distance of the outermost fibre in bending about z, that is max |y| from the
+        centroid, m.
+        torsion_modulus: W_t, m^3; the greatest shear stress of torsion is T / W_t.
+        width: of the bounding box, along y, m.
+        height: of the bounding box, along z, m.
+        centroid_y: distance of the centroid from the left edge of the bounding box, m.
+        centroid_z: distance of the centroid from the lower edge of the bounding box, m.
+        product_moment_yz: integral of y z dA, m^4; zero unless the shape is a polygon.
+    """
+
+    area: Number
+    second_moment_y: Number
+    second_moment_z: Number
+    torsion_constant: Number
+    shear_area_y: Number
+    shear_area_z: Number
+    section_modulus_y: Number
+    section_modulus_z: Number
+    extreme_fibre_y: Number
+    extreme_fibre_z: Number
+    torsion_modulus: Number
+    width: Number
+    height: Number
+    centroid_y: Number
+    centroid_z: Number
+    product_moment_yz: Number = 0.0

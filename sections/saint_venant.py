@@ -1,0 +1,269 @@
+"""Torsion and flexural shear of polygons, by the boundary element method.
+
+The warping functions of torsion and of flexure are harmonic up to known polynomials, so only their values
+on the boundary are unknown, and every energy is a boundary integral. Elements are straight with three
+collocation points each (quadratic, discontinuous); all kernels are integrated in closed form. Multiply
+connected sections need nothing special: the functions are single-valued by construction.
+
+With s = nu / (1 + nu) and f = c_y y + c_z z the axial change of the bending stress for a unit shear force,
+the shear stress is grad(phi_0) + s (grad(phi_1) + d), d = (c_y z^2, c_z y^2) / 2, where laplace(phi_0) =
+-f, d(phi_0)/dn = 0 and laplace(phi_1) = 0, d(phi_1)/dn = -d.n. The two parts are orthogonal, so A / A_s = a
++ c s^2 with two energies a and c that do not depend on nu.
+
+Convention of the shear energy: F. Gruttmann and W. Wagner, Shear correction factors in Timoshenko's beam
+theory for arbitrary shaped cross-sections, Computational Mechanics 27 (2001) 199-207,
+doi:10.1007/s004660100239.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+Array: TypeAlias = NDArray[np.float64]
+
+GAUSS_POINTS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
+GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 9.0
+_BASIS = np.linalg.inv(np.vander(GAUSS_POINTS, increasing=True))
+"""Column i holds the coefficients of the quadratic that is one at Gauss point i and zero at the others."""
+
+FLAT_TURN = np.radians(30.0)
+"""A corner that turns less than this belongs to a smooth curve."""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Integrals over a polygon about given axes: area, first and second moments (m^2, m^3, m^4)."""
+
+    area: float
+    first_y: float
+    first_z: float
+    yy: float
+    zz: float
+    yz: float
+
+
+def moments(loops: Sequence[Array]) -> Moments:
+    """Exact integrals of 1, y, z, y^2, z^2, yz over the region left of the loops (N x 2 vertices, m)."""
+    total = np.zeros(6)
+    for loop in loops:
+        y0, z0 = loop.T
+        y1, z1 = np.roll(loop, -1, axis=0).T
+        cross = y0 * z1 - y1 * z0
+        total += (
+            cross.sum() / 2.0,
+            (cross * (y0 + y1)).sum() / 6.0,
+            (cross * (z0 + z1)).sum() / 6.0,
+            (cross * (y0**2 + y0 * y1 + y1**2)).sum() / 12.0,
+            (cross * (z0**2 + z0 * z1 + z1**2)).sum() / 12.0,
+            (cross * (y0 * z1 + 2.0 * y0 * z0 + 2.0 * y1 * z1 + y1 * z0)).sum() / 24.0,
+        )
+    return Moments(*(float(value) for value in total))
+
+
+@dataclass(frozen=True)
+class SaintVenant:
+    """Solution of the torsion and flexure problems of one section.
+
+    Attributes:
+        torsion_constant: J, m^4.
+        torsion_modulus: J over the greatest boundary shear stress per G and twist, m^3. At a re-entrant
+        corner
+            that stress is unbounded in theory; the tenth of an edge next to such a corner is left out.
+        shear_y: (a, c) of A / A_sy = a + c (nu / (1 + nu))^2.
+        shear_z: the same along z.
+        nodes: number of boundary unknowns that were used.
+    """
+
+    torsion_constant: float
+    torsion_modulus: float
+    shear_y: tuple[float, float]
+    shear_z: tuple[float, float]
+    nodes: int
+
+
+def solve(loops: Sequence[Array], fineness: float = 1.0) -> SaintVenant:
+    """Solve for the region left of the loops: outer edge anticlockwise, holes clockwise (N x 2 vertices, m).
+
+    The axes must pass through the centroid. Elements shrink with ``fineness`` > 1. At 1 the error of J and
+    of the
+    shear areas is below 0.2 % for walls down to a hundredth of the outer size.
+    """
+    size = max(float(np.ptp(loop)) for loop in loops)
+    start, end, sharp = _elements([loop / size for loop in loops], fineness)
+    boundary = _Boundary(start, end)
+    m = moments([loop / size for loop in loops])
+    y, z, ny, nz, weight = boundary.y, boundary.z, boundary.ny, boundary.nz, boundary.weight
+    # Normal derivatives of the five harmonic functions: torsion, y^3 and z^3 parts of phi_0, both parts of
+    # phi_1.
+    flux = np.column_stack(
+        (z * ny - y * nz, 0.5 * y**2 * ny, 0.5 * z**2 * nz, -0.5 * z**2 * ny, -0.5 * y**2 * nz)
+    )
+    # phi_0 of y^3 has a net flux (its Laplacian is y, which integrates to zero about the centroid): none is
+    # left.
+    warping = boundary.harmonic(flux)
+    torsion = m.yy + m.zz - float(weight @ (warping[:, 0] * flux[:, 0]))
+    stress = np.abs(boundary.tangential_derivative(warping[:, 0]) + (y * ny + z * nz))
+    determinant = m.yy * m.zz - m.yz**2
+
+    def energies(cy: float, cz: float) -> tuple[float, float]:
+        particular = -(cy * y**3 + cz * z**3) / 6.0
+        particular_flux = -0.5 * (cy * y**2 * ny + cz * z**2 * nz)
+        phi0 = particular + cy * warping[:, 1] + cz * warping[:, 2]
+        # Integral of f P over the region: each monomial is the divergence of its own primitive.
+        fp = -_polynomial_energy(boundary, cy, cz) / 6.0
+        first = fp - float(weight @ ((phi0) * particular_flux))
+        d_n = 0.5 * (cy * z**2 * ny + cz * y**2 * nz)
+        phi1 = cy * warping[:, 3] + cz * warping[:, 4]
+        d_squared = 0.25 * float(weight @ (cz**2 * y**5 / 5.0 * ny + cy**2 * z**5 / 5.0 * nz))
+        second = d_squared + float(weight @ (phi1 * d_n))
+        return m.area * first, m.area * second
+
+    shear_y = energies(m.zz / determinant, -m.yz / determinant)
+    shear_z = energies(-m.yz / determinant, m.yy / determinant)
+    return SaintVenant(
+        torsion_constant=torsion * size**4,
+        torsion_modulus=torsion / float(stress[~np.repeat(sharp, 3)].max()) * size**3,
+        shear_y=shear_y,
+        shear_z=shear_z,
+        nodes=y.size,
+    )
+
+
+def _polynomial_energy(boundary: _Boundary, cy: float, cz: float) -> float:
+    """Integral of (cy y + cz z)(cy y^3 + cz z^3) over the region."""
+    y, z, ny, nz = boundary.y, boundary.z, boundary.ny, boundary.nz
+    integrand = (cy**2 * y**5 / 5.0 + cy * cz * z * y**4 / 4.0) * ny + (
+        cz**2 * z**5 / 5.0 + cy * cz * y * z**4 / 4.0
+    ) * nz
+    return float(boundary.weight @ integrand)
+
+
+class _Boundary:
+    """Straight elements with three nodes each; arrays over nodes are (3 n,), element after element."""
+
+    def __init__(self, start: Array, end: Array) -> None:
+        self._middle = 0.5 * (start + end)
+        self._length = np.hypot(*(end - start).T)
+        self._tangent = (end - start) / self._length[:, None]
+        points = self._middle[:, None, :] + 0.5 * (end - start)[:, None, :] * GAUSS_POINTS[None, :, None]
+        self._points = points.reshape(-1, 2)
+        self.y, self.z = self._points.T
+        self.ny = np.repeat(self._tangent[:, 1], 3)
+        self.nz = np.repeat(-self._tangent[:, 0], 3)
+        self.weight = (0.5 * self._length[:, None] * GAUSS_WEIGHTS[None, :]).ravel()
+
+    def harmonic(self, flux: Array) -> Array:
+        """Boundary values (mean zero) of the harmonic functions with these normal derivatives, one a
+        column."""
+        single, double = self._layers()
+        matrix = double
+        matrix[np.diag_indices_from(matrix)] += 0.5
+        matrix += self.weight[None, :] / self.weight.sum()
+        return lu_solve(lu_factor(matrix, overwrite_a=True), single @ flux)
+
+    def tangential_derivative(self, values: Array) -> Array:
+        """Derivative of nodal values along the boundary."""
+        slope = np.vander(GAUSS_POINTS, increasing=True)[:, :2] @ (np.array([[1.0], [2.0]]) * _BASIS[1:])
+        return ((values.reshape(-1, 3) @ slope.T) * (2.0 / self._length)[:, None]).ravel()
+
+    def _layers(self) -> tuple[Array, Array]:
+        """Matrices of the single and double layer potential, -ln(r) / (2 pi) and its normal derivative."""
+        count = self._length.size
+        offset = self._points[:, None, :] - self._middle[None, :, :]
+        along = np.einsum("pek,ek->pe", offset, self._tangent)
+        normal = np.column_stack((self._tangent[:, 1], -self._tangent[:, 0]))
+        d = -np.einsum("pek,ek->pe", offset, normal)
+        own = np.repeat(np.arange(count), 3)
+        d[np.arange(3 * count), own] = 0.0
+        d[np.abs(d) < 1e-14] = 0.0
+        half = 0.5 * self._length[None, :]
+        safe = np.where(d == 0.0, 1.0, d)
+
+        def primitives(s: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+            square = s**2 + d**2
+            log = np.log(square)
+            angle = np.where(d == 0.0, 0.0, np.arctan(s / safe))
+            return (
+                0.5 * s * log - s + d * angle,
+                0.25 * (square * log - square),
+                s**3 * log / 6.0 - (s**3 / 3.0 - d**2 * s + d**3 * angle) / 3.0,
+                angle,
+                0.5 * d * log,
+                d * s - d**2 * angle,
+            )
+
+        upper, lower = primitives(half - along), primitives(-half - along)
+        s0, s1, s2, d0, d1, d2 = (u - v for u, v in zip(upper, lower, strict=True))
+        layers: list[Array] = []
+        for m0, m1, m2 in ((s0, s1, s2), (d0, d1, d2)):
+            # From powers of the distance along the element to powers of its local coordinate in [-1, 1].
+            x1 = (m1 + along * m0) / half
+            x2 = (m2 + 2.0 * along * m1 + along**2 * m0) / half**2
+            stacked = np.stack((m0, x1, x2), axis=-1) @ _BASIS
+            layers.append(-stacked.reshape(3 * count, 3 * count) / (2.0 * np.pi))
+        return layers[0], layers[1]
+
+
+def _elements(loops: Sequence[Array], fineness: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Split edges into elements: short where another edge is near, or towards a re-entrant corner.
+
+    Returns start and end points, and whether an element is in the tenth of an edge next to a re-entrant
+    corner.
+    """
+    start = np.vstack(loops)
+    end = np.vstack([np.roll(loop, -1, axis=0) for loop in loops])
+    edges = start.shape[0]
+    following, offset = np.empty(edges, dtype=int), 0
+    for loop in loops:
+        following[offset : offset + len(loop)] = offset + np.roll(np.arange(len(loop)), -1)
+        offset += len(loop)
+    vector = end - start
+    turn = np.arctan2(
+        vector[:, 0] * vector[following, 1] - vector[:, 1] * vector[following, 0],
+        np.einsum("ek,ek->e", vector, vector[following]),
+    )
+    reentrant = turn < -FLAT_TURN
+    ignored = np.eye(edges, dtype=bool)
+    for edge in np.flatnonzero(~reentrant):
+        ignored[edge, following[edge]] = ignored[following[edge], edge] = True
+    perimeter = float(np.hypot(*vector.T).sum())
+    longest = perimeter / (40.0 * fineness)
+    shortest = perimeter / (4000.0 * fineness)
+    preceding = np.argsort(following)
+    pieces: list[tuple[Array, Array]] = []
+    sharp: list[bool] = []
+    for edge in range(edges):
+        length = float(np.hypot(*vector[edge]))
+        least = max(shortest, 1e-3 * length)
+        others = np.flatnonzero(~ignored[edge])
+        stack = [(0.0, 1.0)]
+        while stack:
+            low, high = stack.pop()
+            middle = 0.5 * (low + high)
+            near = (
+                _distance(start[edge] + middle * vector[edge], start[others], vector[others])
+                if others.size
+                else 9.0
+            )
+            allowed = min(longest, max(1.2 * near / fineness, least))
+            # Three elements on every true edge at least, so that both ends can bend on their own.
+            if (high - low) * length > allowed or (length > longest / 3.0 and high - low > 0.34):
+                stack += [(middle, high), (low, middle)]
+                continue
+            pieces.append((start[edge] + low * vector[edge], start[edge] + high * vector[edge]))
+            sharp.append(bool((reentrant[preceding[edge]] and low < 0.1) or (reentrant[edge] and high > 0.9)))
+    return np.array([a for a, _ in pieces]), np.array([b for _, b in pieces]), np.array(sharp)
+
+
+def _distance(point: Array, start: Array, vector: Array) -> float:
+    """Least distance from a point to segments, m."""
+    along = np.clip(
+        np.einsum("ek,ek->e", point - start, vector) / np.einsum("ek,ek->e", vector, vector), 0.0, 1.0
+    )
+    return float(np.min(np.hypot(*(start + along[:, None] * vector - point).T)))

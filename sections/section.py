@@ -1,0 +1,253 @@
+"""What every cross-section offers: its properties, its outline, and the variables by which to optimise it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sections.numeric import Number, is_symbol
+from sections.properties import SectionProperties
+
+Bounds: TypeAlias = tuple[float, float]
+"""Least and greatest allowed value, m (or m^2 for an area)."""
+
+Outline: TypeAlias = list[NDArray[np.float64]]
+"""Closed polylines, the outer edge first (anticlockwise), then the holes; N x 2 arrays of (y, z), m."""
+
+LEAST_OPENING = 0.02
+"""A hollow or flanged section keeps at least this fraction of its size free of wall."""
+
+CURVE_POINTS = 96
+"""Points on a drawn circle or ellipse."""
+
+
+class SectionError(ValueError):
+    """A section that cannot be; ``key`` names the dimension (or ``shape``) at fault.
+
+    Attributes:
+        key: the dimension's name, or ``shape``.
+        message: one line, without the key.
+    """
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(f"{key}: {message}")
+        self.key = key
+        self.message = message
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A dimension by which people describe a shape.
+
+    Attributes:
+        name: as in arm files, also the attribute of the shape.
+        meaning: one phrase.
+        kind: ``outer`` (bounded by a problem's section_size) or ``wall`` (by its thickness) or ``points``.
+        optional: may be left out always.
+        unless: may be left out when all of these are given instead.
+    """
+
+    name: str
+    meaning: str
+    kind: Literal["outer", "wall", "points"]
+    optional: bool = False
+    unless: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class DesignVariable:
+    """A quantity that an optimiser chooses.
+
+    Attributes:
+        name: for reports.
+        meaning: one phrase.
+        kind: ``outer`` and ``wall`` are lengths (m), ``area`` an area (m^2).
+        logarithmic: whether mass and deflection are convex in its logarithm rather than in itself.
+    """
+
+    name: str
+    meaning: str
+    kind: Literal["outer", "wall", "area"]
+    logarithmic: bool = True
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A dimensionless inequality; the section is allowed where ``value <= 0``.
+
+    Attributes:
+        name: short identifier.
+        text: the inequality in words, for reports.
+        value: a float, array or CasADi expression.
+    """
+
+    name: str
+    text: str
+    value: Number
+
+
+class Section(ABC):
+    """A cross-section; every concrete shape is a frozen dataclass of its dimensions in metres.
+
+    Dimensions may be floats, NumPy arrays (all of one shape) or CasADi expressions; the same formulas serve
+    all.
+    """
+
+    shape: ClassVar[str]
+    """Name in arm files."""
+    dimensions: ClassVar[tuple[Dimension, ...]]
+    """What describes the shape."""
+    variables: ClassVar[tuple[DesignVariable, ...]]
+    """What an optimiser chooses; empty where the shape is fixed."""
+
+    @abstractmethod
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        """Geometric properties (SI); the Poisson's ratio of the material enters the shear areas only."""
+
+    @abstractmethod
+    def outline(self) -> Outline:
+        """Polylines for drawing to scale, in metres about the centroid (y right, z up); plain floats only."""
+
+    def given(self) -> dict[str, Any]:
+        """The dimensions that were given, by name, as an arm file would hold them (m)."""
+        named = {dimension.name: getattr(self, dimension.name) for dimension in self.dimensions}
+        return {name: value for name, value in named.items() if value is not None}
+
+    def scaled(self, factor: Number) -> Self:
+        """The same section with every dimension multiplied by a factor."""
+        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}  # type: ignore[arg-type]
+        return type(self)(**{name: v if v is None else v * factor for name, v in fields.items()})
+
+    # ---- validity
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Inequalities between dimensions that make the section possible (walls that fit inside, say)."""
+        return ()
+
+    def check(self) -> tuple[str, ...]:
+        """The conditions that the section violates, as text; conditions on symbols are not judged."""
+        broken = [
+            f"{name} must be positive"
+            for name, value in self.given().items()
+            if not is_symbol(value) and not np.all(np.asarray(value, dtype=float) > 0.0)
+        ]
+        if broken:
+            return tuple(broken)
+        judged = (c for c in self.constraints() if not is_symbol(c.value))
+        return tuple(c.text for c in judged if not np.all(np.asarray(c.value) <= 1e-9))
+
+    # ---- for the optimiser
+
+    @classmethod
+    def from_variables(cls, values: Sequence[Number]) -> Self:
+        """The section whose design variables have these values, in the order of ``variables`` (SI)."""
+        if len(values) != len(cls.variables):
+            raise ValueError(f"{cls.shape} has {len(cls.variables)} design variables, not {len(values)}")
+        return cls(**{variable.name: value for variable, value in zip(cls.variables, values, strict=True)})
+
+    def variable_values(self) -> tuple[Number, ...]:
+        """The values of the design variables of this section, in the order of ``variables`` (SI)."""
+        return tuple(getattr(self, variable.name) for variable in self.variables)
+
+    @classmethod
+    def variable_bounds(cls, outer: Bounds, wall: Bounds) -> tuple[Bounds, ...]:
+        """Least and greatest value of each design variable, given those of outer sizes and of walls (m)."""
+        return tuple(outer if variable.kind == "outer" else wall for variable in cls.variables)
+
+    def bound_constraints(self, outer: Bounds, wall: Bounds) -> tuple[Constraint, ...]:
+        """Bounds on dimensions that are not design variables themselves (the wall of a tube)."""
+        del outer, wall
+        return ()
+
+    @classmethod
+    def contradiction(cls, outer: Bounds, wall: Bounds) -> str | None:
+        """Why no section of this shape fits the bounds (m), in one line; None where some section does."""
+        for label, (low, high) in (("section_size", outer), ("thickness", wall)):
+            used = label == "section_size" or any(d.kind == "wall" for d in cls.dimensions)
+            if used and not 0.0 < low <= high:
+                return f"{label}: {low * 1e3:g} mm must be positive and not above {high * 1e3:g} mm"
+        if any(d.kind == "wall" for d in cls.dimensions) and 2.0 * wall[0] > (1.0 - LEAST_OPENING) * outer[1]:
+            return (
+                f"{cls.shape}: two walls of at least {wall[0] * 1e3:g} mm do not fit into an outer size of "
+                f"at most {outer[1] * 1e3:g} mm"
+            )
+        return None
+
+    @classmethod
+    def start(cls, area: float, outer: Bounds, wall: Bounds) -> Self:
+        """A section inside the bounds (m) whose area (m^2) is as near to the wanted one as they allow.
+
+        All outer sizes are equal, and so are all walls. Raises SectionError where the bounds contradict
+        each other.
+        """
+        reason = cls.contradiction(outer, wall)
+        if reason is not None:
+            raise SectionError("shape", reason)
+
+        def at(fraction: float) -> Self:
+            """Sections from the smallest to the largest, geometrically; walls kept inside."""
+            size = outer[0] * (outer[1] / outer[0]) ** fraction
+            size = max(size, 2.0 * wall[0] / (1.0 - 2.0 * LEAST_OPENING)) if has_walls else size
+            size = min(size, outer[1])
+            thickness = min(wall[0] * (wall[1] / wall[0]) ** fraction, 0.5 * (1.0 - LEAST_OPENING) * size)
+            return cls.uniform(size, thickness)
+
+        has_walls = any(d.kind == "wall" for d in cls.dimensions)
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if float(at(middle).properties(0.3).area) < area:
+                low = middle
+            else:
+                high = middle
+        return at(0.5 * (low + high))
+
+    @classmethod
+    def uniform(cls, size: float, thickness: float) -> Self:
+        """The section with all outer dimensions and all walls equal (m)."""
+        return cls.from_variables([size if v.kind == "outer" else thickness for v in cls.variables])
+
+
+def ellipse_points(width: float, height: float, *, clockwise: bool = False) -> NDArray[np.float64]:
+    """A closed polyline on an ellipse about the origin, (CURVE_POINTS + 1) x 2, m."""
+    angle = np.arange(CURVE_POINTS) * (2.0 * math.pi / CURVE_POINTS) * (-1.0 if clockwise else 1.0)
+    points = np.column_stack((0.5 * width * np.cos(angle), 0.5 * height * np.sin(angle)))
+    return np.vstack((points, points[:1]))
+
+
+def closed(points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    """The points as an array, the first repeated at the end, (N + 1) x 2, m."""
+    array = np.asarray(points, dtype=float)
+    return np.vstack((array, array[:1]))
+
+
+def common_properties(*, shear: tuple[Number, Number], **values: Number) -> SectionProperties:
+    """Properties with the section moduli filled in and shear areas from (A / A_sy, A / A_sz)."""
+    return SectionProperties(
+        section_modulus_y=values["second_moment_y"] / values["extreme_fibre_y"],
+        section_modulus_z=values["second_moment_z"] / values["extreme_fibre_z"],
+        shear_area_y=values["area"] / shear[0],
+        shear_area_z=values["area"] / shear[1],
+        **values,
+    )
+
+
+def poisson_square(poisson_ratio: Number) -> Number:
+    """(nu / (1 + nu))^2.
+
+    The energy of the flexural shear stress is exactly ``a + c (nu / (1 + nu))^2`` for every section: the
+    part of the
+    stress that nu brings is self-equilibrated and so orthogonal to the gradient field that remains at nu = 0.
+    """
+    return (poisson_ratio / (1.0 + poisson_ratio)) ** 2
+
+
+Dimensions: TypeAlias = Mapping[str, Any]
+"""Dimensions by name, m."""

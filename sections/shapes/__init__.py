@@ -1,0 +1,37 @@
+"""The shapes by name, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from sections.section import Section
+from sections.shapes.circle import Circle
+from sections.shapes.ellipse import Ellipse
+from sections.shapes.i_section import FreeFlangeISection, ISection
+from sections.shapes.polygon import Polygon
+from sections.shapes.rectangle import Rectangle
+from sections.shapes.rectangular_tube import RectangularTube
+from sections.shapes.triangle import Triangle
+from sections.shapes.tube import Tube
+
+SHAPES: Mapping[str, type[Section]] = MappingProxyType(
+    {
+        kind.shape: kind
+        for kind in (Circle, Tube, Ellipse, Rectangle, RectangularTube, Triangle, ISection, Polygon)
+    }
+)
+"""Every shape by its name in arm files."""
+
+__all__ = [
+    "SHAPES",
+    "Circle",
+    "Ellipse",
+    "FreeFlangeISection",
+    "ISection",
+    "Polygon",
+    "Rectangle",
+    "RectangularTube",
+    "Triangle",
+    "Tube",
+]

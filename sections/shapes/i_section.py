@@ -1,0 +1,220 @@
+"""I-section: two flanges on a web."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from sections.numeric import Number, maximum
+from sections.properties import SectionProperties
+from sections.section import (
+    LEAST_OPENING,
+    Constraint,
+    DesignVariable,
+    Dimension,
+    Outline,
+    Section,
+    SectionError,
+    closed,
+    common_properties,
+)
+from sections.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
+
+
+@dataclass(frozen=True)
+class ISection(Section):
+    """An I-section with sharp corners, symmetric about its web; the flanges may differ.
+
+    In short form (width, height, flange_thickness, web_thickness) both flanges are equal, and an optimiser
+    chooses
+    just these four. `FreeFlangeISection` frees each flange.
+
+    Attributes:
+        width: of every flange whose width is not given by itself, m.
+        height: overall, along z, m.
+        flange_thickness: of every flange whose thickness is not given by itself, m.
+        web_thickness: m.
+        top_flange_width: m.
+        bottom_flange_width: m.
+        top_flange_thickness: m.
+        bottom_flange_thickness: m.
+    """
+
+    width: Number | None = None
+    height: Number = None
+    flange_thickness: Number | None = None
+    web_thickness: Number = None
+    top_flange_width: Number | None = None
+    bottom_flange_width: Number | None = None
+    top_flange_thickness: Number | None = None
+    bottom_flange_thickness: Number | None = None
+
+    shape: ClassVar[str] = "i_section"
+    dimensions: ClassVar[tuple[Dimension, ...]] = (
+        Dimension(
+            "width", "width of both flanges", "outer", unless=("top_flange_width", "bottom_flange_width")
+        ),
+        Dimension("height", "overall height, in the bending plane", "outer"),
+        Dimension(
+            "flange_thickness",
+            "thickness of both flanges",
+            "wall",
+            unless=("top_flange_thickness", "bottom_flange_thickness"),
+        ),
+        Dimension("web_thickness", "thickness of the web", "wall"),
+        Dimension("top_flange_width", "width of the top flange", "outer", optional=True),
+        Dimension("bottom_flange_width", "width of the bottom flange", "outer", optional=True),
+        Dimension("top_flange_thickness", "thickness of the top flange", "wall", optional=True),
+        Dimension("bottom_flange_thickness", "thickness of the bottom flange", "wall", optional=True),
+    )
+    variables: ClassVar[tuple[DesignVariable, ...]] = (
+        DesignVariable("width", "width of both flanges", "outer"),
+        DesignVariable("height", "overall height, in the bending plane", "outer"),
+        DesignVariable("flange_thickness", "thickness of both flanges", "wall"),
+        DesignVariable("web_thickness", "thickness of the web", "wall"),
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("height", "web_thickness"):
+            if getattr(self, name) is None:
+                raise SectionError(name, "is missing")
+        for flange in (self.top, self.bottom):
+            if flange.width is None:
+                raise SectionError("width", "give width, or top_flange_width and bottom_flange_width")
+            if flange.thickness is None:
+                raise SectionError(
+                    "flange_thickness",
+                    "give flange_thickness, or top_flange_thickness and bottom_flange_thickness",
+                )
+
+    @property
+    def top(self) -> Flange:
+        """Width and thickness of the top flange."""
+        return Flange(
+            self.width if self.top_flange_width is None else self.top_flange_width,
+            self.flange_thickness if self.top_flange_thickness is None else self.top_flange_thickness,
+        )
+
+    @property
+    def bottom(self) -> Flange:
+        """Width and thickness of the bottom flange."""
+        return Flange(
+            self.width if self.bottom_flange_width is None else self.bottom_flange_width,
+            self.flange_thickness if self.bottom_flange_thickness is None else self.bottom_flange_thickness,
+        )
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether both flanges are given by the same dimensions."""
+        own = (
+            self.top_flange_width,
+            self.bottom_flange_width,
+            self.top_flange_thickness,
+            self.bottom_flange_thickness,
+        )
+        return all(value is None for value in own)
+
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        """Properties (SI); J and shear areas are fits, see `sections.thin_walls` for their range and error.
+
+        The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the
+        stress
+        concentration at the inner corners is left out, as design codes do.
+        """
+        top, bottom, web = self.top, self.bottom, self.web_thickness
+        height = self.height
+        web_height = height - top.thickness - bottom.thickness
+        parts = (
+            (bottom.width, bottom.thickness, 0.5 * bottom.thickness),
+            (web, web_height, bottom.thickness + 0.5 * web_height),
+            (top.width, top.thickness, height - 0.5 * top.thickness),
+        )
+        area = sum(b * t for b, t, _ in parts)
+        centroid = 0.5 * height if self.symmetric else sum(b * t * z for b, t, z in parts) / area
+        second_moment_y = sum(b * t**3 / 12.0 + b * t * (z - centroid) ** 2 for b, t, z in parts)
+        second_moment_z = sum(t * b**3 / 12.0 for b, t, _ in parts)
+        same = self.symmetric
+        width = top.width if same else maximum(top.width, bottom.width)
+        fibre = 0.5 * height if same else maximum(centroid, height - centroid)
+        thickest = maximum(top.thickness if same else maximum(top.thickness, bottom.thickness), web)
+        torsion_constant = i_section_torsion_constant(top, None if same else bottom, height, web)
+        return common_properties(
+            shear=i_section_shear_factors(
+                top,
+                None if same else bottom,
+                height,
+                web,
+                poisson_ratio,
+                area,
+                centroid,
+                second_moment_y,
+                second_moment_z,
+            ),
+            area=area,
+            second_moment_y=second_moment_y,
+            second_moment_z=second_moment_z,
+            torsion_constant=torsion_constant,
+            extreme_fibre_y=fibre,
+            extreme_fibre_z=0.5 * width,
+            torsion_modulus=torsion_constant / thickest,
+            width=width,
+            height=height,
+            centroid_y=0.5 * width,
+            centroid_z=centroid,
+        )
+
+    def outline(self) -> Outline:
+        """Twelve corners."""
+        top, bottom = self.top, self.bottom
+        w, h = 0.5 * self.web_thickness, self.height
+        right = [
+            (0.5 * bottom.width, 0.0),
+            (0.5 * bottom.width, bottom.thickness),
+            (w, bottom.thickness),
+            (w, h - top.thickness),
+            (0.5 * top.width, h - top.thickness),
+            (0.5 * top.width, h),
+        ]
+        points = right + [(-y, z) for y, z in reversed(right)]
+        centroid = self.properties(0.0).centroid_z
+        return [closed([(y, z - centroid) for y, z in points])]
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Flanges must overhang the web and leave a web between them."""
+        top, bottom = self.top, self.bottom
+        share = f"{1.0 - LEAST_OPENING:.0%}"
+        overhangs = [("flange", top)] if self.symmetric else [("top flange", top), ("bottom flange", bottom)]
+        return (
+            Constraint(
+                "web_height",
+                f"both flange thicknesses must stay below {share} of the height",
+                (top.thickness + bottom.thickness) / self.height - 1.0 + LEAST_OPENING,
+            ),
+            *(
+                Constraint(
+                    name.replace(" ", "_") + "_overhang",
+                    f"the web thickness must stay below {share} of the {name} width",
+                    self.web_thickness / flange.width - 1.0 + LEAST_OPENING,
+                )
+                for name, flange in overhangs
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class FreeFlangeISection(ISection):
+    """The same shape with six design variables: an optimiser may make the flanges differ."""
+
+    variables: ClassVar[tuple[DesignVariable, ...]] = (
+        DesignVariable("top_flange_width", "width of the top flange", "outer"),
+        DesignVariable("bottom_flange_width", "width of the bottom flange", "outer"),
+        DesignVariable("height", "overall height, in the bending plane", "outer"),
+        DesignVariable("top_flange_thickness", "thickness of the top flange", "wall"),
+        DesignVariable("bottom_flange_thickness", "thickness of the bottom flange", "wall"),
+        DesignVariable("web_thickness", "thickness of the web", "wall"),
+    )
+
+    def variable_values(self) -> tuple[Number, ...]:
+        """Both flange widths, the height, both flange thicknesses and the web thickness (m)."""
+        top, bottom = self.top, self.bottom
+        return (top.width, bottom.width, self.height, top.thickness, bottom.thickness, self.web_thickness)

@@ -1,0 +1,1 @@
+"""The test suite; helpers shared between tests are imported as `tests.<module>`."""

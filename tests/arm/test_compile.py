@@ -1,0 +1,465 @@
+"""The vectorised functions give what CasADi gives, in every way they may be computed."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import arm.compile as compile_module
+from arm import compile_c, compile_library
+from arm.compile import (
+    CompilerError,
+    NotQuadratic,
+    TrigQuadratic,
+    UnsupportedOperation,
+    vectorise,
+)
+from arm.compile_c import BLOCK, FAR_ANGLE, c_source
+from arm.compile_tape import read_tape
+
+HAS_COMPILER = any(map(shutil.which, ("cc", "gcc", "clang"))) and os.name == "posix"
+needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="no C compiler on this machine")
+BACKENDS = ["never", pytest.param("require", marks=needs_compiler)]
+
+TRIG = [ca.sin, ca.cos]
+SMOOTH_1 = [ca.exp, ca.tanh, ca.atan, ca.sinh, ca.cosh, ca.asinh, ca.erf, ca.expm1, ca.log1p]
+SMOOTH_1 += [ca.log, ca.asin, ca.acos, ca.acosh, ca.atanh, ca.tan]
+SMOOTH_2 = [ca.atan2, ca.hypot, lambda a, b: ca.fabs(a) ** b]
+EXACT_1 = [lambda a: -a, lambda a: a * a, lambda a: a + a, ca.sqrt, lambda a: 1 / a]
+EXACT_2 = [lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, lambda a, b: a / b]
+
+
+def signed_like(a, b):
+    """The sign of a NaN is nobody's promise: let it count as a minus."""
+    return ca.copysign(a, ca.fmax(b, -1e300))
+
+
+def lower(a, b):
+    """The lower of two; which of two zeros it is, with what sign, is nobody's promise either."""
+    return ca.fmin(a, b) + 1e-300
+
+
+def higher(a, b):
+    return ca.fmax(a, b) + 1e-300
+
+
+# These jump or bend: only on operands that every way of computing rounds alike.
+JUMPS_1 = [ca.floor, ca.ceil, ca.fabs, ca.sign, ca.logic_not]
+JUMPS_2 = [
+    lower,
+    higher,
+    ca.fmod,
+    ca.remainder,
+    signed_like,
+    lambda a, b: ca.if_else(a, b, 0),
+    ca.lt,
+    ca.le,
+    ca.eq,
+]
+JUMPS_2 += [ca.ne, ca.logic_and, ca.logic_or]
+OPERATIONS = [
+    *((f, 1, "trig") for f in TRIG * 3),
+    *((f, 1, "smooth") for f in SMOOTH_1),
+    *((f, 2, "smooth") for f in SMOOTH_2),
+    *((f, 1, "exact") for f in EXACT_1 * 3),
+    *((f, 2, "exact") for f in EXACT_2 * 5),
+    *((f, 1, "jump") for f in JUMPS_1),
+    *((f, 2, "jump") for f in JUMPS_2),
+]
+SPECIAL = [0.0, -0.0, 1.0, -1.0, 0.5, 2.0, -3.0, np.inf, -np.inf, np.nan, 1e-300, -1e300, np.pi / 2, 1e7]
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory, monkeypatch):
+    folder = tmp_path_factory.getbasetemp() / "linkwright-cache"
+    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(folder))
+    monkeypatch.delenv("LINKWRIGHT_NO_COMPILER", raising=False)
+    monkeypatch.delenv("CC", raising=False)
+    return folder
+
+
+def casadi_values(inputs, output, arrays):
+    """CasADi's own interpreter, row by row."""
+    function = ca.Function("f", inputs, [ca.densify(output)])
+    return np.array([np.array(function(*row)).ravel() for row in zip(*arrays, strict=True)])
+
+
+def grow(x, steps, constants):
+    """Steps of a random program: (value, value with the errors of all steps, is it exact); and the errors.
+
+    Every step that rounds differently here and there has an error of its own: relative, but for sine and
+    cosine, which are promised to an absolute distance.
+    """
+    pool = [(x[j], x[j], True) for j in range(x.numel())]
+    pool += [(ca.SX(value), ca.SX(value), True) for value in constants]
+    errors = []
+    for number, i, j in steps:
+        operation, arity, kind = OPERATIONS[number % len(OPERATIONS)]
+        operands = [pool[-1 - i % len(pool)], pool[-1 - j % len(pool)]][:arity]
+        exact = all(operand[2] for operand in operands)
+        if kind == "jump" and not exact:
+            continue
+        value = operation(*(operand[0] for operand in operands))
+        error = ca.SX.sym(f"error{len(errors)}")
+        noisy = operation(*(operand[1] for operand in operands))
+        exact = exact and kind in ("exact", "jump")
+        if not exact:
+            errors.append(error)
+            noisy = noisy + error if kind == "trig" else noisy * (1 + error)
+        pool.append((value, noisy, exact))
+    return pool[x.numel() + len(constants) :], errors
+
+
+programs = st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 12), st.integers(0, 12)), min_size=1, max_size=25)
+
+
+def check_random_expression(steps, constants, seed, compiler):
+    x = ca.SX.sym("x", 3)
+    grown, errors = grow(x, steps, constants)
+    if not grown:
+        return
+    value, noisy = ca.vertcat(*(g[0] for g in grown)), ca.vertcat(*(g[1] for g in grown))
+    exact = np.array([g[2] for g in grown])
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(40, 3)) * 10.0 ** rng.integers(-2, 3, size=(40, 1))
+    rows[25:] = np.where(rng.random((15, 3)) < 0.6, rng.choice(SPECIAL, (15, 3)), rows[25:])
+    # Once equal terms are merged, CasADi itself takes y - y for 0, even where y is infinite.
+    expected = casadi_values([x], ca.cse(value), [rows])
+    (found,) = vectorise([x], [value], compiler=compiler)(rows)
+    assert found.shape == expected.shape
+
+    assert np.array_equal(found[:, exact], expected[:, exact], equal_nan=True)
+    all_errors = ca.vertcat(*errors) if errors else ca.SX.sym("none")
+    slope = ca.sum2(ca.fabs(ca.jacobian(noisy, all_errors)))
+    bound = casadi_values([x, all_errors], slope, [rows, np.zeros((len(rows), all_errors.numel()))])
+    with np.errstate(invalid="ignore", over="ignore"):
+        allowed = 5e-15 * (bound + np.abs(expected)) + 1e-290
+        off = np.abs(found - expected)
+    # First-order bounds say little where they are huge, that is next to poles and edges of domains.
+    clear = np.isfinite(allowed) & np.isfinite(expected) & (bound < 1e9)
+    assert np.all(off[clear] <= allowed[clear])
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
+def test_random_expressions_equal_casadi_in_numpy(steps, constants, seed):
+    check_random_expression(steps, constants, seed, "never")
+
+
+@needs_compiler
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
+def test_random_expressions_equal_casadi_in_c(steps, constants, seed):
+    check_random_expression(steps, constants, seed, "require")
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_every_operation_equals_casadi_special_values_included(compiler):
+    x = ca.SX.sym("x", 2)
+    a, b = x[0], x[1]
+    one = [f(a) for f in TRIG + SMOOTH_1 + EXACT_1 + JUMPS_1]
+    two = [f(a, b) for f in [*EXACT_2, *JUMPS_2, ca.atan2, ca.hypot]]
+    output = ca.vertcat(*one, *two, a**b, ca.if_else(a > b, a, b), a**2.5, 3.0, b)
+    grid = np.array([(u, v) for u in [*SPECIAL, 0.3, -2.7] for v in [*SPECIAL, 1.9, -0.4]])
+    expected = casadi_values([x], output, [grid])
+    (found,) = vectorise([x], [output], compiler=compiler)(grid)
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=4e-16)
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_sine_and_cosine_are_within_the_stated_distance(compiler):
+    x = ca.SX.sym("x")
+    f = vectorise([x], [ca.vertcat(ca.sin(x), ca.cos(x))], compiler=compiler)
+    rng = np.random.default_rng(3)
+    angles = np.concatenate(
+        [np.linspace(-7, 7, 20_001), rng.uniform(-1e3, 1e3, 40_000), np.arange(-640, 640) * np.pi / 2]
+    )
+    (found,) = f(angles[:, None])
+    limit = 4e-16 if compiler == "never" else 2.5e-16
+    assert np.max(np.abs(found[:, 0] - np.sin(angles))) <= limit
+    assert np.max(np.abs(found[:, 1] - np.cos(angles))) <= limit
+
+
+@needs_compiler
+def test_blocks_with_far_angles_are_computed_anew():
+    x = ca.SX.sym("x")
+    f = vectorise([x], [ca.sin(x)], compiler="require", threads=1)
+    angles = np.linspace(0.0, 3.0, 5 * BLOCK + 17)[:, None]
+    for row, far in ((3, 1e18), (BLOCK + 1, -2 * FAR_ANGLE), (-1, np.inf), (-2, 123456789.0)):
+        angles[row] = far
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_allclose(f(angles)[0], np.sin(angles), rtol=0, atol=4e-16)
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_rows_constants_and_layouts_broadcast(compiler):
+    q, d = ca.SX.sym("q", 2), ca.SX.sym("d", 3)
+    outputs = [ca.vertcat(q[0] * d[2] + ca.sin(d[0]), q[1]), d[1] * d[1] + 1, ca.SX(2, 1), d]
+    f = vectorise([q, d], outputs, compiler=compiler)
+    rng = np.random.default_rng(0)
+    angles, design = rng.normal(size=(20_011, 2)), rng.normal(size=3)
+    repeated = np.broadcast_to(design, (len(angles), 3))
+    first = f(angles, repeated)
+    assert [part.shape for part in first] == [(20_011, 2), (20_011, 1), (20_011, 2), (20_011, 3)]
+    assert all(part.dtype == np.float64 for part in first)
+    np.testing.assert_allclose(first[0][:, 0], angles[:, 0] * design[2] + np.sin(design[0]), rtol=1e-14)
+    assert not np.any(first[2])
+    for other in (
+        f(angles, design),
+        f(np.asfortranarray(angles), design),
+        f(np.repeat(angles, 2, axis=0)[::2], list(design)),
+        f(angles.astype(object), design),
+    ):
+        for a, b in zip(first, other, strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-15)
+    (a, *_), (b, *_) = f(angles[4], design), f(angles[4:5], design)
+    assert a.shape == b.shape == (1, 2)
+    assert [part.shape for part in f(np.empty((0, 2)), design)] == [(0, 2), (0, 1), (0, 2), (0, 3)]
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_programs_without_inputs_or_outputs(compiler):
+    x = ca.SX.sym("x", 2)
+    assert vectorise([x], [], compiler=compiler)(np.ones((3, 2))) == ()
+    (found,) = vectorise([], [ca.SX(4.0)], compiler=compiler)()
+    assert found.tolist() == [[4.0]]
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_a_long_program_is_split_and_still_right(compiler, monkeypatch):
+    monkeypatch.setattr(compile_c, "LONGEST_STAGE", 20)
+    x = ca.SX.sym("x", 4)
+    terms, last = [x[0] * x[j % 4] + j * x[1] for j in range(60)], x[0]
+    for k in range(3 * compile_c.MOST_INLINE_ANGLES):
+        last = ca.sin(0.6 * last + 0.01 * k) + x[k % 4] * (ca.exp(-(x[1] ** 2) * k) if k % 9 == 0 else 0.3)
+        terms += [last, ca.cos(x[3] * k)]
+    output = ca.vertcat(*terms)
+    rows = np.random.default_rng(5).normal(size=(300, 4)) * 0.1
+    rows[7, 3] = 1e12
+    (found,) = vectorise([x], [output], compiler=compiler)(rows)
+    np.testing.assert_allclose(found, casadi_values([x], output, [rows]), rtol=1e-15, atol=3e-15)
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    q, d = ca.SX.sym("q", 2), ca.SX.sym("d")
+    f = vectorise([q, d], [q * d])
+    with pytest.raises(ValueError, match="1 arguments given, 2 needed"):
+        f(np.ones((3, 2)))
+    with pytest.raises(ValueError, match=r"argument 0 has shape \(3, 3\); \(N, 2\) or \(2,\)"):
+        f(np.ones((3, 3)), 1.0)
+    with pytest.raises(ValueError, match=r"argument 1 has shape \(3,\)"):
+        f(np.ones((3, 2)), np.ones(3))
+    with pytest.raises(ValueError, match=r"argument 1 has shape \(\)"):
+        f(np.ones((3, 2)), 1.0)
+    with pytest.raises(ValueError, match=r"number of rows: \[1, 3\]"):
+        f(np.ones((3, 2)), np.ones((1, 1)))
+
+
+def test_expressions_that_do_not_fit_are_refused():
+    q, r = ca.SX.sym("q", 2), ca.SX.sym("stray")
+    with pytest.raises(ValueError, match="no input: stray"):
+        vectorise([q], [q[0] * r])
+    with pytest.raises(ValueError, match="symbols only"):
+        vectorise([2 * q], [q])
+    with pytest.raises(ValueError, match="more than once"):
+        vectorise([q, q[0]], [q])
+    with pytest.raises(ValueError, match="column"):
+        vectorise([q], [ca.SX(2, 2) + q[0]])
+    with pytest.raises(ValueError, match="compiler must be"):
+        vectorise([q], [q], compiler="maybe")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="threads"):
+        vectorise([q], [q], threads=0)
+    with pytest.raises(UnsupportedOperation, match="erfinv"):
+        vectorise([q], [ca.erfinv(q[0])])
+
+
+def planar_error(q):
+    """Two links under gravity: bending, slope and drive, enough terms to be worth vectorising."""
+    first, second = q[0], q[0] + q[1]
+    moment = 2 * ca.cos(first) + 0.7 * ca.cos(second)
+    turn = 1e-3 * moment + 4e-4 * ca.cos(first)
+    lever_x = ca.cos(first) + ca.cos(second)
+    lever_y = ca.sin(first) + ca.sin(second)
+    sag = 1e-3 * ca.cos(second)
+    return ca.vertcat(-turn * lever_y + sag * ca.sin(second), turn * lever_x - sag * ca.cos(second))
+
+
+@needs_compiler
+def test_auto_compiles_only_for_large_jobs(own_cache):
+    q = ca.SX.sym("q", 2)
+    f = vectorise([q], [planar_error(q) * 1.25])
+    before = set(own_cache.rglob("*.so"))
+    rows = np.random.default_rng(0).uniform(-3, 3, (200_000, 2))
+    (small,) = f(rows[:1000])
+    assert (f.backend, set(own_cache.rglob("*.so"))) == ("numpy", before)
+    assert "200000 rows" in f.why
+    (large,) = f(rows)
+    assert (f.backend, f.why) == ("c", "")
+    assert len(set(own_cache.rglob("*.so")) - before) == 1
+    np.testing.assert_allclose(large[:1000], small, rtol=0, atol=1e-17)
+
+
+def broken_by_compiler(monkeypatch, _folder):
+    monkeypatch.setenv("CC", shutil.which("false") or "/bin/false")
+    return "false failed"
+
+
+def missing_compiler(monkeypatch, _folder):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    return "no C compiler found"
+
+
+def switched_off(monkeypatch, _folder):
+    monkeypatch.setenv("LINKWRIGHT_NO_COMPILER", "1")
+    return "LINKWRIGHT_NO_COMPILER=1"
+
+
+def cache_is_a_file(monkeypatch, folder):
+    blocked = folder / "blocked"
+    blocked.write_text("")
+    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(blocked))
+    return "NotADirectoryError|FileExistsError" if HAS_COMPILER else "no C compiler"
+
+
+def library_does_not_load(monkeypatch, _folder):
+    def refuse(_path):
+        raise OSError("failed to map segment from shared object")
+
+    monkeypatch.setattr(compile_library.ctypes, "CDLL", refuse)
+    return "failed to map" if HAS_COMPILER else "no C compiler"
+
+
+@pytest.mark.parametrize(
+    "break_it",
+    [broken_by_compiler, missing_compiler, switched_off, cache_is_a_file, library_does_not_load],
+)
+def test_without_working_compiler_numpy_takes_over_and_says_why(break_it, monkeypatch, tmp_path):
+    message = break_it(monkeypatch, tmp_path)
+    q = ca.SX.sym("q", 2)
+    error = planar_error(q) * 1.5
+    rows = np.random.default_rng(0).uniform(-3, 3, (200_000, 2))
+    f = vectorise([q], [error])
+    (found,) = f(rows)
+    assert f.backend == "numpy"
+    assert re.search(message, f.why)
+    np.testing.assert_array_equal(found, vectorise([q], [error], compiler="never")(rows)[0])
+    with pytest.raises(CompilerError, match=message):
+        vectorise([q], [error], compiler="require")
+
+
+@needs_compiler
+def test_a_damaged_library_in_the_cache_is_made_anew(monkeypatch, tmp_path):
+    q = ca.SX.sym("q", 2)
+    source = c_source(read_tape([q], [planar_error(q) * 1.75]), (False,))
+    name = compile_library.build(source).path.name
+    # Another folder, as the system would not load a path anew that it holds already.
+    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(tmp_path))
+    path = tmp_path / "compiled" / name
+    path.parent.mkdir()
+    path.write_bytes(b"not a library")
+    assert compile_library.build(source).path == path
+    assert path.stat().st_size > 1000
+
+
+WORKER = """
+import sys
+import casadi as ca, numpy as np
+from arm import compile_c, compile_library
+from arm.compile import vectorise
+compile_library.user_cache_dir = lambda name: sys.argv[1]
+q = ca.SX.sym("q", 2)
+for k in range(3):
+    f = vectorise([q], [ca.sin(q[0] * (k + 2)) * q[1]], compiler="require")
+    rows = np.linspace(-1, 1, 2000).reshape(-1, 2)
+    assert np.allclose(f(rows)[0][:, 0], np.sin(rows[:, 0] * (k + 2)) * rows[:, 1], rtol=0, atol=1e-15)
+"""
+
+
+@needs_compiler
+def test_processes_that_compile_at_once_leave_whole_libraries_only(tmp_path):
+    root = Path(compile_module.__file__).parents[1]
+    words = [sys.executable, "-c", WORKER, str(tmp_path)]
+    running = [subprocess.Popen(words, cwd=root, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    for process in running:
+        _, complaint = process.communicate(timeout=120)
+        assert process.returncode == 0, complaint
+    left = list((tmp_path / "compiled").iterdir())
+    assert len(left) == 3
+    assert all(path.suffix == ".so" for path in left)
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_calls_from_many_threads_do_not_disturb_each_other(compiler):
+    q, d = ca.SX.sym("q", 2), ca.SX.sym("d")
+    f = vectorise([q, d], [planar_error(q) * d], compiler=compiler)
+    rows = np.random.default_rng(1).uniform(-3, 3, (120_000, 2))
+    (once,) = f(rows, [1.0])
+    with ThreadPoolExecutor(8) as pool:
+        results = list(pool.map(lambda k: f(rows, [float(k)])[0], range(16)))
+    for k, result in enumerate(results):
+        np.testing.assert_allclose(result, k * once, rtol=1e-14, atol=1e-18)
+
+
+def test_trig_quadratic_finds_the_polynomial_and_evaluates_it():
+    q = ca.SX.sym("q", 2)
+    error = planar_error(q)
+    quadratic = TrigQuadratic.detect(error, q)
+    assert quadratic.residual < 1e-14
+    assert not np.any(quadratic.linear)
+    rows = np.random.default_rng(2).uniform(-9, 9, (500, 2))
+    expected = casadi_values([q], error, [rows])
+    (found, size) = vectorise([q], [quadratic.expression(q), quadratic.size(q)])(rows)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=5e-17)
+    np.testing.assert_allclose(size[:, 0], np.linalg.norm(expected, axis=1), rtol=1e-12)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(1, 3), st.integers(1, 3), st.integers(0, 10**6))
+def test_trig_quadratic_recovers_any_polynomial_of_second_degree(joints, components, seed):
+    rng = np.random.default_rng(seed)
+    q = ca.SX.sym("q", joints)
+    phases = np.tril(np.ones((joints, joints))) * rng.choice([-1, 1], (joints, joints))
+    phi = ca.mtimes(ca.DM(phases), q)
+    z = ca.vertcat(ca.cos(phi), ca.sin(phi))
+    error = ca.vertcat(
+        *(
+            rng.normal() + ca.dot(rng.normal(size=2 * joints), z) + ca.bilin(rng.normal(size=(2 * joints,) * 2), z, z)
+            for _ in range(components)
+        )
+    )
+    rows = rng.uniform(-9, 9, (50, joints))
+    found = vectorise([q], [TrigQuadratic.detect(error, q, phases).expression(q)])(rows)[0]
+    np.testing.assert_allclose(found, casadi_values([q], error, [rows]), rtol=0, atol=1e-12)
+
+
+def test_trig_quadratic_refuses_what_is_none():
+    q = ca.SX.sym("q", 2)
+    error = planar_error(q)
+    for other in (
+        error + 1e-9 * ca.cos(q[0]) ** 3,
+        error + 1e-9 * ca.tanh(q[1]),
+        ca.sqrt(ca.sumsqr(error)),
+        error + ca.log(q[0]),
+    ):
+        with pytest.raises(NotQuadratic):
+            TrigQuadratic.detect(other, q)
+    with pytest.raises(NotQuadratic):
+        TrigQuadratic.detect(error, q, [[1, 0], [0, 2]])
+    with pytest.raises(ValueError, match="whole numbers"):
+        TrigQuadratic.detect(error, q, [[1, 0], [1, 0.5]])
+    with pytest.raises(ValueError, match="needed"):
+        TrigQuadratic.detect(error, q, [[1, 0, 0]])
+    with pytest.raises(ValueError, match="load"):
+        TrigQuadratic.detect(error * ca.SX.sym("load"), q)
+    assert not np.any(TrigQuadratic.detect(0 * error, q).quadratic)

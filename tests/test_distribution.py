@@ -1,0 +1,164 @@
+"""What people install: the wheel, built from the sdist, in a clean environment far from the repository."""
+
+import json
+import os
+import subprocess
+import sys
+import tarfile
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.test_house import ROOT, tracked_files
+
+# The environment is built once: all these tests go to one worker.
+pytestmark = pytest.mark.xdist_group("distribution")
+
+ROOMS = ("sections", "materials", "arm", "optimize", "diagnose", "linkwright")
+
+ARM = """\
+name: two links on a bench
+gravity: [0 m/s^2, -9.81 m/s^2, 0 m/s^2]
+temperature: 20 degC
+chain:
+  - joint: {type: revolute, range: [-90 deg, 90 deg], clearance: 0.03 mm, backlash: 3 arcmin}
+    link: {length: 400 mm, section: {shape: circle, diameter: 60 mm}, material: aluminium-6061-t6}
+  - joint: {type: revolute, range: [-2 rad, 2 rad], clearance: 0.02 mm, stiffness: 50 kN*m/rad, mass: 3 kg}
+    link: {length: 300 mm, section: {shape: tube, diameter: 50 mm, thickness: 4 mm}, material: steel-s355}
+payload: {mass: 2 kg, force: [0 N, 0 N, 0 N]}
+"""
+
+
+@dataclass(frozen=True)
+class Installed:
+    """The built archives and the environment in which the wheel is installed."""
+
+    wheel: Path
+    sdist: Path
+    environment: Path
+
+    def run(self, *command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+        """Run a program of the environment there, with nothing of this process's paths."""
+        program = self.environment / ("Scripts" if os.name == "nt" else "bin") / command[0]
+        return subprocess.run([str(program), *command[1:]], cwd=cwd, env=clean_surroundings(), **CAPTURED)
+
+
+CAPTURED = {"capture_output": True, "text": True, "check": False, "stdin": subprocess.DEVNULL}
+
+
+def clean_surroundings() -> dict[str, str]:
+    """The environment variables without those through which a Python finds modules of ours."""
+    return {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+
+
+def must(command: list[str], cwd: Path) -> None:
+    """Run a preparing command; what it printed is shown where it fails."""
+    done = subprocess.run(command, cwd=cwd, env=clean_surroundings(), **CAPTURED)
+    if done.returncode != 0:
+        pytest.fail(f"{' '.join(command)}\n{done.stdout}\n{done.stderr}")
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """Copy the tracked files, build, and install the wheel on the pinned dependencies and nothing else.
+
+    pip gets no index for the wheel itself, so a dependency that the lock lacks is an error.
+    """
+    place = tmp_path_factory.mktemp("distribution")
+    tree = place / "tree"
+    for path in tracked_files():
+        copy = tree / path.relative_to(ROOT)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(path.read_bytes())
+    # Told of neither, `build` makes the wheel from the sdist: a file missing there is missing in both.
+    must([sys.executable, "-m", "build", "--no-isolation", "--outdir", str(place / "dist"), str(tree)], place)
+    (wheel,) = (place / "dist").glob("*.whl")
+    (sdist,) = (place / "dist").glob("*.tar.gz")
+
+    environment = place / "environment"
+    must([sys.executable, "-m", "venv", str(environment)], place)
+    result = Installed(wheel, sdist, environment)
+    pip = ("python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+    for arguments in (
+        ("--require-hashes", "-r", str(ROOT / "requirements.lock")),
+        ("--no-index", str(wheel)),
+    ):
+        done = result.run(*pip, *arguments, cwd=place)
+        assert done.returncode == 0, done.stderr
+    return result
+
+
+def answer(installed: Installed, cwd: Path, *command: str) -> str:
+    """What a command prints, which must end with exit status 0 and without a traceback."""
+    done = installed.run(*command, cwd=cwd)
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+    assert "Traceback" not in done.stderr
+    return done.stdout
+
+
+def test_wheel_holds_every_file_of_the_packages(installed):
+    """Modules, catalogues, page templates: whatever lies in a package's folder, and nothing else."""
+    with zipfile.ZipFile(installed.wheel) as archive:
+        packed = {name for name in archive.namelist() if ".dist-info/" not in name}
+    expected = {
+        path.relative_to(ROOT).as_posix()
+        for path in tracked_files()
+        if path.relative_to(ROOT).parts[0] in ROOMS
+    }
+    assert packed == expected
+    assert any(name.startswith("materials/catalogue/") and name.endswith(".yaml") for name in packed)
+
+
+def test_sdist_holds_what_a_build_needs(installed):
+    """The source archive has the packages and their build file."""
+    with tarfile.open(installed.sdist) as archive:
+        packed = {name.partition("/")[2] for name in archive.getnames()}
+    assert {"pyproject.toml", "README.md", *(f"{room}/__init__.py" for room in ROOMS)} <= packed
+
+
+def test_modules_come_from_the_environment(installed, tmp_path):
+    """An import that found the repository instead would prove nothing."""
+    report = "; ".join(
+        [
+            "import json, " + ", ".join(ROOMS),
+            f"print(json.dumps([m.__file__ for m in ({', '.join(ROOMS)})]))",
+        ]
+    )
+    files = json.loads(answer(installed, tmp_path, "python", "-P", "-c", report))
+    for file in files:
+        assert Path(file).resolve().is_relative_to(installed.environment.resolve())
+
+
+def test_version_is_that_of_the_distribution(installed, tmp_path):
+    """`python -m linkwright --version` and the command agree with the archive's name."""
+    version = installed.wheel.name.split("-")[1]
+    assert version in answer(installed, tmp_path, "python", "-P", "-m", "linkwright", "--version")
+    assert version in answer(installed, tmp_path, "linkwright", "--version")
+
+
+def test_material_catalogue_is_installed(installed, tmp_path):
+    """At least fifteen materials, by their names."""
+    answer(installed, tmp_path, "linkwright", "materials", "list", "--json", "materials.json")
+    content = json.loads((tmp_path / "materials.json").read_text(encoding="utf-8"))
+    entries = content["materials"] if isinstance(content, dict) else content
+    names = {entry if isinstance(entry, str) else entry["name"] for entry in entries}
+    assert len(names) >= 15
+    assert {"aluminium-6061-t6", "steel-s355"} <= names
+
+
+def test_section_list_is_installed(installed, tmp_path):
+    """The shapes and the stock sizes, which lie in data files."""
+    listing = answer(installed, tmp_path, "linkwright", "sections", "list")
+    assert "circle" in listing
+    assert "IPE 80" in listing
+
+
+def test_an_arm_is_evaluated(installed, tmp_path):
+    """A file that someone wrote at home, far from any example: an error of a plausible size comes out."""
+    (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
+    answer(installed, tmp_path, "linkwright", "evaluate", "arm.yaml", "--json", "result.json")
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert 0.01 < result["max_error_mm"] < 10
+    assert result["mass_kg"] == pytest.approx(4.416, abs=0.1)
