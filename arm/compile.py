@@ -46,7 +46,8 @@ class VectorFunction:
 
     NumPy's sines and cosines are within 4e-16 (absolute) of the exact values, those of the C code within
     2e-16; all else rounds as CasADi's own evaluation does, up to the last digits of library functions.
-    NaN and infinities are CasADi's too, but for the sign of a NaN, and of fmin and fmax of two zeros.
+    NaN and infinities are those of `ca.cse(outputs)` too (which takes y - y for 0), but for the sign of a
+    NaN and the sign of fmin and fmax of two zeros.
     """
 
     def __init__(self, tape: Tape, compiler: Compiler, threads: int) -> None:

@@ -15,7 +15,7 @@ from .chain import Arm, LoadCase
 from .effects import EFFECTS
 from .error import active_effects
 from .model import ErrorModel, beam_values, beams_of, error_model
-from .modes import first_modes
+from .modes import first_frequencies
 from .play import played
 from .refine import uphill
 from .strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
@@ -113,7 +113,7 @@ def evaluate(
     space = workspace or Workspace()
     cases = tuple(load_cases) or (arm.payload,)
     model = error_model(arm, cases)
-    beams = beams_of(arm)
+    beams = beams_of(arm, cases)
     p = beam_values(beams)
     search = WorstSearch(model, space, gap=gap)
     worst = search.worst(p)
@@ -209,7 +209,7 @@ def least_frequency(
     best: Frequency | None = None
     payloads = {case.mass: number for number, case in reversed(list(enumerate(cases)))}
     for payload, number in payloads.items():
-        found = first_modes(arm, beams, payload, poses).frequency
+        found = first_frequencies(arm, beams, payload, poses)
         if not np.isfinite(found).any():
             continue
         candidates = poses[np.argsort(found)[:3]]
@@ -217,11 +217,11 @@ def least_frequency(
             bounds = climbing_bounds(arm, search.lower, search.upper)
 
             def slowness(q: Array, carried: float = payload) -> Array:
-                return 1.0 / first_modes(arm, beams, carried, q).frequency ** 2
+                return 1.0 / first_frequencies(arm, beams, carried, q) ** 2
 
             reached = wrapped(arm, uphill(slowness, candidates, bounds, step=1e-4), search.lower, search.upper)
             candidates = np.vstack([candidates, reached])
-        values = first_modes(arm, beams, payload, candidates).frequency
+        values = first_frequencies(arm, beams, payload, candidates)
         lowest = int(np.argmin(values))
         if best is None or values[lowest] < best.value:
             best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)

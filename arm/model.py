@@ -41,21 +41,26 @@ class PropertyNeeded(ValueError):
     """A question needs a figure that the arm does not have: a link's section, its mass or a material's property."""
 
 
-def needs_shear_modulus(arm: Arm) -> bool:
-    """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane."""
+def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
+    """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane.
+
+    A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
+    """
     active = {each.effect.id for each in active_effects(arm)}
-    return "shear_deformation" in active or ("torsion" in active and not arm.planar())
+    planar = all(arm.planar(load) for load in (loads or (arm.payload,)))
+    return "shear_deformation" in active or ("torsion" in active and not planar)
 
 
-def beams_of(arm: Arm) -> tuple[Beam, ...]:
-    """The beams that an arm's links are, at its temperature.
+def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
+    """The beams that an arm's links are, at its temperature, for load cases (its own payload by default).
 
     Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
     """
-    return tuple(_beam(arm, index, link) for index, link in enumerate(arm.links))
+    shear = needs_shear_modulus(arm, loads)
+    return tuple(_beam(arm, index, link, shear) for index, link in enumerate(arm.links))
 
 
-def _beam(arm: Arm, index: int, link: Link) -> Beam:
+def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
     if link.section is None:
         if link.mass is None:
             raise PropertyNeeded(f"link {index + 1} has neither a section nor a known mass")
@@ -65,7 +70,7 @@ def _beam(arm: Arm, index: int, link: Link) -> Beam:
         raise PropertyNeeded(f"link {index + 1} has a section but no material")
     material = link.material.at(arm.temperature)
     section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
-    return elastic_beam(link.length, section, material, shear=needs_shear_modulus(arm))
+    return elastic_beam(link.length, section, material, shear=shear)
 
 
 def beam_values(beams: Sequence[Beam]) -> Array:

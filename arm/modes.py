@@ -1,9 +1,9 @@
 """The first bending frequency of an arm at a pose, from its compliance and its masses.
 
 Every link is cut into segments; unit forces at their ends, through the same effects as the tip's error, give the
-compliance matrix F; masses sit at the same points, the links' own by Simpson's rule. The first frequency belongs to the
-largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi (Rayleigh). Drives count with their
-stiffness; rotary inertia is left out, as it is small for bending.
+compliance matrix F; masses sit at the same points, the links' own by Simpson's rule, a rigid link's at its centre of
+mass. The first frequency belongs to the largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi
+(Rayleigh). Drives count with their stiffness; rotary inertia is left out, as it is small for bending.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from .effects import EFFECTS, Settings
 from .error import ActiveEffect, active_effects, displacements
 from .kinematics import section_directions
 from .statics import solve
-from .vectors import IDENTITY, ZERO, Scalar, Vector, times
+from .vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
 
 Array = NDArray[np.float64]
 
@@ -31,12 +32,21 @@ _SIMPSON = (1.0 / 12.0, 4.0 / 12.0, 2.0 / 12.0, 4.0 / 12.0, 1.0 / 12.0)
 _ALWAYS = ("link_bending", "slope_propagation", "axial", "torsion", "joint_compliance")
 
 
+SegmentKind = Literal["head", "part", "before", "after"]
+
+
 @dataclass(frozen=True)
 class SegmentedArm:
-    """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics."""
+    """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics.
+
+    `kinds` says what each segment is: a `part` of an elastic link, or of a rigid one the stretch `before` its centre of
+    mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets apart
+    from the end of the link before.
+    """
 
     arm: Arm
     owner: tuple[int, ...]
+    kinds: tuple[SegmentKind, ...]
     effects: tuple[ActiveEffect, ...]
 
 
@@ -45,8 +55,13 @@ def segmented(arm: Arm) -> SegmentedArm:
     joints: list[Joint] = []
     links: list[Link] = []
     owner: list[int] = []
+    kinds: list[SegmentKind] = []
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
-        pieces = SEGMENTS if link.elastic else 1
+        own: list[SegmentKind] = ["part"] * SEGMENTS if link.elastic else ["before", "after"]
+        if joint.mass and (not joint.revolute or any(joint.origin_translation)):
+            own.insert(0, "head")
+        pieces = len(own)
+        kinds += own
         height, _ = section_directions(link, joint)
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         joints.append(replace(joint, spans=pieces))
@@ -58,7 +73,7 @@ def segmented(arm: Arm) -> SegmentedArm:
     wanted = [name for name in EFFECTS if name in _ALWAYS or (name == "shear_deformation" and name in active)]
     effects = tuple(ActiveEffect(EFFECTS[name], Settings()) for name in wanted)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
-    return SegmentedArm(whole, tuple(owner), effects)
+    return SegmentedArm(whole, tuple(owner), tuple(kinds), effects)
 
 
 def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
@@ -73,11 +88,15 @@ def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
 
 def segment_beams(arm: SegmentedArm, beams: Sequence[Beam]) -> list[Beam]:
     """Each link's beam, shared out among its segments (weightless: masses enter on their own)."""
-    shares = [1.0 / arm.owner.count(owner) for owner in arm.owner]
-    return [
-        replace(beams[owner], length=times(share, beams[owner].length), mass_per_length=0.0, lumped_mass=0.0)
-        for owner, share in zip(arm.owner, shares, strict=True)
-    ]
+    return [_segment(beams[owner], kind) for owner, kind in zip(arm.owner, arm.kinds, strict=True)]
+
+
+def _segment(beam: Beam, kind: SegmentKind) -> Beam:
+    if kind == "head":
+        return Beam(length=0.0)
+    if kind == "part":
+        return replace(beam, length=times(1.0 / SEGMENTS, beam.length), mass_per_length=0.0, lumped_mass=0.0)
+    return Beam(length=beam.lumped_at if kind == "before" else minus(beam.length, beam.lumped_at))
 
 
 def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload: Scalar) -> list[Scalar]:
@@ -85,23 +104,20 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
     masses: list[Scalar] = [0.0] * len(segments.owner)
     for index, beam in enumerate(beams):
         nodes = [k for k, owner in enumerate(segments.owner) if owner == index]
+        start = nodes[0] - 1
+        if segments.kinds[nodes[0]] == "head":
+            start = nodes.pop(0)
+        if start >= 0:
+            masses[start] = masses[start] + arm.joints[index].mass
+        if segments.kinds[nodes[0]] == "before":
+            masses[nodes[0]] = masses[nodes[0]] + beam.lumped_mass
+            continue
         total = times(beam.mass_per_length, beam.length)
-        weights = _SIMPSON if len(nodes) == SEGMENTS else (0.0, 0.0)
-        if len(nodes) == 1 and not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
-            share = beam.lumped_at / beam.length if float_or_none(beam.length) != 0.0 else 1.0
-            total, weights = beam.lumped_mass, (1.0 - share, share)
-        for node, weight in zip([nodes[0] - 1, *nodes], weights, strict=True):
+        for node, weight in zip([start, *nodes], _SIMPSON, strict=True):
             if node >= 0:
                 masses[node] = masses[node] + weight * total
-        if nodes[0] > 0:
-            masses[nodes[0] - 1] = masses[nodes[0] - 1] + arm.joints[index].mass
     masses[-1] = masses[-1] + payload
     return masses
-
-
-def float_or_none(value: Scalar) -> float | None:
-    """The value where it is a plain number."""
-    return float(value) if isinstance(value, (float, int)) else None
 
 
 def response(
@@ -131,6 +147,16 @@ class Modes:
 
     frequency: Array
     shape: Array
+
+
+def first_frequencies(arm: Arm, beams: Sequence[Beam], payload: float, q: Array) -> Array:
+    """The first bending frequency (N,) in Hz at poses q (N, n), as `first_modes` has it."""
+    segments = segmented(arm)
+    root = np.sqrt(np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, payload)]), 3))
+    compliance = compliance_matrices(segments, beams, q)
+    values = np.linalg.eigvalsh(0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :])
+    with np.errstate(divide="ignore"):
+        return 1.0 / (2.0 * math.pi * np.sqrt(np.maximum(values[:, -1], 0.0)))
 
 
 def first_modes(arm: Arm, beams: Sequence[Beam], payload: float, q: Array) -> Modes:

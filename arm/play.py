@@ -163,15 +163,24 @@ def _climb(vector: Array, intervals: Array, normals: Array, radii: Array, direct
     return PlayedError(_length(reached), reached, signs, shifts)
 
 
+def _across(arrays: PoseArrays) -> Array:
+    """The loads that lie in the discs' planes (N, d, 3), N."""
+    along = np.einsum("ndi,ndi->nd", arrays.normals, arrays.disc_seating)
+    return arrays.disc_seating - along[:, :, None] * arrays.normals
+
+
+def pushed_discs(arrays: PoseArrays) -> NDArray[np.bool_]:
+    """Whether a load pushes each disc (N, d) to one side; a pin without load may lie anywhere."""
+    return _length(_across(arrays)) > 1e-12 * _length(arrays.disc_seating).max(initial=0.0)
+
+
 def _loaded(arrays: PoseArrays, radii: Array, planar: bool) -> PlayedError:
     scale = np.abs(arrays.interval_seating).max(initial=0.0)
     seated = np.abs(arrays.interval_seating) > 1e-12 * scale
     signs = np.where(seated, np.sign(arrays.interval_seating), 0.0)
-    across = arrays.disc_seating - (
-        np.einsum("ndi,ndi->nd", arrays.normals, arrays.disc_seating)[:, :, None] * arrays.normals
-    )
+    across = _across(arrays)
     load = _length(across)
-    pushed = load > 1e-12 * _length(arrays.disc_seating).max(initial=0.0)
+    pushed = pushed_discs(arrays)
     shifts = np.where(pushed, radii / np.where(load > 0.0, load, 1.0), 0.0)[:, :, None] * across
     vector = arrays.vector + np.einsum("nk,nki->ni", signs, arrays.intervals) + shifts.sum(axis=1)
     free = np.where(seated[:, :, None], 0.0, arrays.intervals)

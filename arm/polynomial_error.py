@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .chain import PlayMode
 from .model import CaseModel
-from .play import played, sign_vertices
+from .play import played, pushed_discs, sign_vertices
 from .trigonometric import (
     Coefficients,
     Coordinates,
@@ -18,6 +18,7 @@ from .trigonometric import (
     evaluate,
     fit,
     from_values,
+    sample_grid,
     terms_of,
 )
 
@@ -93,7 +94,8 @@ def error_polynomials(
     if mode == "statistical" or size > _MOST_SAMPLED or 2**count > _MOST_VERTICES:
         raise NotPolynomial("statistical play, or too many joints")
     loaded = mode == "loaded"
-    held = loaded and len(case.error.discs) > 0
+    pushed = _pushed(case, p, coordinates) if loaded else np.zeros(len(case.error.discs), dtype=bool)
+    held = bool(pushed.any())
 
     def columns(q: Array) -> Array:
         arrays = case.arrays(q, p)
@@ -103,7 +105,7 @@ def error_polynomials(
             only_discs = replace(
                 arrays, intervals=arrays.intervals[:, :0], interval_seating=arrays.interval_seating[:, :0]
             )
-            vector = played(only_discs, case.radii, "loaded", planar=planar).vector
+            vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
         rows = [vector, arrays.intervals.reshape(len(q), -1)]
         return np.concatenate([*rows, arrays.interval_seating] if loaded else rows, axis=1)
 
@@ -116,7 +118,7 @@ def error_polynomials(
     signs = sign_vertices(count)
     functions = _squares(shapes, signs)
     seatings = replace(kept, tensor=kept.tensor[3 + 3 * count :]) if loaded and count else None
-    radius = 0.0 if held else float(case.radii.sum())
+    radius = float(case.radii[~pushed].sum())
     return ErrorPolynomials(
         number,
         tuple(j for j, matters in enumerate(depends) if matters),
@@ -128,6 +130,18 @@ def error_polynomials(
         seatings,
         terms_of(seatings) if seatings is not None else None,
     )
+
+
+def _pushed(case: CaseModel, p: Array, coordinates: Coordinates) -> NDArray[np.bool_]:
+    """Which discs have a load that pushes them; those without one count as worst (`loaded`).
+
+    Raises `NotPolynomial` where that differs from pose to pose.
+    """
+    arrays = case.arrays(sample_grid(coordinates, 1), p)
+    pushed = pushed_discs(arrays)
+    if not np.array_equal(pushed.all(axis=0), pushed.any(axis=0)):
+        raise NotPolynomial("a pin is pushed at some poses and free at others")
+    return pushed.all(axis=0)
 
 
 def _squares(shapes: Coefficients, signs: Array) -> Coefficients:

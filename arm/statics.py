@@ -121,7 +121,8 @@ def solve(
         )
         axis = placed.joints[index].axis
         if not joint.revolute:
-            drive_load = dot(axis, base_force)
+            # A slide's mass rides on it, so its drive holds that too.
+            drive_load = dot(axis, add(base_force, scale(joint.mass, gravity)))
         elif arm.angles == "absolute":
             # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
             drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))

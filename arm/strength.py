@@ -126,7 +126,9 @@ def _deflection(link: LinkState) -> Scalar:
     assert in_width is not None
     first = bent_end(link, link.height, link.width, in_height)
     second = bent_end(link, link.width, scale(-1.0, link.height), in_width)
-    return ca.sqrt(ca.SX(plus(times(first, first), times(second, second))) + 1e-24) / link.beam.length
+    # A link without length (a wrist's, in Denavit-Hartenberg form) does not bend; it must not divide by zero either.
+    length = ca.fmax(ca.SX(link.beam.length), 1e-9)
+    return ca.sqrt(ca.SX(plus(times(first, first), times(second, second))) + 1e-24) / length
 
 
 @dataclass(frozen=True)

@@ -189,8 +189,8 @@ class Terms:
             if order < 2:
                 return value, gradient, np.empty((0, 0, 0))
             n = self.frequency.shape[1]
-            squares = (self.frequency[:, :, None] * self.frequency[:, None, :]).reshape(-1, n * n)
-            return value, gradient, -(terms.real @ squares).reshape(-1, n, n)
+            squares = (self.frequency[:, :, None] * self.frequency[:, None, :]).reshape(len(self.frequency), n * n)
+            return value, gradient, -(terms.real @ squares).reshape(len(x), n, n)
         return self._with_slides(x, terms)
 
     def _with_slides(self, x: Array, terms: ComplexArray) -> tuple[Array, Array, Array]:
@@ -246,7 +246,8 @@ def terms_of(coefficients: Coefficients) -> Terms:
         np.arange(-coefficients.degree, coefficients.degree + 1) if turns else np.arange(coefficients.degree + 1)
         for turns in coefficients.coordinates.revolute
     ]
-    index = np.array(list(itertools.product(*spans)), dtype=float).reshape(-1, size)
+    rows = list(itertools.product(*spans))
+    index = np.array(rows, dtype=float).reshape(len(rows), size)
     turns = np.array(coefficients.coordinates.revolute, dtype=bool)
     frequency = np.where(turns, index, 0.0)
     power = np.where(turns, 0.0, index)

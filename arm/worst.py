@@ -177,7 +177,11 @@ class WorstSearch:
             q = np.array([self._climb_in_region(p, polynomials, int(which[k]), q[k]) for k in best])
             poses = self.worst_poses_at(q, p, polynomials.case)
         if not polynomials.exact or polynomials.seatings is not None:
-            poses += self._refined(p, polynomials.case, np.array([pose.q for pose in distinct(poses)][:6]))
+            near = np.array([pose.q for pose in distinct(poses)][:6])
+            if not polynomials.exact:
+                # Discs across different normals may favour poses that the polynomials alone do not.
+                near = np.vstack([near, starts[_apart(starts, self.errors(starts, p, polynomials.case).error, 6)]])
+            poses += self._refined(p, polynomials.case, near)
         return poses
 
     def _climb_in_region(self, p: Array, polynomials: ErrorPolynomials, which: int, start: Array) -> Array:

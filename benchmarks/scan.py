@@ -71,9 +71,7 @@ def _ways(q: Array) -> tuple[dict[str, Callable[[], Array]], list[str]]:
         "by hand": _best_block(q, half_angle=False),
         "by hand, half angles": _best_block(q, half_angle=True),
         "tape to NumPy": _sizes(vectorise([symbols], [size], compiler="never"), q),
-        "tape to NumPy, design as arguments": _sizes(
-            vectorise(columns, [general_size], compiler="never"), q, *design
-        ),
+        "tape to NumPy, design as arguments": _sizes(vectorise(columns, [general_size], compiler="never"), q, *design),
         "quadratic form, NumPy": _sizes(vectorise([symbols], [quadratic.size(symbols)], compiler="never"), q),
     }
     for threads in (1, 2):
@@ -99,9 +97,7 @@ def _sizes(function: VectorFunction, *arguments: Array) -> Callable[[], Array]:
 
 def _best_block(q: Array, *, half_angle: bool) -> Callable[[], Array]:
     """The version by hand with the block size that suits this machine best."""
-    versions = [
-        partial(planar_error_numpy, q, EXAMPLE, block=block, half_angle=half_angle) for block in BLOCKS
-    ]
+    versions = [partial(planar_error_numpy, q, EXAMPLE, block=block, half_angle=half_angle) for block in BLOCKS]
     times = [min(_seconds(version) for _ in range(3)) for version in versions]
     print(f"by hand{', half angles' * half_angle}: best in blocks of {BLOCKS[int(np.argmin(times))]} rows")
     return versions[int(np.argmin(times))]

@@ -187,7 +187,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "status": result.status,
         "minimize": result.minimize,
         "objective": {"value": factor * result.objective, "unit": unit},
-        "lower_bound": {"value": factor * result.lower_bound, "unit": unit, "global": result.convex},
+        "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,
         **evaluation_figures(result.after),
         "before": evaluation_figures(result.before),

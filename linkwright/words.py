@@ -31,7 +31,7 @@ def figure(value: float | None, digits: int = 4) -> str:
 
 def percent(value: float, digits: int = 2) -> str:
     """A ratio as a percentage."""
-    return f"{figure(100.0 * value, digits)} %"
+    return "–" if math.isnan(value) else f"{figure(100.0 * value, digits)} %"
 
 
 def mm(metres: float | None, digits: int = 4) -> str:

@@ -109,7 +109,11 @@ class Chooser:
     def try_all(self, picks: list[Combination]) -> None:
         """Bound every combination on the pool, then finish them best first until the rest is bounded out."""
         bounds: list[tuple[float, int, Array]] = []
+        if self.pool is None:
+            self._first(picks)
         for number, pick in enumerate(picks):
+            if pick in self.candidates:
+                continue
             if self.progress is not None:
                 self.progress(number, len(picks), "bounding combinations")
             found = self._bound(pick)
@@ -126,31 +130,44 @@ class Chooser:
             else:
                 self._finish(picks[number], start)
 
+    def _first(self, picks: list[Combination]) -> None:
+        """Finish the first feasible combination: the poses that hold it are what the others are bounded with."""
+        for pick in picks:
+            exchange = self._exchange(pick.shapes)
+            materials = material_row(pick.materials, self.context.problem)
+            for start in starting_points(exchange.space, materials, 2):
+                self.pool = first_pool(self.context, exchange.space, start, pick.materials)
+                if exchange.bound(materials, self.pool, start) is None:
+                    continue
+                self._finish(pick, start)
+                if self.best is not None:
+                    self.pool = self.best[4].solution.active
+                    return
+            self._note(pick, None, "infeasible")
+
     def polish(self) -> None:
         """Further starts for the best combination: a better local optimum replaces it."""
         if self.best is None:
             return
-        pick, space, materials, _, exchanged, _ = self.best
+        pick, space, materials, _, _, _ = self.best
         start_count = _FINAL_STARTS if len(space.variables) > 1 else 1
         for number, start in enumerate(starting_points(space, materials, start_count)):
             if self.progress is not None:
                 self.progress(number, start_count, "further starts")
             self._finish(pick, start)
-        del exchanged
 
     def _exchange(self, shapes: tuple[str | None, ...]) -> Exchange:
         if shapes not in self._exchanges:
-            if len(self._exchanges) > 64:
-                self._exchanges.clear()
+            if len(self._exchanges) > 1:
+                self._exchanges.pop(next(iter(self._exchanges)))  # compiled programs are large
             self._exchanges[shapes] = Exchange(self.context, design_space(self.context.problem, shapes))
         return self._exchanges[shapes]
 
     def _bound(self, pick: Combination) -> tuple[float, Array] | None:
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
+        assert self.pool is not None
         for start in starting_points(exchange.space, materials, 2):
-            if self.pool is None:
-                self.pool = first_pool(self.context, exchange.space, start, pick.materials)
             found = exchange.bound(materials, self.pool, start)
             if found is not None:
                 return found[1], found[0].x
@@ -167,7 +184,7 @@ class Chooser:
             if pick not in self.candidates:
                 self._note(pick, None, "infeasible")
             return
-        self.pool = done.pool
+        self.pool = self.pool.joined(done.solution.active)
         program = exchange.program(done.pool)
         error = done.solution.error if done.worst is None else done.worst.error
         objective = objective_of(self.context, program, done.x, materials, error)

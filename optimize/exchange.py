@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain import Arm
 from arm.evaluation import least_frequency, strength_over
-from arm.kinematics import tip_position
 from arm.model import ErrorModel, beams_of, error_model
 from arm.modes import first_modes
 from arm.strength import StrengthCase, StrengthResult, strength_case
-from arm.workspace import Unreachable
+from arm.workspace import pull
 from arm.worst import WorstCase, WorstPose, WorstSearch
 from materials.material import Material
 
-from .design import DesignSpace, arm_of, numeric_beams, starting_points
+from .design import DesignSpace, arm_of, numeric_beams
 from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
 from .problem import Problem
-from .program import Program, Solution, anchored, fixed_error
+from .program import Program, Solution, anchored, carried_mass, fixed_error
 from .result import Iteration
 
 Array = NDArray[np.float64]
@@ -86,8 +86,6 @@ def context_of(problem: Problem) -> Context:
 
 def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
     """The value (SI) of what is minimised."""
-    from .program import carried_mass
-
     mass, cost, _ = program.mass_cost_reach(x, materials)
     return {
         "max_error": error,
@@ -104,17 +102,17 @@ class Exchange:
         self.context, self.space = context, space
         self._program: Program | None = None
 
-    def program(self, pool: Pool) -> Program:
-        """A compiled program with room for the pool (and some to spare)."""
+    def program(self, pool: Pool, *, spare: bool = True) -> Program:
+        """A compiled program with room for the pool (with `spare`, for some more)."""
         if self._program is None or not self._program.holds(pool):
-            needed = pool.room(len(self.context.model.cases))
-            room = tuple(0 if need == 0 else 2 ** math.ceil(math.log2(need + 1)) for need in needed)
-            self._program = Program(self.space, self.context.model, self.context.strengths, (room[0], room[1], room[2]))
+            room = pool.room(len(self.context.model.cases))
+            room = room.spare() if spare else room
+            self._program = Program(self.space, self.context.model, self.context.strengths, room)
         return self._program
 
     def bound(self, materials: Array, pool: Pool, start: Array) -> tuple[Solution, float] | None:
         """The solution for the pool alone, and its objective: no design near it does better. None where infeasible."""
-        program = self.program(pool)
+        program = self.program(pool, spare=False)
         solution = program.solve(start, materials, pool)
         if not solution.solved:
             return None
@@ -190,7 +188,7 @@ class Exchange:
         violation, grown = self._judge_modes(arm, p, violation, grown)
         return _Judged(max(violation, 0.0), certified, worst, grown)
 
-    def _judge_strength(self, arm: object, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
+    def _judge_strength(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
         context = self.context
         if not context.strengths:
             return violation, pool
@@ -210,7 +208,7 @@ class Exchange:
                     cuts.append(StrengthCut(*place))
         return violation, pool.with_strengths(tuple(cuts))
 
-    def _judge_modes(self, arm: object, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
+    def _judge_modes(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
         context = self.context
         limit = context.limit("first_frequency")
         if limit is None:
@@ -234,20 +232,14 @@ def _change(space: DesignSpace, old: Array, new: Array) -> float:
     return float(np.abs(after / before - 1.0).max(initial=0.0))
 
 
-def strength_of(context: Context, arm: object, p: Array) -> StrengthResult:
+def strength_of(context: Context, arm: Arm, p: Array) -> StrengthResult:
     """The strength of a design over spread poses of the workspace and the worst poses for each link."""
-    from arm.chain import Arm
-
-    assert isinstance(arm, Arm)
     poses = context.search.poses(p, _STRENGTH_POSES)
     return strength_over(arm, context.problem.load_cases, poses, p)
 
 
-def slowest_mode(context: Context, arm: object, p: Array) -> tuple[ModeCut, float]:
+def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:
     """The mode of the least first frequency over the workspace, and that frequency (Hz)."""
-    from arm.chain import Arm
-
-    assert isinstance(arm, Arm)
     beams = beams_of(arm)
     slowest = least_frequency(arm, context.search, beams, p, context.problem.load_cases)
     if slowest is None:
@@ -279,8 +271,6 @@ def _anchor(context: Context, q: Array, p: Array) -> Anchor:
 
 def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
     """The pool's poses for the lengths that the design now has, so that they reach the same places."""
-    from arm.workspace import pull
-
     search = context.search
     used = np.array([1.0, 1.0, float(not context.model.planar)])
     kept: list[ErrorCut] = []
@@ -292,9 +282,7 @@ def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
         )
         if miss[0] < 1e-7:
             kept.append(replace(cut, q=tuple(q[0].tolist()), anchor=_anchor(context, q[0], p)))
-    cases = {cut.load_case for cut in kept}
-    # A place that the new lengths do not reach is dropped, unless it is all that is known of its load case.
-    kept += [cut for cut in pool.errors if cut.load_case not in cases]
+    # A place that the new lengths do not reach is dropped.
     return replace(pool, errors=tuple(kept))
 
 
@@ -308,25 +296,13 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
     pool = Pool()
     if context.uses_error:
         worst = context.search.worst(p, certify=False)
-        poses = list(worst.poses)
-        for case in range(len(context.model.cases)):
-            if not any(pose.load_case == case for pose in poses):
-                places = context.search.poses(p, 256)
-                poses += sorted(context.search.worst_poses_at(places, p, case), key=lambda pose: -pose.error)[:1]
-        top = [pose for pose in poses if pose.error > 0.5 * worst.error][:_MOST_ADDED]
-        for case in range(len(context.model.cases)):
-            if not any(pose.load_case == case for pose in top):
-                top.append(next(pose for pose in poses if pose.load_case == case))
-        pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in top))
+        poses = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:4]
+        pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in poses))
     if context.strengths:
         result = strength_of(context, arm, p)
         cuts = [StrengthCut(*place) for place in (*result.poses, *result.buckling_poses)]
-        places = context.search.poses(p, 16)
-        cuts += [StrengthCut(tuple(places[0].tolist()), case) for case in range(len(context.model.cases))]
         pool = pool.with_strengths(tuple(cuts))
     if context.limit("first_frequency") is not None:
         pool = pool.with_modes((slowest_mode(context, arm, p)[0],))
     return pool
 
-
-__all__ = ["Context", "Exchange", "Exchanged", "Unreachable", "context_of", "first_pool", "starting_points", "tip_position"]

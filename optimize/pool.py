@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 
@@ -42,6 +43,32 @@ class ModeCut:
 
 
 @dataclass(frozen=True)
+class Room:
+    """Slots of a compiled program: for each load case's errors, for each load case's strengths, and for modes."""
+
+    errors: tuple[int, ...]
+    strengths: tuple[int, ...]
+    modes: int
+
+    def holds(self, other: Room) -> bool:
+        """Whether there is room for what `other` needs; a load case without poses of its own cannot fill its slots."""
+        pairs = [*zip(self.errors, other.errors, strict=True), *zip(self.strengths, other.strengths, strict=True)]
+        return all(_fits(have, need) for have, need in [*pairs, (self.modes, other.modes)])
+
+    def spare(self) -> Room:
+        """Room to grow: the next power of two."""
+        return Room(tuple(map(_grown, self.errors)), tuple(map(_grown, self.strengths)), _grown(self.modes))
+
+
+def _fits(have: int, need: int) -> bool:
+    return need <= have and (need > 0 or have == 0)
+
+
+def _grown(need: int) -> int:
+    return 0 if need == 0 else 2 ** math.ceil(math.log2(need + 1))
+
+
+@dataclass(frozen=True)
 class Pool:
     """All binding poses found so far."""
 
@@ -54,11 +81,18 @@ class Pool:
         """How many poses there are."""
         return len(self.errors) + len(self.strengths) + len(self.modes)
 
-    def room(self, cases: int) -> tuple[int, int, int]:
-        """How many slots a program needs for each load case's errors, each load case's strengths, and modes."""
-        errors = max(sum(cut.load_case == case for cut in self.errors) for case in range(cases))
-        strengths = max(sum(cut.load_case == case for cut in self.strengths) for case in range(cases))
-        return errors, strengths, len(self.modes)
+    def room(self, cases: int) -> Room:
+        """How many slots a program needs for these poses."""
+        return Room(
+            tuple(sum(cut.load_case == case for cut in self.errors) for case in range(cases)),
+            tuple(sum(cut.load_case == case for cut in self.strengths) for case in range(cases)),
+            len(self.modes),
+        )
+
+    def joined(self, other: Pool) -> Pool:
+        """The poses of both pools, repeats left out."""
+        modes = tuple(mode for mode in other.modes if mode not in self.modes)
+        return self.with_errors(other.errors).with_strengths(other.strengths).with_modes(modes)
 
     def with_errors(self, cuts: tuple[ErrorCut, ...]) -> Pool:
         """The pool with more error cuts, repeats left out."""

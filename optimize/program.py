@@ -22,13 +22,14 @@ from arm.model import ErrorModel
 from arm.strength import StrengthCase
 
 from .design import MATERIAL_FIELDS, DesignSpace, expressions
-from .pool import Pool
+from .pool import ErrorCut, ModeCut, Pool, Room, StrengthCut
 from .problem import Problem
 from .rows import (
     MM,
     OWN_ROWS,
     error_parameters,
     error_rows,
+    filled,
     limit_rows,
     mode_rows,
     shape_rows,
@@ -52,6 +53,8 @@ _IPOPT: dict[str, Any] = {
     },
 }
 _INSIDE = 1e-6
+_PRESSING = 1e-7
+"""A pose whose multiplier is below this does not hold the design."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class Solution:
 
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
     the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each limit
-    (in its logarithm) had to be relaxed.
+    (in its logarithm) had to be relaxed, `active` are the poses that hold the solution.
     """
 
     x: Array
@@ -71,6 +74,7 @@ class Solution:
     shape_prices: tuple[tuple[str, float], ...]
     slacks: tuple[float, ...]
     message: str
+    active: Pool
 
 
 def carried_mass(problem: Problem) -> float:
@@ -92,9 +96,9 @@ class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
     def __init__(
-        self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: tuple[int, int, int]
+        self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: Room
     ) -> None:
-        """`room`: slots for each load case's errors, each load case's strengths, and modes."""
+        """`room`: how many binding poses of each kind there is room for."""
         self.space, self.model, self.room = space, model, room
         problem = space.problem
         limits = problem.limits
@@ -105,9 +109,9 @@ class Program:
         design = expressions(space, x, materials)
         self.fixed_error = fixed_error(model)
         worst = self.fixed_error + ca.exp(y) / MM
-        errors = error_rows(model, design, y, room[0] if self._uses_error else 0, anchored=self._anchored)
-        stress = strength_rows(limits, strengths, design, materials, slack, room[1])
-        modes = mode_rows(space, limits, design, slack, room[2])
+        errors = error_rows(model, design, y, room.errors, anchored=self._anchored)
+        stress = strength_rows(limits, strengths, design, materials, slack, room.strengths)
+        modes = mode_rows(space, limits, design, slack, room.modes)
         own, equal = limit_rows(limits, design, worst, carried_mass(problem), slack)
         shapes = shape_rows(space, design)
         families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes}
@@ -151,8 +155,7 @@ class Program:
 
     def holds(self, pool: Pool) -> bool:
         """Whether the program has room for a pool."""
-        needed = pool.room(len(self.model.cases))
-        return all(need <= have for need, have in zip(needed, self.room, strict=True))
+        return self.room.holds(pool.room(len(self.model.cases)))
 
     def solve(
         self, start: Array, materials: Array, pool: Pool, *, error: float = 1e-3, relax: bool = False
@@ -164,15 +167,12 @@ class Program:
         lower, upper = self.space.bounds()
         count = len(self.space.problem.limits)
         y = math.log(max(error - self.fixed_error, 1e-12) * MM)
-        values, unknowns = [], []
-        if self._uses_error:
-            values, unknowns = error_parameters(self.model, pool, self.room[0], anchored=self._anchored)
-        for number in range(len(self.model.cases)):
-            own = [cut.q for cut in pool.strengths if cut.load_case == number]
-            for slot in range(self.room[1]):
-                values += list(own[min(slot, len(own) - 1)])
-        for slot in range(self.room[2]):
-            mode = pool.modes[min(slot, len(pool.modes) - 1)]
+        errors, strengths = filled(pool.errors, self.room.errors), filled(pool.strengths, self.room.strengths)
+        modes = [pool.modes[min(slot, len(pool.modes) - 1)] for slot in range(self.room.modes)]
+        values, unknowns = error_parameters(self.model, errors, anchored=self._anchored)
+        for cut in strengths:
+            values += list(cut.q)
+        for mode in modes:
             values += [*mode.q, mode.payload, *mode.shape]
         give = 10.0 if relax else 0.0
         equal = np.array([-give if limit.relation == "==" else 0.0 for limit in self.space.problem.limits])
@@ -200,8 +200,26 @@ class Program:
             bound_prices=np.array(result["lam_x"]).ravel()[:size],
             shape_prices=tuple(zip(self._families["shapes"].labels, shapes.tolist(), strict=True)),
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
+            active=self._active(multipliers, errors, strengths, modes),
             message=str(stats["return_status"]),
         )
+
+    def _active(
+        self, multipliers: Array, errors: list[ErrorCut], strengths: list[StrengthCut], modes: list[ModeCut]
+    ) -> Pool:
+        """The poses that hold the solution."""
+
+        def pressing(name: str, count: int) -> Array:
+            rows = np.abs(multipliers[self._place[name]])
+            return rows.reshape(count, -1).max(axis=1) > _PRESSING if count and len(rows) else np.zeros(count, dtype=bool)
+
+        pool = Pool()
+        held = pressing("errors", len(errors))
+        pool = pool.with_errors(tuple(cut for cut, holds in zip(errors, held, strict=True) if holds))
+        held = pressing("stress", len(strengths))
+        pool = pool.with_strengths(tuple(cut for cut, holds in zip(strengths, held, strict=True) if holds))
+        held = pressing("modes", len(modes))
+        return pool.with_modes(tuple(dict.fromkeys(m for m, holds in zip(modes, held, strict=True) if holds)))
 
     def _limit_prices(self, multipliers: Array) -> list[float]:
         """A multiplier for each limit: its own row's, or the sum over the poses through which it holds."""

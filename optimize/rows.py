@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import casadi as ca
 
@@ -14,8 +14,10 @@ from arm.modes import inertia_excess, segmented
 from arm.strength import STATIONS, StrengthCase
 
 from .design import DesignExpressions, DesignSpace, material_values
-from .pool import Pool
+from .pool import ErrorCut, StrengthCut
 from .problem import Limit
+
+Cut = TypeVar("Cut", ErrorCut, StrengthCut)
 
 MM = 1e3
 _FLOOR_MM2 = 1e-14
@@ -41,12 +43,14 @@ def symbol(name: str, size: int = 1) -> Any:
     return ca.SX.sym(name, size)  # pyright: ignore[reportCallIssue]
 
 
-def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: int, *, anchored: bool) -> Rows:
-    """log |e|^2 <= 2 y (in mm) at `slots` poses of each load case."""
+def error_rows(
+    model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], *, anchored: bool
+) -> Rows:
+    """log |e|^2 <= 2 y (in mm) at as many poses of each load case as `slots` says."""
     out = Rows()
     size = model.arm.size
     for number, case in enumerate(model.cases):
-        for slot in range(slots):
+        for slot in range(slots[number]):
             q = symbol(f"q{number}_{slot}", size)
             signs = symbol(f"s{number}_{slot}", len(case.error.intervals))
             shift = symbol(f"d{number}_{slot}", 3)
@@ -77,32 +81,40 @@ def _anchored(model: ErrorModel, design: DesignExpressions, at: Any, q: Any, tip
     return rows + [ca.dot(matrix[:, k], at - q) for k in range(max(arm.size - axes, 0))]
 
 
-def error_parameters(model: ErrorModel, pool: Pool, slots: int, *, anchored: bool) -> tuple[list[float], list[float]]:
-    """The values of the error rows' parameters, and starting values of their unknowns; spare slots repeat a pose."""
+def filled(cuts: Sequence[Cut], slots: Sequence[int]) -> list[Cut]:
+    """The cut in each slot, load case after load case; spare slots repeat the case's last."""
+    found: list[Cut] = []
+    for case, count in enumerate(slots):
+        own = [cut for cut in cuts if cut.load_case == case]
+        found += [own[min(slot, len(own) - 1)] for slot in range(count)]
+    return found
+
+
+def error_parameters(
+    model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: bool
+) -> tuple[list[float], list[float]]:
+    """The values of the error rows' parameters for the cuts in their slots, and starting values of their unknowns."""
     values: list[float] = []
     unknowns: list[float] = []
     size = model.arm.size
-    for number in range(len(model.cases)):
-        own = [cut for cut in pool.errors if cut.load_case == number]
-        for slot in range(slots):
-            cut = own[min(slot, len(own) - 1)]
-            values += [*cut.q, *cut.signs, *cut.shift]
-            if anchored:
-                assert cut.anchor is not None
-                flat = [value for row in cut.anchor.null for value in row]
-                values += [*cut.anchor.tip, *flat, *([0.0] * (size * size - len(flat)))]
-                unknowns += list(cut.q)
+    for cut in cuts:
+        values += [*cut.q, *cut.signs, *cut.shift]
+        if anchored:
+            assert cut.anchor is not None
+            flat = [value for row in cut.anchor.null for value in row]
+            values += [*cut.anchor.tip, *flat, *([0.0] * (size * size - len(flat)))]
+            unknowns += list(cut.q)
     return values, unknowns
 
 
 def strength_rows(
-    limits: Sequence[Limit], cases: Sequence[StrengthCase], design: DesignExpressions, materials: Any, slack: Any, slots: int
+    limits: Sequence[Limit], cases: Sequence[StrengthCase], design: DesignExpressions, materials: Any, slack: Any, slots: Sequence[int]
 ) -> Rows:
-    """Stress against yield strength and compression against Euler's load at `slots` poses of each load case."""
+    """Stress against yield strength and compression against Euler's load at as many poses of each load case as `slots` says."""
     out = Rows()
     size = len(design.beams)
     for number, case in enumerate(cases):
-        for slot in range(slots):
+        for slot in range(slots[number]):
             q = symbol(f"strength{number}_{slot}", size)
             out.parameters.append(q)
             stress, compression, _ = case.function(q, design.beam_column, design.strength_column)

@@ -110,7 +110,7 @@ def shared_window(skeletons: Sequence[Skeleton]) -> Window:
     xs, ys = [x for x, _ in points], [y for _, y in points]
     margin = 0.09 * reach
     width, height = max(xs) - min(xs) + 2 * margin, max(ys) - min(ys) + 2 * margin
-    missing = max(0.0, 0.45 * width - height)
+    missing = max(0.0, 0.34 * width - height)
     below = 0.07 * width
     return Window(min(xs) - margin, min(ys) - margin - missing / 2, width, height + missing + below, exaggeration)
 

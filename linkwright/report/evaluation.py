@@ -25,7 +25,7 @@ def evaluation_page(evaluation: Evaluation, field: ErrorMap) -> str:
         ("worst error", mm(evaluation.max_error), "over the workspace"),
         ("mass of the links", with_unit(evaluation.mass, "kg"), f"{with_unit(evaluation.total_mass, 'kg')} in all"),
         ("reach", mm(evaluation.reach), "sum of the link lengths"),
-        ("material cost", with_unit(evaluation.cost, "EUR"), evaluation.unknown.get("cost", "")),
+        ("material cost", with_unit(evaluation.cost, "EUR"), evaluation.unknown.get("cost", "without machining")),
         ("safety factor", figure(strength.least_safety_factor), "least, against yield"),
     )
     body = [

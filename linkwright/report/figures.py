@@ -23,8 +23,22 @@ def colour_range(maps: Sequence[ErrorMap], evaluations: Sequence[Evaluation]) ->
     return 1e3 * least, 1e3 * max(each.max_error for each in evaluations)
 
 
-def error_map_figure(field: ErrorMap, evaluation: Evaluation, colours: tuple[float, float]) -> Figure:
-    """The worst error at each place of the tip, in mm, with the worst poses marked."""
+def shared_spans(maps: Sequence[ErrorMap]) -> tuple[list[float], list[float]]:
+    """The spans (mm) of both axes that hold every map, with a little air."""
+    spans: list[list[float]] = []
+    for edges in ([each.horizontal for each in maps], [each.vertical for each in maps]):
+        low, high = 1e3 * min(float(x[0]) for x in edges), 1e3 * max(float(x[-1]) for x in edges)
+        spans.append([low - 0.06 * (high - low), high + 0.06 * (high - low)])
+    return spans[0], spans[1]
+
+
+def error_map_figure(
+    field: ErrorMap,
+    evaluation: Evaluation,
+    colours: tuple[float, float],
+    spans: tuple[list[float], list[float]],
+) -> Figure:
+    """The worst error at each place of the tip, in mm, with the worst poses marked; `spans` are those of the axes."""
     names = ("x", "y") if field.planar else ("distance from the base's z axis", "z")
     rows = [[None if np.isnan(value) else round(1e3 * float(value), 7) for value in row] for row in field.worst]
     heat = {
@@ -39,8 +53,8 @@ def error_map_figure(field: ErrorMap, evaluation: Evaluation, colours: tuple[flo
         "hovertemplate": f"{names[0]} %{{x}} mm<br>{names[1]} %{{y}} mm<br>error %{{z:.5g}} mm<extra></extra>",
     }
     layout = {
-        "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain"},
-        "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x"},
+        "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain", "range": spans[0]},
+        "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x", "range": spans[1]},
         "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
         "showlegend": False,
     }
@@ -61,7 +75,7 @@ def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
         "mode": "markers+text",
         "x": [round(float(value), 4) for value in across],
         "y": [round(float(value), 4) for value in up],
-        "text": [str(number) for number in range(1, len(poses) + 1)],
+        "text": _numbers(across, up),
         "textposition": "top center",
         "hovertext": [f"worst pose {k}: {pose(evaluation.arm, x.q)}, {mm(x.error, 5)}" for k, x in enumerate(poses, 1)],
         "hoverinfo": "text",
@@ -69,6 +83,16 @@ def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
         "marker": {"symbol": "circle-open", "size": 11, "color": "#e5383b", "line": {"width": 2.5}},
         "textfont": {"color": "#e5383b", "size": 13},
     }
+
+
+def _numbers(across: Any, up: Any) -> list[str]:
+    """The numbers of the marks; those that would stand on an earlier one are left blank."""
+    near = 0.06 * max(float(np.ptp(across)), float(np.ptp(up)), 1e-9)
+    shown: list[str] = []
+    for number, (x, y) in enumerate(zip(across, up, strict=True)):
+        taken = any(shown[k] and np.hypot(across[k] - x, up[k] - y) < near for k in range(number))
+        shown.append("" if taken else str(number + 1))
+    return shown
 
 
 def error_map_words(field: ErrorMap, evaluation: Evaluation) -> str:

@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 from linkwright.as_json import objective_unit
 from linkwright.screen.evaluation import bound_words
-from linkwright.screen.optimization import bound_sentence, price_words, status_words
+from linkwright.screen.optimization import bound_sentence, effort_words, names_words, price_words, status_words
 from linkwright.words import (
     factor_words,
     figure,
@@ -67,14 +67,15 @@ def headline(result: OptimizationResult) -> str:
 def _tiles(result: OptimizationResult) -> list[tuple[str, str, str]]:
     before, after = result.before, result.after
     factor, unit = objective_unit(result.minimize)
-    whose = "for all designs" if result.convex else "for designs near this one"
-    return [
+    entries = [
         ("worst error", mm(after.max_error), f"before {mm(before.max_error)}"),
         ("mass of the links", with_unit(after.mass, "kg"), f"before {with_unit(before.mass, 'kg')}"),
         ("reach", mm(after.reach, 5), f"before {mm(before.reach, 5)}"),
-        ("material cost", with_unit(after.cost, "EUR"), f"before {with_unit(before.cost, 'EUR')}"),
-        ("lower bound", with_unit(factor * result.lower_bound, unit), whose),
+        ("lower bound", with_unit(factor * result.lower_bound, unit), "over the binding poses alone"),
     ]
+    if before.cost is not None or after.cost is not None:
+        entries.insert(3, ("material cost", with_unit(after.cost, "EUR"), f"before {with_unit(before.cost, 'EUR')}"))
+    return entries
 
 
 def _sections(result: OptimizationResult) -> str:
@@ -114,7 +115,7 @@ def _search(result: OptimizationResult) -> list[str]:
     ]
     headings = ("iteration", "objective", "design change", "poses", "worst violation", "")
     log = table(headings, rows, numbers=(1, 2, 3, 4))
-    words = f"{len(result.iterations)} iterations in {with_unit(result.seconds, 's', 3)}; {bound_sentence(result)}."
+    words = f"{effort_words(result)}; {bound_sentence(result)}."
     caption = "The exchange ends where no pose is worse than those it has already designed for."
     drawn = figure_place("exchange", f"Objective over the iterations: {words}", text(caption))
     return [drawn, element("p", text(words)), log, *_candidates(result)]
@@ -127,8 +128,8 @@ def _candidates(result: OptimizationResult) -> list[str]:
     ranked = sorted(result.candidates, key=lambda each: float("inf") if each.objective is None else each.objective)
     rows = [
         [
-            ", ".join(shape or "rigid" for shape in each.shapes),
-            ", ".join(material or "–" for material in each.materials),
+            names_words(each.shapes),
+            names_words(each.materials),
             "–"
             if each.objective is None
             else f"{'≥ ' if each.outcome == 'bounded out' else ''}{figure(factor * each.objective, 5)} {unit}",

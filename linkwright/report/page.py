@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 
@@ -48,6 +49,11 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: Seque
     return element("div", made, class_="scroll")
 
 
+def _unbroken(words: str) -> str:
+    """Figures kept on one line with their units."""
+    return re.sub(r"(\d) (?=[a-zA-Z])", "\\1\u00a0", words)
+
+
 def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure]) -> str:
     """The whole page. It loads nothing: styles, script, figures and plotly stand in the file."""
     folder = files("linkwright.report")
@@ -65,6 +71,8 @@ def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Fi
     )
     without = "Without JavaScript the maps are not drawn; result.json has the figures."
     missing = element("noscript", element("p", without, class_="lead"))
-    opening = element("header", element("h1", text(title)), element("p", text(summary), class_="headline"), missing)
+    opening = element(
+        "header", element("h1", text(title)), element("p", text(_unbroken(summary)), class_="headline"), missing
+    )
     main = element("main", opening, *body)
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>{main}{scripts}</body></html>\n'

@@ -10,10 +10,11 @@ from arm.evaluation import ErrorMap, Evaluation
 from linkwright.words import figure, load_case_words, material_words, mm, percent, pose, section_words, with_unit
 
 from .arm_picture import arm_caption, arm_picture, shared_window, skeleton
-from .figures import Figure, colour_range, error_map_figure, error_map_words
+from .figures import Figure, colour_range, error_map_figure, error_map_words, shared_spans
 from .page import figure_place, side_by_side, table
 from .svg import element, text
 
+MOST_POSES = 6
 Named = Sequence[tuple[str, Evaluation]]
 """Evaluations to be shown beside each other, each with `before`, `after` or an empty name."""
 
@@ -33,11 +34,12 @@ def arms(named: Named) -> str:
 def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Figure]]:
     """The error maps with one colour scale: where they go, and the figures by name."""
     colours = colour_range(fields, [evaluation for _, evaluation in named])
+    spans = shared_spans(fields)
     places: list[str] = []
     figures: dict[str, Figure] = {}
     for (when, evaluation), field in zip(named, fields, strict=True):
         name = f"map-{when or 'arm'}"
-        figures[name] = error_map_figure(field, evaluation, colours)
+        figures[name] = error_map_figure(field, evaluation, colours, spans)
         words = error_map_words(field, evaluation)
         heading = element("h3", text(when.capitalize())) if when else ""
         places.append(element("div", heading, figure_place(name, words, text(words))))
@@ -49,7 +51,7 @@ def worst_poses(evaluation: Evaluation) -> str:
     cases = evaluation.load_cases
     rows = [
         [str(number), pose(evaluation.arm, each.q), mm(each.error, 5), load_case_words(cases[each.load_case])]
-        for number, each in enumerate(evaluation.worst.poses, start=1)
+        for number, each in enumerate(evaluation.worst.poses[:MOST_POSES], start=1)
     ]
     return table(("", "joint coordinates", "error", "load case"), rows, numbers=(2,))
 

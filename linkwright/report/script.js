@@ -21,7 +21,7 @@
   function draw() {
     places.forEach(function (place) {
       var figure = figures[place.dataset.figure];
-      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: "hover" });
+      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: false });
     });
   }
   draw();

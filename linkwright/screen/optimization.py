@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.table import Table
 
@@ -39,15 +41,14 @@ def bound_sentence(result: OptimizationResult) -> str:
     """What the lower bound says."""
     factor, unit = objective_unit(result.minimize)
     bound = with_unit(factor * result.lower_bound, unit, 6)
-    if result.convex:
-        return f"no design of these shapes and materials gets below {bound}"
-    return f"no design near this one gets below {bound}"
+    return f"lower bound {bound}: the optimum over the binding poses alone"
 
 
 def price_words(limit: BindingLimit) -> str:
     """A limit's price as a sentence: what one unit more of it would buy."""
     one = f"one {_unit_name(limit.unit)} more" if limit.unit else "one more"
-    size = with_unit(abs(limit.price), limit.price_unit, 3)
+    # The price of one unit more is in the unit of the objective: 0.004 mm/kg is 0.004 mm for one kilogram.
+    size = with_unit(abs(limit.price), limit.price_unit.removesuffix(f"/{limit.unit}"), 3)
     if limit.price == 0.0:
         return f"{one} would buy nothing"
     return f"{one} would buy {size}" if limit.price < 0.0 else f"{one} would cost {size}"
@@ -76,7 +77,13 @@ def show_optimization(out: Console, result: OptimizationResult) -> None:
         out.print()
         out.print(candidates(result))
     out.print()
-    out.print(f"{len(result.iterations)} iterations in {with_unit(result.seconds, 's', 3)}")
+    out.print(effort_words(result))
+
+
+def effort_words(result: OptimizationResult) -> str:
+    """How many iterations it took, and how long."""
+    rounds = len(result.iterations)
+    return f"{rounds} iteration{'' if rounds == 1 else 's'} in {with_unit(result.seconds, 's', 3)}"
 
 
 def headline(result: OptimizationResult) -> str:
@@ -121,6 +128,12 @@ def links(result: OptimizationResult) -> Table:
     return shown
 
 
+def names_words(names: Sequence[str | None]) -> str:
+    """Shapes or materials from the base out; one name where all links have the same."""
+    shown = [name or "–" for name in names]
+    return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown)
+
+
 def show_binding(out: Console, result: OptimizationResult) -> None:
     """Print what holds the optimum back, and what one unit more of it would buy."""
     if not result.binding:
@@ -143,9 +156,7 @@ def candidates(result: OptimizationResult) -> Table:
         objective = "–" if each.objective is None else with_unit(factor * each.objective, unit, 5)
         if each.outcome == "bounded out":
             objective = f"≥ {objective}"
-        shapes = ", ".join(shape or "rigid" for shape in each.shapes)
-        materials = ", ".join(material or "–" for material in each.materials)
-        shown.add_row(shapes, materials, objective, each.outcome)
+        shown.add_row(names_words(each.shapes), names_words(each.materials), objective, each.outcome)
     if len(ranked) > MOST_CANDIDATES:
         shown.caption = f"and {len(ranked) - MOST_CANDIDATES} more, in result.json and the report"
         shown.caption_justify = "left"

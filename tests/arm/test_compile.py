@@ -192,14 +192,26 @@ def test_sine_and_cosine_are_within_the_stated_distance(compiler):
 
 
 @needs_compiler
-def test_blocks_with_far_angles_are_computed_anew():
+@pytest.mark.parametrize(("rows", "threads"), [(5 * BLOCK + 17, 1), (3 * compile_library.ROWS_PER_THREAD + 77, 3)])
+def test_blocks_with_far_angles_are_computed_anew(rows, threads):
     x = ca.SX.sym("x")
-    f = vectorise([x], [ca.sin(x)], compiler="require", threads=1)
-    angles = np.linspace(0.0, 3.0, 5 * BLOCK + 17)[:, None]
-    for row, far in ((3, 1e18), (BLOCK + 1, -2 * FAR_ANGLE), (-1, np.inf), (-2, 123456789.0)):
-        angles[row] = far
+    f = vectorise([x], [ca.sin(x)], compiler="require", threads=threads)
+    rng = np.random.default_rng(9)
+    angles = rng.uniform(0.0, 3.0, (rows, 1))
+    for row in (3, BLOCK + 1, 2 * BLOCK - 1, rows // 3, rows // 3 + 40, rows // 2, 2 * rows // 3, rows - 1):
+        angles[row] = rng.choice([1e15, -3e18, 1e300, -2 * FAR_ANGLE])
+    angles[rows - 2] = np.inf
     with np.errstate(invalid="ignore"):
         np.testing.assert_allclose(f(angles)[0], np.sin(angles), rtol=0, atol=4e-16)
+
+
+@pytest.mark.parametrize("compiler", BACKENDS)
+def test_constants_keep_their_sign_and_their_every_bit(compiler):
+    x = ca.SX.sym("x")
+    constants = [0.0, -0.0, 0.1, 1 / 3, np.pi, 5e-324, 1.7976931348623157e308, np.inf, -np.inf, -1e-7, 1e22]
+    output = ca.vertcat(*(ca.copysign(x, c) for c in constants), *(ca.fmax(ca.fmin(x, 0), c) for c in constants))
+    (found,) = vectorise([x], [output], compiler=compiler)([[2.0]])
+    np.testing.assert_array_equal(found, casadi_values([x], output, [[[2.0]]]))
 
 
 @pytest.mark.parametrize("compiler", BACKENDS)

@@ -1,0 +1,256 @@
+"""Inverse kinematics: the poses that put the tip where it is wanted.
+
+The planar 3R arm by the equations (3) to (9) of the paper, both elbows; any other chain by damped least squares from
+many seeds (Levenberg-Marquardt; Wampler 1986, IEEE Trans. SMC 16, 93-101), clipped to the joint limits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .chain import Arm
+from .kinematics import place
+from .vectors import Rotation
+from .workspace import Unreachable, Workspace, climbing_bounds, joint_box, spread, wrapped
+
+Array = NDArray[np.float64]
+
+_REACHED = 1e-9
+"""A pose whose tip lies within this distance of the target (m, and rad times the arm's size) meets it."""
+_APART = 1e-3
+"""Solutions that differ by less than this in every joint (rad, m) are one."""
+
+
+class UnreachableInclined(Unreachable):
+    """The tip cannot stand at a point under the orientation asked for; at another orientation it may."""
+
+    def __init__(self, point: tuple[float, ...], missing: float, orientation: str) -> None:
+        """`point` and `missing` in m; `orientation` in words."""
+        super().__init__(point, missing)
+        place_ = ", ".join(f"{1e3 * x:.4g}" for x in point)
+        self.orientation = orientation
+        self.args = (
+            f"the point ({place_}) mm cannot be reached {orientation}: the tip stays {1e3 * missing:.4g} mm away",
+        )
+
+
+@dataclass(frozen=True)
+class PlanarPose:
+    """A pose of the planar 3R arm. `absolute` are the links' angles from the x axis (the paper's theta), `relative`
+    the joint angles as encoders read them, all in rad within (-pi, pi]. `elbow` says to which side of the line from
+    the base to the third joint the second joint lies, seen along it. `free`: joint 1 may stand anywhere (both
+    joints coincide).
+    """
+
+    absolute: tuple[float, float, float]
+    elbow: Literal["left", "right", "straight"]
+    free: bool = False
+
+    @property
+    def relative(self) -> tuple[float, float, float]:
+        """The joint angles, each from the link before it, rad."""
+        first, second, third = self.absolute
+        return (first, _turned(second - first), _turned(third - second))
+
+
+def _turned(angle: float) -> float:
+    """The angle in (-pi, pi]."""
+    rest = math.remainder(angle, 2.0 * math.pi)
+    return math.pi if rest == -math.pi else rest
+
+
+def planar_3r(lengths: Sequence[float], x: float, y: float, inclination: float) -> tuple[PlanarPose, ...]:
+    """Both poses of a planar 3R arm with its tip at (x, y) and its last link inclined so, by the paper's equations.
+
+    `lengths` and the point in m, `inclination` in rad from the x axis. The paper's (3) to (9): the third joint B is
+    the tip less the last link; the law of cosines in the triangle of base, second joint and B gives the angle between
+    links 1 and 2 up to its sign; (7) and (8) give the angle of link 1, and link 3 has the inclination. Both elbows
+    are returned, one pose where they coincide. Raises `UnreachableInclined` with the distance missing (m).
+    """
+    first, second, third = (float(length) for length in lengths)
+    if not (first > 0.0 and second > 0.0 and third >= 0.0):
+        raise ValueError("link lengths are positive")
+    joint_x, joint_y = x - third * math.cos(inclination), y - third * math.sin(inclination)
+    reach = math.hypot(joint_x, joint_y)
+    missing = max(reach - (first + second), abs(first - second) - reach, 0.0)
+    if missing > 1e-12 * (first + second):
+        words = f"with the last link at {math.degrees(inclination):.6g} deg"
+        raise UnreachableInclined((x, y), missing, words)
+    cosine = (reach * reach - first * first - second * second) / (2.0 * first * second)
+    between = math.acos(min(1.0, max(-1.0, cosine)))
+    inclined = _turned(inclination)
+    if reach <= 1e-12 * (first + second):
+        return (PlanarPose((0.0, math.pi, inclined), "straight", free=True),)
+    straight = between == 0.0 or between == math.pi
+    poses: list[PlanarPose] = []
+    for turn in (between,) if straight else (between, -between):
+        # (7) and (8) solved for link 1: B = R(theta_1) (l1 + l2 cos, l2 sin).
+        along, across = first + second * math.cos(turn), second * math.sin(turn)
+        angle = math.atan2(joint_y, joint_x) - math.atan2(across, along)
+        side: Literal["left", "right", "straight"] = "straight" if straight else ("right" if turn > 0.0 else "left")
+        poses.append(PlanarPose((_turned(angle), _turned(angle + turn), inclined), side))
+    return tuple(poses)
+
+
+@dataclass(frozen=True)
+class InversePose:
+    """A pose that meets a target: joint coordinates (rad, m), and how far its tip still is from it (m).
+
+    `isolated`: no motion of the joints leaves the tip where it is; otherwise the pose is one of a family.
+    """
+
+    q: tuple[float, ...]
+    residual: float
+    isolated: bool
+
+
+def inverse(
+    arm: Arm,
+    point: Sequence[float],
+    orientation: Rotation | None = None,
+    *,
+    seeds: int = 64,
+    most: int = 16,
+) -> tuple[InversePose, ...]:
+    """The distinct poses found, within the joint limits, whose tip stands at a point, and under an orientation if any.
+
+    `point` (m) has two components (z is then 0) or three, in the base frame; `orientation` is the rotation matrix of
+    the last link's frame. `seeds` low-discrepancy starting poses are followed; at most `most` poses are returned, those
+    nearest mid-range first. An arm with more joints than the target asks for has a continuum of them: samples of it
+    are returned. Raises `Unreachable` (with an orientation `UnreachableInclined`) with the least distance found, m.
+    """
+    target = np.array([*(float(value) for value in point), 0.0][:3])
+    lower, upper = joint_box(arm, Workspace())
+    bounds = climbing_bounds(arm, lower, upper)
+    size = _size_of(arm)
+    q, miss = damped(arm, spread(lower, upper, seeds), target, orientation, bounds)
+    distance = np.sqrt((miss * miss).sum(axis=1))
+    met = distance <= max(_REACHED, 1e-9 * size)
+    if not met.any():
+        shown = tuple(target[: len(point)].tolist())
+        if orientation is None:
+            raise Unreachable(shown, float(distance.min()))
+        beside = np.sqrt((miss[:, :3] ** 2).sum(axis=1))
+        raise UnreachableInclined(shown, float(beside[np.argmin(distance)]), "under the orientation asked for")
+    found = wrapped(arm, q[met], lower, upper)
+    residual = np.sqrt((miss[met][:, :3] ** 2).sum(axis=1))
+    middle = 0.5 * (lower + upper)
+    kept: list[int] = []
+    for index in np.argsort(np.abs(found - middle).sum(axis=1)):
+        if all(_apart(arm, found[index], found[other]) for other in kept):
+            kept.append(int(index))
+        if len(kept) == most:
+            break
+    slopes = _jacobian(arm, found[kept], orientation is not None, size)
+    ranks = [int(np.linalg.matrix_rank(slope, tol=1e-7 * size)) for slope in slopes]
+    return tuple(
+        InversePose(tuple(found[index].tolist()), float(residual[index]), rank == arm.size)
+        for index, rank in zip(kept, ranks, strict=True)
+    )
+
+
+def damped(
+    arm: Arm,
+    starts: Array,
+    target: Array,
+    orientation: Rotation | None,
+    bounds: tuple[Array, Array],
+    steps: int = 120,
+) -> tuple[Array, Array]:
+    """Damped least squares from every row of `starts` (N, n) at once, clipped to `bounds` (rad, m).
+
+    `target` is (3,) or (N, 3) in m. Returns the poses (N, n) and what they miss (N, 3 or 6): metres, then radians
+    times the arm's size, so that both weigh alike.
+    """
+    lower, upper = bounds
+    inclined, size = orientation is not None, _size_of(arm)
+    aim = None if orientation is None else np.array(orientation, dtype=float)
+    q = np.clip(starts, lower, upper)
+    damping = np.full(len(q), 1e-3)
+    miss = _missing(arm, q, target, aim, size)
+    square = (miss * miss).sum(axis=1)
+    for _ in range(steps):
+        slope = _jacobian(arm, q, inclined, size)
+        uphill = np.einsum("nij,ni->nj", slope, miss)
+        held = ((q <= lower) & (uphill < 0.0)) | ((q >= upper) & (uphill > 0.0))
+        slope = slope * ~held[:, None, :]
+        normal = np.einsum("nij,nkj->nik", slope, slope)
+        weight = damping * (np.einsum("nii->n", normal) + 1e-30)
+        solved = np.linalg.solve(normal + weight[:, None, None] * np.eye(miss.shape[1]), miss[:, :, None])
+        step = np.clip(np.einsum("nij,nik->nj", slope, solved), -0.5, 0.5)
+        trial = np.clip(q + step, lower, upper)
+        new_miss = _missing(arm, trial, target, aim, size)
+        new_square = (new_miss * new_miss).sum(axis=1)
+        better = new_square < square
+        damping = np.where(better, np.maximum(0.1 * damping, 1e-15), np.minimum(10.0 * damping, 1e3))
+        q = np.where(better[:, None], trial, q)
+        miss, square = np.where(better[:, None], new_miss, miss), np.where(better, new_square, square)
+        if np.all((square < (1e-12 * size) ** 2) | (damping >= 1e3)):
+            break
+    return q, miss
+
+
+def _size_of(arm: Arm) -> float:
+    return max(sum(arm.lengths), 1e-3)
+
+
+def _frames(arm: Arm, q: Array) -> tuple[Array, Array]:
+    """Tips (N, 3) and orientations (N, 3, 3)."""
+    count = (len(q),)
+    frames = place(arm, [q[:, index] for index in range(arm.size)])
+    tip = np.stack([np.broadcast_to(np.asarray(x, dtype=float), count) for x in frames.tip()], axis=1)
+    rows = [[np.broadcast_to(np.asarray(x, dtype=float), count) for x in row] for row in frames.orientation]
+    return tip, np.stack([np.stack(row, axis=1) for row in rows], axis=1)
+
+
+def _missing(arm: Arm, q: Array, target: Array, aim: Array | None, size: float) -> Array:
+    tip, turned = _frames(arm, q)
+    if aim is None:
+        return target - tip
+    return np.concatenate([target - tip, size * _rotation_vector(aim @ np.swapaxes(turned, 1, 2))], axis=1)
+
+
+def _rotation_vector(turn: Array) -> Array:
+    """The rotation vectors (N, 3) of rotation matrices (N, 3, 3), rad."""
+    skew = 0.5 * np.stack(
+        [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
+    )
+    sine = np.sqrt((skew * skew).sum(axis=1))
+    angle = np.arctan2(sine, 0.5 * (np.einsum("nii->n", turn) - 1.0))
+    vector = skew * np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 1.0)[:, None]
+    # Near half a turn the skew part vanishes: the axis is then the column of (R + I)/2 with the largest diagonal.
+    flipped = (sine <= 1e-9) & (angle > 1.0)
+    if flipped.any():
+        outer = 0.5 * (turn[flipped] + np.eye(3))
+        column = np.argmax(np.einsum("nii->ni", outer), axis=1)
+        axis = outer[np.arange(len(outer)), :, column]
+        vector[flipped] = math.pi * axis / np.sqrt((axis * axis).sum(axis=1))[:, None]
+    return vector
+
+
+def _jacobian(arm: Arm, q: Array, inclined: bool, size: float) -> Array:
+    """How tip (and orientation, weighted) follow the joints, (N, 3 or 6, n), by central differences."""
+    step = 1e-6
+    columns: list[Array] = []
+    for joint in range(arm.size):
+        shift = step * np.eye(arm.size)[joint]
+        ahead, turned_ahead = _frames(arm, q + shift)
+        behind, turned_behind = _frames(arm, q - shift)
+        column = (ahead - behind) / (2.0 * step)
+        if inclined:
+            turn = _rotation_vector(turned_ahead @ np.swapaxes(turned_behind, 1, 2)) / (2.0 * step)
+            column = np.concatenate([column, size * turn], axis=1)
+        columns.append(column)
+    return np.stack(columns, axis=2)
+
+
+def _apart(arm: Arm, one: Array, other: Array) -> bool:
+    turns = np.array([joint.revolute for joint in arm.joints])
+    gap = np.abs(one - other)
+    return bool(np.any(np.where(turns, np.minimum(gap, np.abs(2.0 * math.pi - gap)), gap) > _APART))

@@ -1,0 +1,224 @@
+"""The paper's own conventions, for the columns "reproduced" and "as its equations read" and for nothing else.
+
+What the printed figures turn out to be:
+- squared distances: equation (29) lost its square root, so they are mm^2 though printed as mm;
+- with clearance and backlash taken sqrt(2) times as large (a square's half side and not a disc's radius);
+- with angles that are absolute: backlash of joint i turns link i alone;
+- plus a deformation whose size at full stretch is two constants fitted to the paper, one for the links' own weight and one
+  for a tool that it does not print. How it varies with the pose and the design is taken from its equations.
+
+What the equations read: (29) with its root, (22) to (25) without sqrt(2), (30) to (35) for the deformation, no tool.
+Where the extraction of (33) leaves it open, the moment on link 2 takes the cosine of link 3, whose weight it is.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from .printed import Paper, Parameters
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+SQUARE = math.sqrt(2.0)
+"""The half diagonal of a square over its half side: what the printed clearance and backlash are multiplied by."""
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations (30) to (35) of the paper as they can be read, for its Table II."""
+
+    parameters: Parameters
+
+    @cached_property
+    def area(self) -> float:
+        """A, m^2."""
+        return 0.25 * math.pi * self.parameters.diameter**2
+
+    @cached_property
+    def second_moment(self) -> float:
+        """I of the round bar, m^4 (Table II prints d^2/64 for pi d^4/64)."""
+        return math.pi * self.parameters.diameter**4 / 64.0
+
+    def deflection(self, angles: Array, *, tool: float = 0.0, density: float | None = None) -> Array:
+        """Where the deformation puts the tip (N, 2), m, at absolute link angles (N, 3), rad.
+
+        `tool` is its weight in N, `density` (kg/m^3) replaces that of Table II. Each link bends and stretches by
+        itself; the slope of its end turns nothing, as in the paper.
+        """
+        given = self.parameters
+        lengths = np.array(given.lengths)
+        weights = GRAVITY * (given.density if density is None else density) * self.area * lengths
+        cosines, sines = np.cos(angles), np.sin(angles)
+        bending = given.elastic_modulus * self.second_moment
+        stretching = given.elastic_modulus * self.area
+        moved = np.zeros((len(angles), 2))
+        for link, length in enumerate(given.lengths):
+            beyond = tool + float(weights[link + 1 :].sum())
+            moment = np.zeros(len(angles))
+            for other in range(link + 1, 3):
+                carried = tool + 0.5 * weights[other] + float(weights[other + 1 :].sum())
+                moment += carried * lengths[other] * cosines[:, other]
+            shear = (weights[link] / 8.0 + beyond / 3.0) * length**3 * cosines[:, link]
+            across = -(shear + 0.5 * moment * length**2) / bending
+            along = -(beyond + weights[link]) * sines[:, link] * length / stretching
+            moved[:, 0] += along * cosines[:, link] - across * sines[:, link]
+            moved[:, 1] += along * sines[:, link] + across * cosines[:, link]
+        return moved
+
+    @cached_property
+    def weight_sag(self) -> float:
+        """What the tip sags by at full stretch without a tool, m: 0.0449 mm, where the figures need 0.0347 mm."""
+        return float(np.hypot(*self.deflection(np.zeros((1, 3)))[0]))
+
+    def tool_deflection(self, angles: Array) -> Array:
+        """What each newton at the tip adds to the deflection (N, 2), m/N."""
+        return self.deflection(angles, tool=1.0, density=0.0)
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """The equations' deformation, scaled: `weight` for the links' own weight, `tool` the tool's weight in N."""
+
+    equations: Equations
+    weight: float = 1.0
+    tool: float = 0.0
+
+    def at(self, angles: Array) -> Array:
+        """The tip's deflection (N, 2), m, at absolute link angles (N, 3), rad."""
+        own = self.weight * self.equations.deflection(angles)
+        return own + self.tool * self.equations.tool_deflection(angles) if self.tool else own
+
+    @cached_property
+    def at_stretch(self) -> float:
+        """Its size with the arm held straight out, where it is largest, m."""
+        return float(np.hypot(*self.at(np.zeros((1, 3)))[0]))
+
+    def worst_with(self, backlash: Sequence[float]) -> float:
+        """The largest distance over all poses (m) where links turn by `backlash` (rad, three, signed) as well."""
+        lengths = self.equations.parameters.lengths
+        swing = np.array([length * turn for length, turn in zip(lengths, backlash, strict=True)])
+
+        def distance(angles: Array) -> Array:
+            shift = np.stack([-np.sin(angles) @ swing, np.cos(angles) @ swing], axis=1) + self.at(angles)
+            return np.hypot(shift[:, 0], shift[:, 1])
+
+        grid = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
+        starts = np.array(list(itertools.product(grid, repeat=3)))
+        values = distance(starts)
+        best = 0.0
+        for start in starts[np.argsort(-values)[:8]]:
+            found = minimize(lambda angles: -float(distance(angles[None])[0]), start, method="Nelder-Mead")
+            best = max(best, -float(found.fun))
+        return best
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """The paper's conventions on its own data: printed figures (mm^2) out of Table II and the two fitted constants."""
+
+    paper: Paper
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations as they read."""
+        return Equations(self.paper.parameters)
+
+    @cached_property
+    def as_read(self) -> Deformation:
+        """The deformation as the equations read: no tool, nothing fitted."""
+        return Deformation(self.equations)
+
+    @cached_property
+    def fitted(self) -> Deformation:
+        """The same, scaled so that its two parts have the fitted sizes at full stretch."""
+        per_newton = float(np.hypot(*self.equations.tool_deflection(np.zeros((1, 3)))[0]))
+        return Deformation(
+            self.equations, self.paper.weight_sag / self.equations.weight_sag, self.paper.tool_sag / per_newton
+        )
+
+    @property
+    def sag(self) -> float:
+        """The fitted deformation at full stretch, m."""
+        return self.paper.weight_sag + self.paper.tool_sag
+
+    def printed_play(self, joints: Sequence[int], *, backlash: bool) -> tuple[float, float]:
+        """PE (mm^2) of Table III or IV without and with deformation: the distances simply add, then are squared."""
+        size = SQUARE * self._play(joints, backlash=backlash)
+        return squared(size), squared(size + self.sag if joints else self.sag)
+
+    def read_play(self, joints: Sequence[int], *, backlash: bool) -> tuple[float, float]:
+        """The same as the equations read: distances in m, with a root and without sqrt(2)."""
+        size = self._play(joints, backlash=backlash)
+        return size, size + self.equations.weight_sag
+
+    def printed_direction(self, signs: Sequence[int]) -> tuple[float, float]:
+        """PE (mm^2) of Table V without and with deformation: the largest over all poses for these signs."""
+        turns = [SQUARE * self.paper.backlash_size * sign for sign in signs]
+        return squared(self._everywhere(turns)), squared(self.fitted.worst_with(turns))
+
+    def read_direction(self, signs: Sequence[int]) -> tuple[float, float]:
+        """The same as the equations read, distances in m."""
+        turns = [self.paper.backlash_size * sign for sign in signs]
+        return self._everywhere(turns), self.as_read.worst_with(turns)
+
+    def printed_material(self, modulus: float, density: float) -> float:
+        """PE (mm^2) of Table VI: the links' own part scales with density over modulus, the tool's with 1 over modulus."""
+        given = self.paper.parameters
+        softer = given.elastic_modulus / modulus
+        return squared(softer * (self.paper.tool_sag + self.paper.weight_sag * density / given.density))
+
+    def read_material(self, modulus: float, density: float) -> float:
+        """The same as the equations read, a distance in m."""
+        given = self.paper.parameters
+        return self.equations.weight_sag * (given.elastic_modulus / modulus) * (density / given.density)
+
+    def printed_shape(self, second_moment: float) -> float:
+        """PE (mm^2) of Table VII: pure bending, the square of I of the circle over I (m^4)."""
+        return squared(self.sag * self.equations.second_moment / second_moment)
+
+    def read_shape(self, second_moment: float) -> float:
+        """The same as the equations read, a distance in m."""
+        return self.equations.weight_sag * self.equations.second_moment / second_moment
+
+    def _play(self, joints: Sequence[int], *, backlash: bool) -> float:
+        """Clearances, or what backlash moves the links' ends by, added up without sqrt(2), m."""
+        if not backlash:
+            return self.paper.clearance_size * len(joints)
+        return sum(self.paper.backlash_size * self.paper.parameters.lengths[joint - 1] for joint in joints)
+
+    def _everywhere(self, turns: Sequence[float]) -> float:
+        """With absolute angles some pose lines up the links' swings whatever their signs, m."""
+        return sum(abs(turn) * length for turn, length in zip(turns, self.paper.parameters.lengths, strict=True))
+
+
+def squared(distance: float) -> float:
+    """What the paper prints for a distance (m): its square, mm^2."""
+    return (1e3 * distance) ** 2
+
+
+def printed_second_moment(shape: str, dimensions: Mapping[str, float], *, misprint: bool = False) -> float:
+    """I (m^4) that Table VII's figure of a shape needs; with `misprint` by the formula that it prints.
+
+    They differ for the triangle alone: b h^3/36 (about the centroid) fits its figure, b h^3/12 is printed.
+    """
+    width = dimensions.get("width", 0.0)
+    height = dimensions.get("height", dimensions.get("diameter", 0.0))
+    if shape == "circle":
+        return math.pi * height**4 / 64.0
+    if shape == "ellipse":
+        return math.pi * width * height**3 / 64.0
+    if shape == "rectangle":
+        return width * height**3 / 12.0
+    if shape == "triangle":
+        return width * height**3 / (12.0 if misprint else 36.0)
+    hole = height - 2.0 * dimensions["flange_thickness"]
+    return (width * height**3 - (width - dimensions["web_thickness"]) * hole**3) / 12.0

@@ -1,0 +1,166 @@
+"""The paper's figures as printed, read from `printed.yaml`; quantities in SI, printed figures as their text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as MappingLike
+from dataclasses import dataclass
+from importlib.resources import files
+from types import MappingProxyType
+from typing import cast
+
+from materials.quantities import InputError, read_quantity
+from materials.reading import Mapping, parse_yaml
+
+FILE = "printed.yaml"
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Table II: lengths and diameter in m, elastic modulus in Pa, density in kg/m^3."""
+
+    lengths: tuple[float, float, float]
+    elastic_modulus: float
+    density: float
+    diameter: float
+
+
+@dataclass(frozen=True)
+class PlayRow:
+    """A row of Table III or IV: the joints (from 1) that have play, and PE without and with deformation."""
+
+    joints: tuple[int, ...]
+    printed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class DirectionRow:
+    """A row of Table V: the side at which each joint's backlash lies (1 or -1)."""
+
+    signs: tuple[int, ...]
+    printed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class MaterialRow:
+    """A row of Table VI at both ends of its range: moduli in Pa, densities in kg/m^3; `poisson_ratio` is not printed."""
+
+    name: str
+    elastic_modulus: tuple[float, float]
+    density: tuple[float, float]
+    printed: tuple[str, ...]
+    poisson_ratio: float
+
+    @property
+    def one_figure(self) -> bool:
+        """Whether the paper prints one figure, and no range."""
+        return self.elastic_modulus[0] == self.elastic_modulus[1] and self.density[0] == self.density[1]
+
+
+@dataclass(frozen=True)
+class ShapeRow:
+    """A row of Table VII: the shape and dimensions (m) as arm files have them, and the formula printed for I."""
+
+    name: str
+    shape: str
+    dimensions: MappingLike[str, float]
+    formula: str
+    printed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Paper:
+    """All of the paper that the tables and figures need, with what was inferred, fitted or supplied besides.
+
+    `clearance_size` (m) and `backlash_size` (rad) are inferred; `weight_sag` and `tool_sag` (m) are fitted.
+    """
+
+    parameters: Parameters
+    clearance: tuple[PlayRow, ...]
+    backlash: tuple[PlayRow, ...]
+    direction: tuple[DirectionRow, ...]
+    material: tuple[MaterialRow, ...]
+    shape: tuple[ShapeRow, ...]
+    clearance_size: float
+    backlash_size: float
+    weight_sag: float
+    tool_sag: float
+
+
+def read_paper() -> Paper:
+    """The paper as typed in the package. Raises `InputError` where the file is not what it should be."""
+    content = parse_yaml(files("linkwright.paper").joinpath(FILE).read_text(encoding="utf-8"), file=FILE)
+    with Mapping(content, file=FILE).reading() as mapping:
+        with mapping.mapping("supplied").reading() as supplied, supplied.mapping("poisson_ratio").reading() as ratios:
+            poisson = {name: ratios.number(name) for name in ratios.content}
+        with mapping.mapping("inferred").reading() as inferred, mapping.mapping("fitted").reading() as fitted:
+            return Paper(
+                parameters=_parameters(mapping.mapping("parameters")),
+                clearance=tuple(_play(row) for row in mapping.mappings("clearance")),
+                backlash=tuple(_play(row) for row in mapping.mappings("backlash")),
+                direction=tuple(_direction(row) for row in mapping.mappings("backlash_direction")),
+                material=tuple(_material(row, poisson) for row in mapping.mappings("material")),
+                shape=tuple(_shape(row) for row in mapping.mappings("shape")),
+                clearance_size=inferred.quantity("clearance", "length"),
+                backlash_size=inferred.quantity("backlash", "angle"),
+                weight_sag=fitted.quantity("weight", "length"),
+                tool_sag=fitted.quantity("tool", "length"),
+            )
+
+
+def _parameters(mapping: Mapping) -> Parameters:
+    with mapping.reading():
+        lengths = mapping.vector("lengths", "length", 3)
+        return Parameters(
+            lengths=(lengths[0], lengths[1], lengths[2]),
+            elastic_modulus=mapping.quantity("elastic_modulus", "elastic_modulus"),
+            density=mapping.quantity("density", "density"),
+            diameter=mapping.quantity("diameter", "length"),
+        )
+
+
+def _printed(mapping: Mapping) -> tuple[str, ...]:
+    found = mapping.items("printed")
+    if not all(isinstance(figure, str) for figure in found):
+        raise mapping.error("printed", "holds figures as texts, so that their last digit stays")
+    return tuple(cast(list[str], found))
+
+
+def _whole(mapping: Mapping, name: str) -> tuple[int, ...]:
+    return tuple(int(cast(int, number)) for number in mapping.items(name))
+
+
+def _play(mapping: Mapping) -> PlayRow:
+    with mapping.reading():
+        return PlayRow(_whole(mapping, "joints"), _printed(mapping))
+
+
+def _direction(mapping: Mapping) -> DirectionRow:
+    with mapping.reading():
+        return DirectionRow(_whole(mapping, "signs"), _printed(mapping))
+
+
+def _material(mapping: Mapping, poisson: MappingLike[str, float]) -> MaterialRow:
+    with mapping.reading():
+        name = mapping.text("name")
+        if name not in poisson:
+            raise InputError(FILE, "supplied", f"has no Poisson's ratio for {name}")
+        modulus = mapping.vector("elastic_modulus", "elastic_modulus", 2)
+        density = mapping.vector("density", "density", 2)
+        ends = (modulus[0], modulus[1]), (density[0], density[1])
+        return MaterialRow(name, *ends, _printed(mapping), poisson[name])
+
+
+def _shape(mapping: Mapping) -> ShapeRow:
+    with mapping.reading():
+        with mapping.mapping("dimensions").reading() as given:
+            dimensions = {
+                name: read_quantity(given.raw(name), "length", file=FILE, key=given.path_of(name))
+                for name in given.content
+            }
+        return ShapeRow(
+            mapping.text("name"),
+            mapping.text("shape"),
+            MappingProxyType(dimensions),
+            mapping.text("formula"),
+            _printed(mapping),
+        )

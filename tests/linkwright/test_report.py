@@ -1,0 +1,208 @@
+"""The report pages: they load nothing, hold the figures of the result, and draw to scale."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from arm.chain import Joint
+from arm.evaluation import evaluate
+from linkwright.report.arm_picture import arm_picture, shared_window, skeleton
+from linkwright.report.evaluation import evaluation_page
+from linkwright.report.optimization import optimization_page
+from linkwright.report.section_picture import sections_grid
+from linkwright.words import mm
+from sections import Circle, Tube
+from tests.linkwright.samples import arm_of, mapped
+
+VOID = {"meta", "br", "link", "img", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """A page taken apart: its tags, its visible text, its scripts."""
+
+    def __init__(self, source):
+        super().__init__()
+        self.tags, self.words, self.scripts, self.open = [], [], {}, []
+        self.feed(source)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        tag, attributes = self.open[-1] if self.open else ("", {})
+        if tag == "script":
+            self.scripts.setdefault(attributes.get("id", ""), data)
+        elif tag != "style":
+            self.words.append(data)
+
+    @property
+    def text(self):
+        """All that can be read, blanks made equal."""
+        return " ".join(" ".join(self.words).replace("\u00a0", " ").split())
+
+
+@pytest.fixture(scope="module")
+def page(result):
+    """The report of the optimisation."""
+    return Page(optimization_page(result))
+
+
+def test_page_is_well_formed(page):
+    """Every tag is closed, in order."""
+    assert page.open == []
+
+
+def test_page_loads_nothing(page):
+    """No script, style, picture or frame from elsewhere, neither by attribute nor by style."""
+    assert "link" not in {tag for tag, _ in page.tags}
+    for tag, attributes in page.tags:
+        for name in ("src", "href", "srcset", "data", "xlink:href", "action"):
+            assert name not in attributes, (tag, attributes)
+        assert "url(" not in (attributes.get("style") or "")
+
+
+def test_styles_and_own_script_load_nothing(result):
+    """Plotly is left out of the search: its code names addresses that these figures never ask for."""
+    source = optimization_page(result)
+    style = source[source.index("<style>") : source.index("</style>")]
+    own = source[source.rindex("<script>") :]
+    for text in (style, own):
+        assert not re.search(r"https?:|url\(|@import|fetch\(|XMLHttpRequest", text)
+
+
+def test_plotly_stands_in_the_page_once(result):
+    """About four megabytes of it; a second copy would double the file."""
+    assert 1_000_000 < len(optimization_page(result)) < 8_000_000
+
+
+def test_page_says_what_the_result_says(page, result):
+    """The headline and the tiles."""
+    for value in (result.before.max_error, result.after.max_error):
+        assert mm(value) in page.text
+    assert "one kilogram more would buy 0.0042 mm" in page.text
+    assert "tube: diameter 80, thickness 3 mm" in page.text
+    assert "problem.yaml" in page.text
+    assert "folder/problem.yaml" not in page.text
+    assert "infeasible" in page.text
+
+
+def test_names_are_text_and_not_markup(page):
+    """An arm may be called anything."""
+    assert "welding <arm>: the new design" in page.text
+    assert "arm" not in {tag for tag, _ in page.tags}
+
+
+def test_maps_share_one_colour_scale_and_hold_the_errors(page, result):
+    """The figures in the page are those of the result, in mm, null where no pose puts the tip."""
+    figures = json.loads(page.scripts["figures"])
+    heats = [figures[name]["data"][0] for name in ("map-before", "map-after")]
+    assert {(heat["zmin"], heat["zmax"]) for heat in heats} == {(heats[0]["zmin"], heats[0]["zmax"])}
+    for heat, field, evaluation in zip(
+        heats, (result.before_map, result.after_map), (result.before, result.after), strict=True
+    ):
+        shown = np.array(heat["z"], dtype=float)
+        assert np.allclose(shown, 1e3 * field.worst, atol=1e-6, equal_nan=True)
+        assert np.isnan(shown).any()
+        assert np.nanmax(shown) <= 1e3 * evaluation.worst.upper_bound
+    assert heats[0]["zmax"] == pytest.approx(1e3 * result.before.max_error)
+    layouts = [figures[name]["layout"] for name in ("map-before", "map-after")]
+    assert layouts[0]["xaxis"]["range"] == layouts[1]["xaxis"]["range"]
+
+
+def test_worst_pose_is_marked_where_the_tip_is(page, result):
+    """In the plane: x and y of the nominal tip."""
+    figures = json.loads(page.scripts["figures"])
+    marks = figures["map-after"]["data"][1]
+    first, second = result.after.worst.poses[0].q
+    x = 400.0 * math.cos(first) + 300.0 * math.cos(first + second)
+    y = 400.0 * math.sin(first) + 300.0 * math.sin(first + second)
+    assert (marks["x"][0], marks["y"][0]) == pytest.approx((x, y), abs=1e-3)
+
+
+def test_every_figure_has_its_place(page):
+    """And every place its figure, with words for those who cannot see it."""
+    places = [attributes for _, attributes in page.tags if "data-figure" in attributes]
+    assert {place["data-figure"] for place in places} == set(json.loads(page.scripts["figures"]))
+    drawings = [attributes for tag, attributes in page.tags if tag == "svg"]
+    assert len(drawings) == 2 + 4
+    assert all(attributes["aria-label"] for attributes in drawings + places)
+
+
+def test_bars_are_to_scale(page, result):
+    """The widest is the largest effect; another is as wide as its share."""
+    widths = [
+        float(re.fullmatch(r"width:([\d.]+)%", attributes["style"])[1])
+        for tag, attributes in page.tags
+        if tag == "span" and (attributes.get("class") or "").startswith("fill")
+    ]
+    values = [value for each in (result.before, result.after) for value in each.by_effect.values()]
+    assert max(widths) == 100.0
+    expected = sorted(100.0 * value / max(values) for value in values)
+    assert sorted(widths) == pytest.approx(expected, abs=0.01)
+
+
+def test_sections_are_drawn_to_one_scale():
+    """A bar of 50 mm spans 50 units, in the same window as a tube of 80 mm, whose bore stays open."""
+    grid = sections_grid((("before", arm_of((Circle(0.05),), (0.4,))), ("after", arm_of((Tube(0.08, 0.003),), (0.4,)))))
+    windows = re.findall(r'viewBox="([^"]+)"', grid)
+    assert len(windows) == 2
+    assert len(set(windows)) == 1
+    paths = re.findall(r'<path d="([^"]+)"', grid)
+    spans = []
+    for path in paths:
+        across = [[float(point.split(",")[0]) for point in ring.split("L")] for ring in path[1:-1].split("ZM")]
+        spans.append([max(ring) - min(ring) for ring in across])
+    assert spans == [pytest.approx([50.0], rel=1e-3), pytest.approx([80.0, 74.0], rel=1e-3)]
+
+
+def test_arm_is_drawn_to_scale(evaluation):
+    """Links from joint to joint, as thick as their sections are high, and the error exaggerated by one factor."""
+    drawn = skeleton(evaluation)
+    start, end, thickness = drawn.links[0]
+    assert math.dist(start, end) == pytest.approx(400.0)
+    assert thickness == pytest.approx(50.0, rel=1e-3)
+    assert math.hypot(*drawn.error) == pytest.approx(1e3 * evaluation.max_error)
+    window = shared_window([drawn])
+    picture = arm_picture(evaluation.arm, drawn, window, "before")
+    line = re.search(r'<line x1="([-\d.e]+)" y1="([-\d.e]+)"[^>]*class="error-line"', picture)
+    assert (float(line[1]), float(line[2])) == pytest.approx(drawn.tip, rel=1e-4, abs=1e-2)
+    assert window.exaggeration * math.hypot(*drawn.error) < 0.2 * 700.0
+
+
+def test_an_arm_in_space_is_drawn_upright_through_its_tip():
+    """A turning column: across is the distance from its axis, up is up."""
+    column = Joint(axis=(0.0, 0.0, 1.0), range=(0.5, 2.0))
+    elbow = Joint(axis=(0.0, 1.0, 0.0), range=(-1.0, 1.0), stiffness=1e4)
+    arm = replace(arm_of((Circle(0.05), Circle(0.05)), joints=(column, elbow)), gravity=(0.0, 0.0, -9.81))
+    found = evaluate(arm)
+    drawn = skeleton(found)
+    second = found.worst.poses[0].q[1]
+    assert drawn.tip == pytest.approx((400.0 + 300.0 * math.cos(second), 300.0 * math.sin(second)), abs=1e-6)
+    page = Page(evaluation_page(found, mapped(found)))
+    assert "seen from the side" in page.text
+
+
+def test_page_of_a_single_arm(evaluation):
+    """The same parts, without before and after."""
+    page = Page(evaluation_page(evaluation, mapped(evaluation)))
+    assert page.open == []
+    assert mm(evaluation.max_error) in page.text
+    assert set(json.loads(page.scripts["figures"])) == {"map-arm"}
+    assert "before" not in page.text.lower()
+
+
+def test_warnings_are_on_the_page(evaluation):
+    """Plainly, in words."""
+    warned = replace(evaluation, warnings=("link 1 yields: 300 MPa, safety factor 0.9",))
+    assert "link 1 yields: 300 MPa" in Page(evaluation_page(warned, mapped(evaluation))).text
