@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-
 from .vectors import Scalar
 
 if TYPE_CHECKING:
@@ -36,9 +35,7 @@ class Beam:
     lumped_at: Scalar = 0.0
 
 
-def elastic_beam(
-    length: Scalar, section: SectionProperties, material: MaterialValues, *, shear: bool = True
-) -> Beam:
+def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialValues, *, shear: bool = True) -> Beam:
     """The beam that a section (SI) makes of a material at its temperature.
 
     Without `shear` the shear modulus may be missing; the beam then has no torsional and shear rigidity.

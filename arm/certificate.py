@@ -81,7 +81,7 @@ def maximise(
     centers = np.tile(grid, (functions, 1))
     which = np.repeat(np.arange(functions, dtype=np.intp), len(grid))
     half = np.broadcast_to(0.5 * span / np.maximum(parts, 1), centers.shape).copy()
-    weight = np.sqrt((np.abs(terms.amplitude).max(axis=0) @ (np.abs(terms.frequency) + terms.power) ** 2))
+    weight = np.sqrt(np.abs(terms.amplitude).max(axis=0) @ (np.abs(terms.frequency) + terms.power) ** 2)
     bound, cells, complete = best, 0, True
     while len(centers):
         if cells + len(centers) > most_cells:
@@ -125,7 +125,9 @@ def _halved(centers: Array, half: Array, which: Index, weight: Array) -> tuple[A
     )
 
 
-def climb(terms: Terms, starts: Array, which: Index, lower: Array, upper: Array, steps: int = 40) -> tuple[Array, Array]:
+def climb(
+    terms: Terms, starts: Array, which: Index, lower: Array, upper: Array, steps: int = 40
+) -> tuple[Array, Array]:
     """Local maxima of functions `which` from `starts` within a box, by projected Newton steps on all at once.
 
     Infinite bounds leave a full-circle joint free to turn through. Returns points (N, n) and values (N,).

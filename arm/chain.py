@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
-
 from .vectors import IDENTITY, ZERO, Rotation
 
 if TYPE_CHECKING:

@@ -125,4 +125,3 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:
 
 def _disc(effect: str, play: Disc) -> TipDisc:
     return TipDisc(effect, play.index, play.radius, play.normal, play.seating)
-

@@ -177,9 +177,7 @@ def effects_at(arm: Arm, load: LoadCase, p: Array, pose: WorstPose) -> dict[str,
         case = model.cases[0]
         if is_zero(case.error.vector) and not case.error.intervals and not case.error.discs:
             continue  # the arm has no data for it
-        alone = played(
-            case.arrays(q, p), case.radii, arm.play, planar=model.planar, statistics=arm.statistics
-        )
+        alone = played(case.arrays(q, p), case.radii, arm.play, planar=model.planar, statistics=arm.statistics)
         found[name] = float(alone.error[0])
     return {name: found[name] for name in EFFECTS if name in found}
 

@@ -141,7 +141,9 @@ def _leave_out(mapping: Mapping) -> frozenset[str]:
     names: list[str] = []
     for number, name in enumerate(mapping.items("leave_out", []), start=1):
         if name not in EFFECTS:
-            raise mapping.error(f"leave_out[{number}]", f"there is no effect {shown(name)}{nearest(str(name), list(EFFECTS))}")
+            raise mapping.error(
+                f"leave_out[{number}]", f"there is no effect {shown(name)}{nearest(str(name), list(EFFECTS))}"
+            )
         names.append(str(name))
     return frozenset(names)
 
@@ -191,10 +193,7 @@ def _entry(mapping: Mapping, catalogue: Catalogue) -> _Entry:
                     raise body.error("length", "is given by dh already (from a and d); leave it out")
         else:
             link = Link(_length(body) if body is not None and given else 0.0)
-        if body is not None:
-            link = _link(body, link, catalogue)
-        else:
-            link = replace(link, mass=0.0)
+        link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
         origin = None
         if mapping.has("origin"):
             with mapping.mapping("origin").reading() as frame:
@@ -331,7 +330,10 @@ def read_section(body: Mapping) -> Section:
 def _dimension(body: Mapping, name: str, value: object) -> object:
     """A length, or nested lists of lengths (the points of a polygon)."""
     if isinstance(value, list):
-        return [_nested(item, body.file, f"{body.path_of(name)}[{k}]") for k, item in enumerate(cast(list[object], value), 1)]
+        return [
+            _nested(item, body.file, f"{body.path_of(name)}[{k}]")
+            for k, item in enumerate(cast(list[object], value), 1)
+        ]
     return read_quantity(value, "length", file=body.file, key=body.path_of(name))
 
 
@@ -382,7 +384,9 @@ def _joined(entries: list[_Entry]) -> tuple[tuple[Joint, ...], tuple[Link, ...]]
         joint = entry.joint
         if entry.origin is not None:
             rotation, xyz = entry.origin
-            joint = replace(joint, origin_rotation=rotation if joint.origin_rotation == IDENTITY else joint.origin_rotation)
+            joint = replace(
+                joint, origin_rotation=rotation if joint.origin_rotation == IDENTITY else joint.origin_rotation
+            )
             if index > 0 and not entries[index - 1].length_given:
                 links[-1] = _along(xyz, links[-1])
             else:

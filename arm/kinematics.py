@@ -164,4 +164,3 @@ def symbols(arm: Arm) -> Any:
 def parts(column: Any) -> list[Any]:
     """The entries of a CasADi column as a list."""
     return [column[i] for i in range(column.numel())]
-

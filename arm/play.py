@@ -66,9 +66,7 @@ def _chunk(arrays: PoseArrays, start: int, stop: int) -> PoseArrays:
     )
 
 
-def _played(
-    arrays: PoseArrays, radii: Array, mode: PlayMode, planar: bool, statistics: Statistics
-) -> PlayedError:
+def _played(arrays: PoseArrays, radii: Array, mode: PlayMode, planar: bool, statistics: Statistics) -> PlayedError:
     if mode == "statistical":
         return _statistical(arrays, radii, statistics)
     every_radius = np.broadcast_to(radii, arrays.normals.shape[:2])
@@ -202,7 +200,7 @@ def _disc_axes(normals: Array) -> tuple[Array, Array]:
     hint = np.where(np.abs(normals[..., :1]) < 0.9, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
     first = hint - np.einsum("ndi,ndi->nd", normals, hint)[:, :, None] * normals
     first /= _length(first)[:, :, None]
-    return first, np.cross(normals, first)
+    return first, np.asarray(np.cross(normals, first), dtype=float)
 
 
 def _statistical(arrays: PoseArrays, radii: Array, statistics: Statistics) -> PlayedError:

@@ -139,9 +139,10 @@ def _pushed(case: CaseModel, p: Array, coordinates: Coordinates) -> NDArray[np.b
     """
     arrays = case.arrays(sample_grid(coordinates, 1), p)
     pushed = pushed_discs(arrays)
-    if not np.array_equal(pushed.all(axis=0), pushed.any(axis=0)):
+    always = np.asarray(pushed.all(axis=0), dtype=bool)
+    if not np.array_equal(always, pushed.any(axis=0)):
         raise NotPolynomial("a pin is pushed at some poses and free at others")
-    return pushed.all(axis=0)
+    return always
 
 
 def _squares(shapes: Coefficients, signs: Array) -> Coefficients:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -69,13 +70,7 @@ def uphill_in_region(
 
     if workspace.kind == "box":
         low, high = points.min(axis=0), points.max(axis=0)
-        free = high > low
-        constraints = [{"type": "ineq", "fun": lambda q: np.concatenate([place(q) - low, high - place(q)])}]
-        if not np.all(free):
-            constraints = [
-                {"type": "ineq", "fun": lambda q: np.concatenate([place(q) - low, high - place(q)])[np.tile(free, 2)]},
-                {"type": "eq", "fun": lambda q: (place(q) - low)[~free]},
-            ]
+        constraints = _in_box(place, low, high)
     else:
         constraints = _on_segment(place, place(start), points)
     result = minimize(
@@ -92,18 +87,34 @@ def uphill_in_region(
     return reached if better else start
 
 
+def _in_box(place: Callable[[Array], Array], low: Array, high: Array) -> list[dict[str, object]]:
+    free = high > low
+
+    def inside(q: Array) -> Array:
+        return np.concatenate([place(q) - low, high - place(q)])[np.tile(free, 2)]
+
+    def on_plane(q: Array) -> Array:
+        return (place(q) - low)[~free]
+
+    rows: list[dict[str, object]] = [{"type": "ineq", "fun": inside}]
+    return rows if np.all(free) else [*rows, {"type": "eq", "fun": on_plane}]
+
+
 def _on_segment(place: Callable[[Array], Array], here: Array, points: Array) -> list[dict[str, object]]:
-    segments = [(a, b) for a, b in zip(points[:-1], points[1:], strict=True)] or [(points[0], points[0])]
+    segments = [(a, b) for a, b in itertools.pairwise(points)] or [(points[0], points[0])]
     a, b = min(segments, key=lambda ends: float(distance_to_path(here[None], np.array(ends))[0]))
     along = b - a
     length = float(np.sqrt(along @ along))
-    if length == 0.0:
-        return [{"type": "eq", "fun": lambda q: place(q) - a}]
-    across = np.linalg.svd(along[None] / length)[2][1:]
-    return [
-        {"type": "eq", "fun": lambda q: across @ (place(q) - a)},
-        {"type": "ineq", "fun": lambda q: np.array([(place(q) - a) @ along, (b - place(q)) @ along]) / length},
-    ]
+    across = np.linalg.svd(along[None] / length)[2][1:] if length > 0.0 else np.eye(len(a))
+
+    def off_line(q: Array) -> Array:
+        return across @ (place(q) - a)
+
+    def between_ends(q: Array) -> Array:
+        return np.array([(place(q) - a) @ along, (b - place(q)) @ along]) / length
+
+    rows: list[dict[str, object]] = [{"type": "eq", "fun": off_line}]
+    return [*rows, {"type": "ineq", "fun": between_ends}] if length > 0.0 else rows
 
 
 def wander_in_region(

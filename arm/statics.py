@@ -155,4 +155,3 @@ def solve(
         arm.planar(case),
         case,
     )
-

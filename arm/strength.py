@@ -66,7 +66,9 @@ class StrengthCase:
 
 def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
     """Each link's area and moduli as one row (4 per link, in the order of `STRENGTH_FIELDS`); 1 where rigid."""
-    rows = [[1.0] * 4 if section is None else [float(getattr(section, f)) for f in STRENGTH_FIELDS] for section in sections]
+    rows = [
+        [1.0] * 4 if section is None else [float(getattr(section, f)) for f in STRENGTH_FIELDS] for section in sections
+    ]
     return np.array(rows).ravel()
 
 
@@ -104,9 +106,7 @@ def _stress(link: LinkState, section: Sequence[Any], share: float) -> Scalar:
     force: Vector = add(link.force, beyond)
     moment = add(link.moment, cross(scale(rest, link.along), add(link.force, scale(0.5, beyond))))
     axial = _magnitude(dot(force, link.along)) / area
-    bending = plus(
-        _magnitude(dot(moment, link.width)) / modulus_y, _magnitude(dot(moment, link.height)) / modulus_z
-    )
+    bending = plus(_magnitude(dot(moment, link.width)) / modulus_y, _magnitude(dot(moment, link.height)) / modulus_z)
     shear = dot(link.moment, link.along) / torsion_modulus
     normal = plus(axial, bending)
     return ca.sqrt(normal * normal + 3.0 * shear * shear + 1e-6)
@@ -116,7 +116,10 @@ def _compression(state: PoseState, index: int) -> Scalar:
     link = state.links[index]
     pressing = times(-1.0, dot(link.base_force, link.along))
     length = link.beam.length
-    weaker = ca.fmin(ca.SX(link.beam.flexural_rigidity_height), ca.SX(link.beam.flexural_rigidity_width))
+    in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
+    assert in_height is not None
+    assert in_width is not None
+    weaker = ca.fmin(in_height, in_width)
     return pressing * (4.0 / math.pi**2) * length * length / weaker
 
 

@@ -140,7 +140,7 @@ def fit(
 def from_values(coordinates: Coordinates, degree: int, values: ComplexArray) -> Coefficients:
     """The coefficients of functions from their values on the sample grid of `degree`."""
     for j in range(len(coordinates.revolute)):
-        matrix = np.linalg.inv(coordinates.basis(j, degree, coordinates.nodes(j, degree)))
+        matrix: ComplexArray = np.linalg.inv(coordinates.basis(j, degree, coordinates.nodes(j, degree))).astype(complex)
         values = _along(values, matrix, j + 1)
     return Coefficients(coordinates, degree, values)
 

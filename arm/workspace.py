@@ -6,6 +6,7 @@ cells of joint space cannot meet it, so that the certificate needs to look at th
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,7 +95,7 @@ def path_points(workspace: Workspace) -> Array:
     if len(vertices) == 1:
         return vertices
     share = np.linspace(0.0, 1.0, PATH_POINTS)[:, None]
-    pieces = [a + share * (b - a) for a, b in zip(vertices[:-1], vertices[1:], strict=True)]
+    pieces = [a + share * (b - a) for a, b in itertools.pairwise(vertices)]
     return np.unique(np.vstack(pieces), axis=0)
 
 
@@ -131,9 +132,7 @@ def pull(
     return q, distance
 
 
-def sample(
-    workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, count: int, seed: int = 1
-) -> Array:
+def sample(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
     """Poses of the workspace, spread over it; raises `Unreachable` where a path has a point without any pose."""
     q = spread(lower, upper, count, seed)
     if workspace.kind == "joints":
@@ -214,7 +213,7 @@ def distance_to_path(points: Array, vertices: Array) -> Array:
     if len(vertices) == 1:
         return np.sqrt(((points - vertices[0]) ** 2).sum(axis=1))
     best = np.full(len(points), np.inf)
-    for a, b in zip(vertices[:-1], vertices[1:], strict=True):
+    for a, b in itertools.pairwise(vertices):
         along = b - a
         square = float(along @ along) or 1.0
         share = np.clip(((points - a) @ along) / square, 0.0, 1.0)

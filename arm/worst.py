@@ -55,9 +55,7 @@ class WorstCase:
 class WorstSearch:
     """Searches a workspace for the worst pose of a design, again and again as the design changes."""
 
-    def __init__(
-        self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096
-    ) -> None:
+    def __init__(self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096) -> None:
         """`gap`: relative, of the certificate; `scan`: poses looked at where no polynomial serves."""
         self.model, self.workspace, self.gap, self.scan = model, workspace, gap, scan
         self.arm = model.arm
@@ -259,7 +257,7 @@ def _triple(row: Array) -> tuple[float, float, float]:
     return (float(row[0]), float(row[1]), float(row[2]))
 
 
-def _apart(q: Array, values: Array, count: int) -> Array:
+def _apart(q: Array, values: Array, count: int) -> NDArray[np.intp]:
     """Indices of the best values whose poses lie apart."""
     chosen: list[int] = []
     for index in np.argsort(-values):
@@ -267,7 +265,7 @@ def _apart(q: Array, values: Array, count: int) -> Array:
             chosen.append(int(index))
         if len(chosen) == count:
             break
-    return np.array(chosen, dtype=int)
+    return np.array(chosen, dtype=np.intp)
 
 
 def distinct(poses: list[WorstPose], most: int = 12) -> tuple[WorstPose, ...]:

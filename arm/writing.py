@@ -172,4 +172,3 @@ def _effect(entry: EffectEntry) -> dict[str, Any]:
     for name, value in entry.parameters.items():
         out[name] = format_quantity(value, kinds[name])
     return out
-

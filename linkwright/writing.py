@@ -61,11 +61,10 @@ def _same(one: Path, other: Path) -> bool:
 def write_file(path: Path, text: str) -> None:
     """Write a text file whole or not at all; a device or a pipe is written to as it is. Raises `InputError`."""
     try:
-        target = path.resolve()
-        if target.exists() and not target.is_file():
+        if path.exists() and not path.is_file():
             path.write_text(text, encoding="utf-8")
         else:
-            write_text(text, target)
+            write_text(text, path.resolve())
     except OSError as error:
         raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
 

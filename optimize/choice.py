@@ -177,9 +177,7 @@ class Chooser:
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        done = exchange.run(
-            materials, pick.materials, self.pool, start, give_up_above=self.objective, log=self.log
-        )
+        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.objective, log=self.log)
         if done is None:
             if pick not in self.candidates:
                 self._note(pick, None, "infeasible")
@@ -217,13 +215,17 @@ def choose(
     if chooser.best is None:
         return None
     pick, space, materials, exchange, exchanged, objective = chooser.best
-    noted = []
+    noted: list[Candidate] = []
     for other, candidate in chooser.candidates.items():
         outcome = "best" if other == pick else candidate.outcome
         value = objective if other == pick else candidate.objective
         noted.append(Candidate(candidate.shapes, candidate.materials, value, outcome))
-    noted.sort(key=lambda candidate: math.inf if candidate.objective is None else candidate.objective)
+    noted.sort(key=_rank)
     return Choice(pick, space, materials, exchange, exchanged, objective, tuple(noted), exhaustive)
+
+
+def _rank(candidate: Candidate) -> float:
+    return math.inf if candidate.objective is None else candidate.objective
 
 
 def _link_by_link(problem: Problem, chooser: Chooser) -> None:
@@ -233,8 +235,8 @@ def _link_by_link(problem: Problem, chooser: Chooser) -> None:
     stuffs = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
     uniform = [
         Combination(
-            tuple(shape if len(own) > 1 else own[0] for own in shapes),
-            tuple(material if len(own) > 1 else own[0] for own in materials),
+            tuple(shape if shape in own else next(iter(own)) for own in shapes),
+            tuple(material if material in own else next(iter(own)) for own in materials),
         )
         for shape in kinds
         for material in stuffs

@@ -187,9 +187,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         mass = mass + weight
         cost = cost + weight * material.cost
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
-    strength = [
-        1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS
-    ]
+    strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
         tuple(sections),
         tuple(properties),

@@ -148,9 +148,7 @@ class Exchange:
             if objective > give_up_above * (1.0 + 1e-9):
                 return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
             found = self._judge(last, solution, chosen, pool)
-            iterations.append(
-                Iteration(number, objective, change, pool.size, found.violation, found.certified)
-            )
+            iterations.append(Iteration(number, objective, change, pool.size, found.violation, found.certified))
             if log is not None:
                 log(iterations[-1])
             done = found.violation <= TOLERANCE or found.pool.size == pool.size
@@ -251,7 +249,7 @@ def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:
 
 def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -> ErrorCut:
     """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
-    shift = np.sum([np.zeros(3), *pose.shifts], axis=0)
+    shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
     if fixed_error(context.model) > 0.0:
         shift = np.zeros(3)
     anchor = _anchor(context, np.array(pose.q), p) if anchored(space) else None
@@ -305,4 +303,3 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
     if context.limit("first_frequency") is not None:
         pool = pool.with_modes((slowest_mode(context, arm, p)[0],))
     return pool
-

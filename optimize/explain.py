@@ -89,9 +89,7 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
         places = ", ".join(dict.fromkeys(where[name, side]))
         text = f"{name} {relation} {format_quantity(bound, 'length')} ({places})"
         price = slope * worth * 1e-3
-        found.append(
-            BindingLimit(name, text, bound * 1e3, bound * 1e3, "mm", price, price_unit(problem, "mm"))
-        )
+        found.append(BindingLimit(name, text, bound * 1e3, bound * 1e3, "mm", price, price_unit(problem, "mm")))
     return found
 
 

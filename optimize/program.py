@@ -95,9 +95,7 @@ def fixed_error(model: ErrorModel) -> float:
 class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
-    def __init__(
-        self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: Room
-    ) -> None:
+    def __init__(self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: Room) -> None:
         """`room`: how many binding poses of each kind there is room for."""
         self.space, self.model, self.room = space, model, room
         problem = space.problem
@@ -211,7 +209,9 @@ class Program:
 
         def pressing(name: str, count: int) -> Array:
             rows = np.abs(multipliers[self._place[name]])
-            return rows.reshape(count, -1).max(axis=1) > _PRESSING if count and len(rows) else np.zeros(count, dtype=bool)
+            return (
+                rows.reshape(count, -1).max(axis=1) > _PRESSING if count and len(rows) else np.zeros(count, dtype=bool)
+            )
 
         pool = Pool()
         held = pressing("errors", len(errors))

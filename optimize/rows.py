@@ -43,9 +43,7 @@ def symbol(name: str, size: int = 1) -> Any:
     return ca.SX.sym(name, size)  # pyright: ignore[reportCallIssue]
 
 
-def error_rows(
-    model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], *, anchored: bool
-) -> Rows:
+def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], *, anchored: bool) -> Rows:
     """log |e|^2 <= 2 y (in mm) at as many poses of each load case as `slots` says."""
     out = Rows()
     size = model.arm.size
@@ -90,9 +88,7 @@ def filled(cuts: Sequence[Cut], slots: Sequence[int]) -> list[Cut]:
     return found
 
 
-def error_parameters(
-    model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: bool
-) -> tuple[list[float], list[float]]:
+def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: bool) -> tuple[list[float], list[float]]:
     """The values of the error rows' parameters for the cuts in their slots, and starting values of their unknowns."""
     values: list[float] = []
     unknowns: list[float] = []
@@ -108,7 +104,12 @@ def error_parameters(
 
 
 def strength_rows(
-    limits: Sequence[Limit], cases: Sequence[StrengthCase], design: DesignExpressions, materials: Any, slack: Any, slots: Sequence[int]
+    limits: Sequence[Limit],
+    cases: Sequence[StrengthCase],
+    design: DesignExpressions,
+    materials: Any,
+    slack: Any,
+    slots: Sequence[int],
 ) -> Rows:
     """Stress against yield strength and compression against Euler's load at as many poses of each load case as `slots` says."""
     out = Rows()

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from arm.effects import EFFECTS, Effect
+from arm.effects import EFFECTS, Effect, Parameter
 from linkwright.as_json import program_version
 from linkwright.writing import check_target, write_json
 from materials.quantities import InputError, format_quantity
@@ -63,9 +63,16 @@ def show_effect(
     shown.add_row("cannot be told from", ", ".join(effect.aliases) or "–")
     shown.add_row("source", effect.source)
     for parameter in effect.parameters:
-        low, high = (format_quantity(value, parameter.kind, digits=3) for value in parameter.typical)
+        low, high = _typical(parameter)
         shown.add_row(f"parameter {parameter.name}", f"{parameter.meaning}; typically {low} to {high}")
     screen.print(shown)
+
+
+def _typical(parameter: Parameter) -> tuple[str, str]:
+    """Both ends of the typical size, in the unit that suits the upper one."""
+    high = format_quantity(parameter.typical[1], parameter.kind, digits=3)
+    unit = high.partition(" ")[2] or None
+    return format_quantity(parameter.typical[0], parameter.kind, unit, digits=3), high
 
 
 def _when(effect: Effect) -> str:

@@ -67,6 +67,8 @@ def show_material(
         shown.add_row(property_name.replace("_", " "), value, _valid(found.valid), spread, found.source)
         if found.note:
             shown.add_row("", "", "", "", found.note)
+    if material.magnetic is not None:
+        shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
     screen.print(shown)
     for key, text in material.references.items():
         screen.print(f"{key}: {text}")

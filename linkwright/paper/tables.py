@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -124,9 +125,9 @@ class _Maker:
                 "0.0093 lies below the paper's own model, which reaches 0.0119 as in the row of joints 2 and 3: its search for "
                 "the worst pose stopped early here."
             )
-        if backlash and 3 not in row.joints or (backlash and len(row.joints) > 1):
-            swing = figure(1e3 * made.corrected[0])
-            parts.append(f"The whole arm beyond a joint turns: {swing} mm and not {mm(made.as_read[0])}.")
+        if backlash and row.joints != (3,):
+            swing = mm(made.corrected[0])
+            parts.append(f"The whole arm beyond a joint turns: {swing} and not {mm(made.as_read[0])}.")
         elif backlash:
             parts.append("Nothing follows link 3, so that the paper's equation holds for it.")
         else:
@@ -198,7 +199,13 @@ class _Maker:
         aluminium = next(row for row in self.paper.material if row.name == "aluminium")
         if made.label == aluminium.name:
             return "The arm of Table II."
-        return "The same sag four times too small: slopes are not carried on."
+        roots = [math.sqrt(float(text)) for text in made.printed]
+        shown = (
+            mm(1e-3 * roots[0], 2) if len(set(roots)) == 1 else f"{mm(1e-3 * roots[0], 2)} and {mm(1e-3 * roots[1], 2)}"
+        )
+        return (
+            f"The roots of the printed figures are {shown}; the rest of the way to the truth is the slopes carried on."
+        )
 
     def shape(self) -> Table:
         rows: list[Row] = []

@@ -33,7 +33,8 @@ def optimization_page(result: OptimizationResult) -> str:
     """The page as one HTML file that loads nothing."""
     named = (("before", result.before), ("after", result.after))
     places, figures = parts.maps(named, (result.before_map, result.after_map))
-    figures = {**figures, "exchange": exchange_figure(result.iterations, result.minimize)}
+    if len(result.iterations) > 1:
+        figures = {**figures, "exchange": exchange_figure(result.iterations, result.minimize)}
     scale = "Both to one scale; links as thick as their sections are high."
     colours = "One colour scale for both; the numbered circles are the worst poses."
     alone = "Each effect alone; together they add as vectors."
@@ -117,8 +118,9 @@ def _search(result: OptimizationResult) -> list[str]:
     log = table(headings, rows, numbers=(1, 2, 3, 4))
     words = f"{effort_words(result)}; {bound_sentence(result)}."
     caption = "The exchange ends where no pose is worse than those it has already designed for."
-    drawn = figure_place("exchange", f"Objective over the iterations: {words}", text(caption))
-    return [drawn, element("p", text(words)), log, *_candidates(result)]
+    place = figure_place("exchange", f"Objective over the iterations: {words}", text(caption))
+    drawn = [place] if len(result.iterations) > 1 else []
+    return [*drawn, element("p", text(words)), log, *_candidates(result)]
 
 
 def _candidates(result: OptimizationResult) -> list[str]:

@@ -43,7 +43,8 @@ def _figure(number: int, when: str, link: Link, side: float) -> str:
     words = [element("strong", text(when)) if when else "", text(section_words(link)), text(material_words(link))]
     words.append(text(f"length {mm(link.length, 5)}"))
     caption = element("figcaption", element("span", "<br>".join(word for word in words if word)))
-    return element("figure", _section(number, when, link, side), caption)
+    drawn = _section(number, when, link, side) if link.section is not None else ""
+    return element("figure", drawn, caption)
 
 
 def _section(number: int, when: str, link: Link, side: float) -> str:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from arm.chain import Arm, Joint, Link, LoadCase, Statistics
 from arm.model import PoseArrays, beam_values, beams_of, error_model
 from arm.play import played
-from arm.worst import WorstSearch
 from arm.workspace import Workspace
+from arm.worst import WorstSearch
 
 Array = NDArray[np.float64]
 UP = (0.0, 0.0, 1.0)

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from arm.chain import Arm, Joint, Link
-from linkwright import cli
+from linkwright import command_line
 from linkwright.commands import evaluate
 from linkwright.screen.console import PLAIN_WIDTH
 
@@ -172,8 +172,26 @@ def test_poses_of_slides_are_lengths():
 
 
 def test_usage_errors_have_one_known_ancestor():
-    """The look-up in `cli` must not fall back to an exception that everything derives from."""
-    kind = cli._usage_error()
+    """The look-up must not fall back to an exception that everything derives from."""
+    kind = command_line._usage_error()
     assert kind not in (Exception, BaseException)
     assert not issubclass(OSError, kind)
     assert not issubclass(ValueError, kind)
+
+
+def test_output_that_cannot_be_written_is_one_line(process):
+    """A full device, for the screen and for a file."""
+    for line in (
+        '"$PYTHON" -m linkwright effects list > /dev/full',
+        '"$PYTHON" -m linkwright effects list --json /dev/full',
+    ):
+        done = process(line)
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1
+        assert "No space left" in done.stderr
+
+
+def test_an_interrupt_while_modules_load_is_quiet(process):
+    """The first second of a run goes into imports."""
+    done = process('timeout --preserve-status -s INT 0.3 "$PYTHON" -m linkwright evaluate arm.yaml')
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

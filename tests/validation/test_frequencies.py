@@ -89,9 +89,9 @@ def chain_frequencies(chain: RandomChain, *, shear: bool) -> tuple[float, float]
     return float(ours), float(frame_solver.frequencies(frame, rotary_inertia=False)[0])
 
 
-# Against six members a link with consistent masses. Measured over 100 chains each: in the plane -0.03 to +1.2 % (all but
-# one within 0.35 %); in space the same, but for three chains in a hundred whose first mode is a link's twist about its own
-# axis: its polar inertia, which only the frame solver has, then counts (up to 86 %). The seeds here hold none of those.
+# Against six members a link with consistent masses. Measured over 100 chains each: in the plane -0.03 to +1.2 % (all
+# but one within 0.35 %); in space the same, but for three chains in a hundred whose first mode is a link's twist about
+# its own axis: its polar inertia, which only the frame solver has, then counts (up to 86 %). None of those is here.
 @pytest.mark.parametrize("shear", [False, True])
 @pytest.mark.parametrize("seed", range(10))
 def test_planar_chains_vibrate_as_in_the_frame_solver(seed: int, shear: bool) -> None:

@@ -1,0 +1,81 @@
+"""`linkwright tables`: the paper's Tables III to VII beside the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from linkwright.writing import check_target, write_file, write_json
+from materials.quantities import InputError
+
+from .options import JsonFile
+
+HELP = """The paper's Tables III to VII: as printed, reproduced by its own conventions, as its equations read, and corrected.
+
+Example: linkwright tables --markdown tables.md --json tables.json
+"""
+
+
+def tables(
+    json: JsonFile = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Write each table as CSV there.")] = None,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
+        ),
+    ] = None,
+) -> None:
+    """Run the command."""
+    from linkwright.screen.console import console, waiting
+
+    check_target(json)
+    check_target(markdown)
+    if json is not None and markdown is not None and json.absolute() == markdown.absolute():
+        raise InputError(json, "", "is named for JSON and for Markdown; name two files")
+    if csv is not None:
+        make_folder(csv)
+    with waiting("computing the paper's tables"):
+        from linkwright.paper.output import into, table_csv, tables_json, tables_markdown
+        from linkwright.paper.screen import show_tables
+        from linkwright.paper.tables import make_tables
+        from linkwright.paper.verdicts import proofs, verdicts
+
+        book = make_tables()
+        judged, shown = verdicts(book), proofs(book)
+    written: list[Path] = []
+    if json is not None:
+        write_json(json, tables_json(book, judged, shown))
+        written.append(json)
+    if csv is not None:
+        for table in book.tables:
+            write_file(csv / f"{table.key}.csv", table_csv(table))
+            written.append(csv / f"{table.key}.csv")
+    if markdown is not None:
+        write_file(markdown, into(_text_of(markdown), tables_markdown(book, judged, shown)))
+        written.append(markdown)
+    screen = console()
+    show_tables(screen, book, judged, shown)
+    for path in written:
+        screen.print(f"written: {path}", soft_wrap=True)
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for output unless it is there. Raises `InputError`."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise InputError(folder, "", "is a file; name a folder to write to") from None
+    except OSError as error:
+        raise InputError(folder, "", f"cannot be made: {error.strerror or error}") from None
+
+
+def _text_of(path: Path) -> str:
+    if not path.is_file():
+        return ""
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise InputError(path, "", "is no text file; name another to write") from None

@@ -1,0 +1,179 @@
+"""The paper's tables as plain data: JSON, CSV and Markdown, drawn from the results alone."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from linkwright.as_json import program_version
+
+from .figures import Figure
+from .rows import Row, Table, tally
+from .tables import Book
+from .verdicts import Proof, Verdict
+
+BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
+"""Between these lines `--markdown` replaces, in a file that has them."""
+_MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
+
+
+def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> dict[str, Any]:
+    """All tables by their keys, with what was judged and what was fitted."""
+    counted = tally(book.tables)
+    content: dict[str, Any] = {"made_by": f"linkwright tables {program_version()}"}
+    content.update({table.key: [_row_json(row) for row in table.rows] for table in book.tables})
+    content["extended"] = []
+    content["columns"] = {table.key: list(table.columns) for table in book.tables}
+    content["remarks"] = {table.key: list(table.remarks) for table in book.tables}
+    content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
+    content["fitted_to_the_paper_mm"] = {"weight": 1e3 * book.paper.weight_sag, "tool": 1e3 * book.paper.tool_sag}
+    content["verdicts"] = [
+        {"conclusion": each.number, "claim": each.claim, "judgement": each.judgement, "reason": each.reason}
+        for each in verdicts
+    ]
+    content["reach"] = [_proof_json(each) for each in proofs]
+    return content
+
+
+def _row_json(row: Row) -> dict[str, Any]:
+    return {
+        "label": row.label,
+        "paper": [float(text) for text in row.printed],
+        "reproduced": [float(text) for text in row.reproduced_printed],
+        "reproduced_mm2": list(row.reproduced),
+        "agrees": list(row.agrees),
+        "as_equations_read_mm": [1e3 * value for value in row.as_read],
+        "corrected_mm": [1e3 * value for value in row.corrected],
+        "note": row.note,
+    }
+
+
+def _proof_json(proof: Proof) -> dict[str, Any]:
+    seam = proof.seam
+    content: dict[str, Any] = {"statement": proof.statement, "holds": proof.holds, "shown_by": proof.shown_by}
+    if seam is not None:
+        first = seam.first_unreachable
+        content["seam"] = {
+            "from_mm": [1e3 * value for value in seam.start],
+            "to_mm": [1e3 * value for value in seam.end],
+            "verdict": seam.verdict,
+            "exact": seam.exact,
+            "proved_to_share": seam.proved_to,
+            "first_unreachable_mm": None if first is None else [1e3 * value for value in first],
+            "missing_mm": 1e3 * seam.missing,
+        }
+    return content
+
+
+def figures_json(figures: Sequence[Figure]) -> dict[str, Any]:
+    """All figures' data; null where a map has no pose."""
+    return {
+        "made_by": f"linkwright figures {program_version()}",
+        "figures": [
+            {
+                "number": each.number,
+                "title": each.title,
+                "marks": dict(each.marks),
+                "remarks": list(each.remarks),
+                "columns": {name: [plain(value) for value in values] for name, values in each.columns.items()},
+            }
+            for each in figures
+        ],
+    }
+
+
+def plain(value: float) -> float | None:
+    """The value to ten digits, None for NaN."""
+    return None if value != value else float(f"{value:.10g}")
+
+
+def table_csv(table: Table) -> str:
+    """A table as CSV: a line per row, each measure's columns side by side, then the note."""
+    names = [column.replace(" ", "_") for column in table.columns]
+    header = ["label", *(f"{measure}_{name}" for measure in _MEASURES for name in names), "note"]
+    lines: list[Sequence[object]] = [header]
+    for row in table.rows:
+        figures: list[object] = [*row.printed]
+        figures += [plain(value) for value in row.reproduced]
+        figures += [plain(1e3 * value) for value in (*row.as_read, *row.corrected)]
+        lines.append([row.label, *figures, row.note])
+    return _csv(lines)
+
+
+def figure_csv(figure: Figure) -> str:
+    """A figure's columns as CSV; empty where a map has no pose."""
+    names = list(figure.columns)
+    rows = zip(*figure.columns.values(), strict=True)
+    return _csv([names, *([plain(value) for value in row] for row in rows)])
+
+
+def _csv(lines: Iterable[Sequence[object]]) -> str:
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows(lines)
+    return out.getvalue()
+
+
+def cells(row: Row) -> tuple[str, str, str, str]:
+    """A row's four cells: printed, reproduced (≠ where it differs), as the equations read, corrected."""
+    reproduced = [
+        text if met else f"≠ {text}" for text, met in zip(row.reproduced_printed, row.agrees, strict=True)
+    ]
+    if len(set(row.printed)) == 1 and row.counted == 1:
+        return row.printed[0], reproduced[0], _millimetres(row.as_read[:1]), _millimetres(row.corrected[:1])
+    return " / ".join(row.printed), " / ".join(reproduced), _millimetres(row.as_read), _millimetres(row.corrected)
+
+
+def _millimetres(values: Sequence[float]) -> str:
+    return " / ".join("0" if value == 0.0 else f"{1e3 * value:.4f}" if value < 0.1 else f"{1e3 * value:.0f}" for value in values)
+
+
+def notes(table: Table) -> list[tuple[str, str]]:
+    """The rows' notes, each with the labels of the rows that it holds for."""
+    found: dict[str, list[str]] = {}
+    for row in table.rows:
+        found.setdefault(row.note, []).append(row.label)
+    return [("; ".join(labels), note) for note, labels in found.items() if note]
+
+
+def heading(table: Table) -> str:
+    """A table's heading, with what its figures stand for."""
+    meaning = f" ({' / '.join(table.columns)})" if len(table.columns) > 1 else ""
+    return f"Table {table.number}: {table.title}{meaning}"
+
+
+def tally_words(book: Book) -> str:
+    """How many printed figures are met, in a sentence."""
+    counted = tally(book.tables)
+    return (
+        f"{counted.met} of the {counted.printed} figures printed in Tables III to VII are reproduced to their last digit; "
+        "the others are marked ≠ and explained."
+    )
+
+
+def tables_markdown(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> str:
+    """All tables, the verdicts and the statements on reach as Markdown."""
+    lines = [tally_words(book), ""]
+    lines += [f"- {remark}" for remark in book.tables[0].remarks[1:]]
+    for table in book.tables:
+        lines += ["", f"### {heading(table)}", "", table.remarks[0], ""]
+        lines.append("| | paper (“mm”) | reproduced, mm² | as the equations read, mm | corrected, mm |")
+        lines.append("|---|---|---|---|---|")
+        lines += [f"| {' | '.join((row.label, *cells(row)))} |" for row in table.rows]
+        lines.append("")
+        lines += [f"- {labels}: {note}" for labels, note in notes(table)]
+    lines += ["", "### The paper's four conclusions", ""]
+    lines += [f"{each.number}. “{each.claim}”: **{each.judgement}**. {each.reason}" for each in verdicts]
+    lines += ["", "### What it says about reach", ""]
+    lines += [f"- {each.statement} **{'Holds' if each.holds else 'Does not hold'}.** {each.shown_by}" for each in proofs]
+    return "\n".join(lines) + "\n"
+
+
+def into(document: str, block: str) -> str:
+    """The document with what stands between its two marks replaced; the block alone where there are none."""
+    if BEGIN not in document or END not in document:
+        return block
+    between = re.compile(re.escape(BEGIN) + ".*?" + re.escape(END), re.DOTALL)
+    return between.sub(lambda _: f"{BEGIN}\n{block}{END}", document, count=1)
