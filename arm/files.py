@@ -42,6 +42,7 @@ class _Entry:
     link: Link
     length_given: bool
     origin: tuple[Rotation, FloatVector] | None
+    has_link: bool = False
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
@@ -63,7 +64,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             entries, tool = _product_of_exponentials(mapping.mapping("product_of_exponentials"), entries)
         else:
             tool = ZERO
-        joints, links = _joined(entries)
+        joints, links = _joined(mapping, entries)
         if mapping.has("tool"):
             with mapping.mapping("tool").reading() as offset:
                 tool = _vector(offset, "xyz", "length", ZERO)
@@ -200,7 +201,7 @@ def _entry(mapping: Mapping, catalogue: Catalogue) -> _Entry:
                 xyz = _vector(frame, "xyz", "length", ZERO)
                 rpy = _vector(frame, "rpy", "angle", ZERO)
             origin = (from_roll_pitch_yaw(*rpy), xyz)
-    return _Entry(joint, link, given, origin)
+    return _Entry(joint, link, given, origin, has_link)
 
 
 def _length(body: Mapping) -> float:
@@ -376,12 +377,15 @@ def _triple(value: object, kind: str, file: object, key: str) -> FloatVector:
     return (x, y, z)
 
 
-def _joined(entries: list[_Entry]) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
+def _joined(mapping: Mapping, entries: list[_Entry]) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
     """Joints and links with origins shared out: a link without a length runs to the next joint's origin."""
     joints: list[Joint] = []
     links: list[Link] = []
     for index, entry in enumerate(entries):
         joint = entry.joint
+        runs_on = index + 1 < len(entries) and entries[index + 1].origin is not None
+        if entry.has_link and not entry.length_given and not runs_on:
+            raise mapping.error(f"chain[{index + 1}].link.length", "is missing; write length: 400 mm, say (0 mm for none)")
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(

@@ -47,10 +47,13 @@ def _load_case(case: LoadCase) -> dict[str, Any]:
     return {"payload_kg": case.mass, "force_N": list(case.force), "moment_Nm": list(case.moment)}
 
 
-def _workspace(workspace: Workspace) -> dict[str, Any]:
+def _workspace(arm: Arm, workspace: Workspace) -> dict[str, Any]:
     used = 2 if workspace.in_plane else 3
     points = [[1e3 * value for value in point[:used]] for point in workspace.points]
-    return {"kind": workspace.kind, "points_mm": points}
+    ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
+    lowest, highest = ([pair[end] for pair in ranges] for end in (0, 1))
+    spans = {"lower": coordinates(arm, lowest), "upper": coordinates(arm, highest)}
+    return {"kind": workspace.kind, "points_mm": points, "joints": spans}
 
 
 def _compliance(arm: Arm, compliance: Compliance) -> dict[str, Any]:
@@ -146,7 +149,7 @@ def evaluation_figures(evaluation: Evaluation) -> dict[str, Any]:
         "compliance": _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "links": links_json(arm, evaluation.link_masses),
-        "workspace": _workspace(evaluation.workspace),
+        "workspace": _workspace(arm, evaluation.workspace),
         "load_cases": [_load_case(case) for case in evaluation.load_cases],
         "warnings": list(evaluation.warnings),
         "unknown": dict(evaluation.unknown),

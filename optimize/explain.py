@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from materials.quantities import format_quantity
+from sections import SHAPES
 
 from .choice import Choice, Combination, combinations
-from .design import material_row, starting_points
+from .design import Variable, material_row, starting_points
 from .exchange import Context, Exchange, first_pool
 from .problem import LIMIT_KINDS, Problem
 from .program import Solution
@@ -76,11 +77,10 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
             continue
         side = 1 if multiplier > 0.0 else 0
         value = variable.upper if side else variable.lower
-        for name, bounds in _ranges(problem):
-            if abs(value - bounds[side]) <= 1e-12 * value and _kind(choice, variable.link, variable.name) == name:
-                slope = 1.0 / value if variable.logarithmic else 1.0 / variable.scale
-                prices[name, side] = prices.get((name, side), 0.0) - multiplier * slope
-                where.setdefault((name, side), []).append(f"link {variable.link + 1} {variable.name}")
+        for name, moves in _moves(problem, choice, variable, side):
+            slope = moves / (value if variable.logarithmic else variable.scale)
+            prices[name, side] = prices.get((name, side), 0.0) - multiplier * slope
+            where.setdefault((name, side), []).append(f"link {variable.link + 1} {variable.name}")
     _add_wall_prices(problem, choice, solution, prices, where)
     found: list[BindingLimit] = []
     for (name, side), slope in prices.items():
@@ -100,16 +100,27 @@ def _ranges(problem: Problem) -> list[tuple[str, tuple[float, float]]]:
     return ranges
 
 
-def _kind(choice: Choice, link: int, name: str) -> str:
-    """Which of the problem's ranges bounds a variable; none for areas."""
-    from sections import SHAPES
-
-    if name == "length":
-        return "link_length"
-    shape = choice.combination.shapes[link]
+def _moves(problem: Problem, choice: Choice, variable: Variable, side: int) -> list[tuple[str, float]]:
+    """The problem's ranges that bound a variable, and how far its bound moves with theirs: an area's with both."""
+    if variable.name == "length":
+        return [("link_length", 1.0)]
+    shape = choice.combination.shapes[variable.link]
     assert shape is not None
-    kinds = {variable.name: variable.kind for variable in SHAPES[shape].variables}
-    return {"outer": "section_size", "wall": "thickness"}.get(kinds[name], "")
+    kind = SHAPES[shape]
+    place = [each.name for each in kind.variables].index(variable.name)
+
+    def bound(sizes: tuple[float, float], walls: tuple[float, float]) -> float:
+        return kind.variable_bounds(sizes, walls)[place][side]
+
+    def stepped(bounds: tuple[float, float], relative: float) -> tuple[float, float]:
+        low, high = bounds
+        return (low, high * (1.0 + relative)) if side else (low * (1.0 + relative), high)
+
+    sizes, walls = problem.section_size, problem.thickness
+    step = 1e-6
+    by_size = (bound(stepped(sizes, step), walls) - bound(stepped(sizes, -step), walls)) / (2.0 * step * sizes[side])
+    by_wall = (bound(sizes, stepped(walls, step)) - bound(sizes, stepped(walls, -step))) / (2.0 * step * walls[side])
+    return [(name, moves) for name, moves in (("section_size", by_size), ("thickness", by_wall)) if moves != 0.0]
 
 
 def _add_wall_prices(

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from linkwright.writing import REPORT, RESULT, check_target, json_text, write_file, write_json
-from materials.quantities import InputError
 
 from .options import JsonFile
 from .tables import make_folder

@@ -100,8 +100,8 @@ class _Maker:
             "Position error under deformation, over the workspace",
             columns,
             {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": squared(self.conventions.sag)},
-            f"The worst error met at each place of the tip, over {figure(float(self.poses), 6)} poses. True maximum {mm(largest)}; the "
-            f"paper prints 0.0015, the square of {mm(self.conventions.sag, 3)}.",
+            f"The worst error met at each place of the tip, over {figure(float(self.poses), 6)} poses. True maximum "
+            f"{mm(largest)}; the paper prints 0.0015, the square of {mm(self.conventions.sag, 3)}.",
             "Both are worst where the arm is held straight out, and least where it stands or hangs.",
         )
 
@@ -129,8 +129,8 @@ class _Maker:
             "Clearance alone and with deformation, the arm straight, turned at the shoulder",
             {name: values.tolist() for name, values in columns.items()},
             {},
-            "Clearance alone gives the same worst error in every pose; deformation makes it depend on the pose. The paper's axes cannot "
-            "be read, so the pose is taken as the straight arm turning once around.",
+            "Clearance alone gives the same worst error in every pose; deformation makes it depend on the pose. The "
+            "paper's axes cannot be read, so the pose is taken as the straight arm turning once around.",
         )
 
     def clearance(self) -> Figure:
@@ -150,8 +150,8 @@ class _Maker:
             "Clearance of all three joints, 0.005 to 2 mm",
             columns,
             {"clearance_equals_deformation_mm": 1e3 * even},
-            f"The true error is a straight line: three clearances plus the sag. Below {mm(even, 3)} of clearance deformation is the larger "
-            "part. The paper's curves are parabolas of the same straight lines.",
+            f"The true error is a straight line: three clearances plus the sag. Below {mm(even, 3)} of clearance "
+            "deformation is the larger part. The paper's curves are parabolas of the same straight lines.",
         )
 
     def backlash(self) -> Figure:
@@ -172,9 +172,10 @@ class _Maker:
             "Backlash of all three drives, to either side",
             columns,
             {"backlash_of_table_IV_rad": self.conventions.paper.backlash_size},
-            "The paper sweeps from “0.005 to 0.01mm”, a length for an angle: taken as rad here, from zero on. That range is ten to "
-            "twenty times the backlash of its Table IV (0.0005 rad).",
-            f"In a serial arm the error is {figure(whole / swing, 3)} times that of the paper's absolute angles (without its √2).",
+            "The paper sweeps from “0.005 to 0.01mm”, a length for an angle: taken as rad here, from zero on. That "
+            "range is ten to twenty times the backlash of its Table IV (0.0005 rad).",
+            f"In a serial arm the error is {figure(whole / swing, 3)} times that of the paper's absolute angles "
+            "(without its √2).",
         )
 
     def length(self) -> Figure:
@@ -197,11 +198,12 @@ class _Maker:
             "All links lengthened alike, the bars as thick as they are",
             columns,
             {"yields_at_reach_mm": 1e3 * reach * breaking, "linear_to_reach_mm": 1e3 * reach * bending},
-            f"The error grows with the power {figure(slope, 3)} of the length, and the paper's square of it with twice that: the sharp rise is "
-            "no sign of yielding.",
-            f"A link really yields, under the arm's own weight, at a reach of {mm(reach * breaking)} ({figure(breaking, 3)} times the arm's; "
-            f"{YIELD_MATERIAL}, {figure(1e-6 * swept.strength, 3)} MPa; statics of the undeformed arm). From {mm(reach * bending)} on a link bends "
-            "by more than a tenth of its length: linear bending, ours as well, ends before anything yields.",
+            f"The error grows with the power {figure(slope, 3)} of the length, and the paper's square of it with "
+            "twice that: the sharp rise is no sign of yielding.",
+            f"A link really yields, under the arm's own weight, at a reach of {mm(reach * breaking)} "
+            f"({figure(breaking, 3)} times the arm's; {YIELD_MATERIAL}, {figure(1e-6 * swept.strength, 3)} MPa; "
+            f"statics of the undeformed arm). From {mm(reach * bending)} on a link bends by more than a tenth of its "
+            "length: linear bending, ours as well, ends before anything yields.",
         )
 
 

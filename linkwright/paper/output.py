@@ -148,8 +148,8 @@ def tally_words(book: Book) -> str:
     """How many printed figures are met, in a sentence."""
     counted = tally(book.tables)
     return (
-        f"{counted.met} of the {counted.printed} figures printed in Tables III to VII are reproduced to their last digit; "
-        "the others are marked ≠ and explained."
+        f"{counted.met} of the {counted.printed} figures printed in Tables III to VII are reproduced to their last "
+        "digit; the others are marked ≠ and explained."
     )
 
 

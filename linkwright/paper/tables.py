@@ -19,16 +19,18 @@ from .rows import Row, Table
 PLAY_COLUMNS = ("without deformation", "with deformation")
 RANGE_COLUMNS = ("lower E", "upper E")
 FITTED = (
-    "“Reproduced” uses two constants fitted to the paper's own figures: the tip sags {weight} by the links' weight and {tool} by "
-    "a tool that the paper does not print. It squares the distances (mm²) as the paper did. Nothing else here is fitted."
+    "“Reproduced” uses two constants fitted to the paper's own figures: the tip sags {weight} by the links' weight "
+    "and {tool} by a tool that the paper does not print. It squares the distances (mm²) as the paper did. Nothing "
+    "else here is fitted."
 )
 AS_READ = (
-    "“As the equations read” evaluates (22) to (35) with the root of (29), without a tool: {sag} at full stretch, not {used}. "
-    "The difference is not explained and not tuned away."
+    "“As the equations read” evaluates (22) to (35) with the root of (29), without a tool: {sag} at full stretch, "
+    "not {used}. The difference is not explained and not tuned away."
 )
 CORRECTED = (
-    "“Corrected” are true distances of Table II's arm in the whole physics: slopes carried on to the tip, shear, backlash that turns "
-    "all that follows, rigid drives, no tool. Clearance is a disc of radius {clearance}, backlash ±{backlash} rad."
+    "“Corrected” are true distances of Table II's arm in the whole physics: slopes carried on to the tip, shear, "
+    "backlash that turns all that follows, rigid drives, no tool. Clearance is a disc of radius {clearance}, "
+    "backlash ±{backlash} rad."
 )
 
 
@@ -87,8 +89,9 @@ class _Maker:
             for row in self.paper.clearance
         )
         remark = (
-            "The printed figures are squares of distances: 0.0013, 0.0050, 0.0113 stand as 1 : 4 : 9, and with deformation each root is "
-            "the root without it plus the same 0.0382 mm. The clearance itself is not printed; 0.025 mm times √2 fits."
+            "The printed figures are squares of distances: 0.0013, 0.0050, 0.0113 stand as 1 : 4 : 9, and with "
+            "deformation each root is the root without it plus the same 0.0382 mm. The clearance itself is not "
+            "printed; 0.025 mm times √2 fits."
         )
         return Table("clearance", "III", "Joint clearance and deformation", PLAY_COLUMNS, rows, (remark, *self.remarks))
 
@@ -98,9 +101,9 @@ class _Maker:
             for row in self.paper.backlash
         )
         remark = (
-            "Squares again: each figure without deformation is (√2 · 0.0005 rad · sum of the lengths of the links concerned)². The paper "
-            "lets backlash turn its own link alone; in an arm with its drives in the joints it turns all that follows, so that the "
-            "truth is worse, most for joint 1."
+            "Squares again: each figure without deformation is (√2 · 0.0005 rad · sum of the lengths of the links "
+            "concerned)². The paper lets backlash turn its own link alone; in an arm with its drives in the joints "
+            "it turns all that follows, so that the truth is worse, most for joint 1."
         )
         return Table("backlash", "IV", "Drive backlash and deformation", PLAY_COLUMNS, rows, (remark, *self.remarks))
 
@@ -116,14 +119,14 @@ class _Maker:
         if not row.joints:
             sag = mm(self.conventions.sag, 3)
             return (
-                f"0.0015 is the square of {sag}. The true sag is {added}: the paper bends each link by itself and forgets that its "
-                "end slope turns all that follows."
+                f"0.0015 is the square of {sag}. The true sag is {added}: the paper bends each link by itself and "
+                "forgets that its end slope turns all that follows."
             )
         parts: list[str] = []
         if not made.agrees[1]:
             parts.append(
-                "0.0093 lies below the paper's own model, which reaches 0.0119 as in the row of joints 2 and 3: its search for "
-                "the worst pose stopped early here."
+                "0.0093 lies below the paper's own model, which reaches 0.0119 as in the row of joints 2 and 3: its "
+                "search for the worst pose stopped early here."
             )
         if backlash and row.joints != (3,):
             swing = mm(made.corrected[0])
@@ -150,14 +153,15 @@ class _Maker:
             else:
                 printed, ours = made.printed[1], made.reproduced_printed[1]
                 note = (
-                    f"Printed {printed}; the same model over all poses gives {ours}. The cause is open: the row labels are lost, the signs "
-                    "stand in the order of counting."
+                    f"Printed {printed}; the same model over all poses gives {ours}. The cause is open: the row "
+                    "labels are lost, the signs stand in the order of counting."
                 )
             rows.append(_with_note(made, note))
         remark = (
-            "The mixed signs could not be reproduced. With the paper's absolute angles a pose lines up the three swings whatever their "
-            "signs (0.7688 in every row), so that only the deformation of that folded pose differs. With angles as encoders read "
-            "them opposed backlash cancels: “corrected” holds each joint at its side and takes the worst over all poses."
+            "The mixed signs could not be reproduced. With the paper's absolute angles a pose lines up the three "
+            "swings whatever their signs (0.7688 in every row), so that only the deformation of that folded pose "
+            "differs. With angles as encoders read them opposed backlash cancels: “corrected” holds each joint at "
+            "its side and takes the worst over all poses."
         )
         columns = PLAY_COLUMNS
         return Table(
@@ -167,8 +171,9 @@ class _Maker:
     def material(self) -> Table:
         rows = tuple(self._material(row) for row in self.paper.material)
         remark = (
-            "The links' own share of the sag goes with density over modulus, the tool's with one over the modulus: the second fitted constant "
-            "is what splits them. Poisson's ratios, which the whole physics needs for shear, are usual values; the paper prints none."
+            "The links' own share of the sag goes with density over modulus, the tool's with one over the modulus: "
+            "the second fitted constant is what splits them. Poisson's ratios, which the whole physics needs for "
+            "shear, are usual values; the paper prints none."
         )
         return Table(
             "material", "VI", "Material, all links of the same size", RANGE_COLUMNS, rows, (remark, *self.remarks)
@@ -192,9 +197,9 @@ class _Maker:
         if not all(made.agrees):
             reach = sum(self.paper.parameters.lengths)
             return (
-                f"The model gives {made.reproduced_printed[0]}, ten times the printed {made.printed[0]}: a digit was dropped. Neither is an "
-                f"error: linear bending would move the tip by {mm(made.corrected[0], 3)} on an arm of {mm(reach)}, so such an arm "
-                "hangs down and does not stand."
+                f"The model gives {made.reproduced_printed[0]}, ten times the printed {made.printed[0]}: a digit was "
+                f"dropped. Neither is an error: linear bending would move the tip by {mm(made.corrected[0], 3)} on "
+                f"an arm of {mm(reach)}, so such an arm hangs down and does not stand."
             )
         aluminium = next(row for row in self.paper.material if row.name == "aluminium")
         if made.label == aluminium.name:
@@ -234,8 +239,8 @@ class _Maker:
                 note = "The arm of Table II."
             rows.append(_with_note(made, note))
         remark = (
-            "Each figure is 0.001457 mm² · (I of the circle / I)²: bending alone. All areas agree, so the table compares proportions picked "
-            "by hand, not shapes."
+            "Each figure is 0.001457 mm² · (I of the circle / I)²: bending alone. All areas agree, so the table "
+            "compares proportions picked by hand, not shapes."
         )
         return Table(
             "shape", "VII", "Shape of the section at equal area", ("PE",), tuple(rows), (remark, *self.remarks)

@@ -59,34 +59,39 @@ def verdicts(book: Book) -> tuple[Verdict, ...]:
             1,
             "in different poses the error is different, since deformation is",
             "holds",
-            f"Deformation alone moves the tip by {mm(least, 2)} (standing or hanging) to {mm(sag, 3)} (held straight out). The paper "
-            "leaves out that backlash depends on the pose as well, since in a serial arm it turns all that follows.",
+            f"Deformation alone moves the tip by {mm(least, 2)} (standing or hanging) to {mm(sag, 3)} (held straight "
+            "out). The paper leaves out that backlash depends on the pose as well, since in a serial arm it turns "
+            "all that follows.",
         ),
         Verdict(
             2,
             "the error under all factors is not the sum of the errors under each",
             "holds in part",
-            f"At a pose with given signs the directions differ, so the sum is only a bound. The maxima, which the paper tabulates, do "
-            f"add up: clearance {mm(all_joints.corrected[0])}, backlash {mm(backlash.corrected[0])} and deformation {mm(sag)} give "
-            f"{mm(total)}, and the worst pose with all three has {mm(together)}. Its own figures add up too, once the roots are taken: "
-            f"{figure(roots[2], 4)} + {figure(roots[1], 3)} = {figure(roots[3], 4)} mm in Table III.",
+            "At a pose with given signs the directions differ, so the sum is only a bound. The maxima, which the "
+            f"paper tabulates, do add up: clearance {mm(all_joints.corrected[0])}, backlash "
+            f"{mm(backlash.corrected[0])} and deformation {mm(sag)} give {mm(total)}, and the worst pose with all "
+            f"three has {mm(together)}. Its own figures add up too, once the roots are taken: {figure(roots[2], 4)} "
+            f"+ {figure(roots[1], 3)} = {figure(roots[3], 4)} mm in Table III.",
         ),
         Verdict(
             3,
             "the worse the error, the bigger the impact of deformation",
             "does not hold",
-            f"An artefact of the squaring: (a + d)² − a² = 2ad + d² grows with a where d does not. Printed, deformation adds "
-            f"{figure(rises[0], 2)} without and {figure(rises[1], 2)} with three clearances; in truth it adds {mm(max(added), 4)} "
-            f"in every row (the rows differ by {figure(1e3 * (max(added) - min(added)), 1)} mm).",
+            "An artefact of the squaring: (a + d)² − a² = 2ad + d² grows with a where d does not. Printed, "
+            f"deformation adds {figure(rises[0], 2)} without and {figure(rises[1], 2)} with three clearances; in "
+            f"truth it adds {mm(max(added), 4)} in every row (the rows differ by "
+            f"{figure(1e3 * (max(added) - min(added)), 1)} mm).",
         ),
         Verdict(
             4,
-            "clearance, backlash, lengths, material and shape change the largest error, and design should consider them all",
+            "clearance, backlash, lengths, material and shape change the largest error, and design should consider "
+            "them all",
             "holds in part",
-            f"They do, but not alike, and the paper's own ranking misleads. Backlash makes {mm(backlash.corrected[0])} of "
-            f"{mm(together)}, deformation {mm(sag, 3)}, clearance {mm(all_joints.corrected[0])}. The metals of Table VI span only "
-            f"{mm(min(materials), 3)} to {mm(max(materials), 3)}; its shapes span {mm(shapes['ellipse'], 3)} to "
-            f"{mm(shapes['triangle'], 3)}, which is the proportions picked for each and not the shape.",
+            "They do, but not alike, and the paper's own ranking misleads. Backlash makes "
+            f"{mm(backlash.corrected[0])} of {mm(together)}, deformation {mm(sag, 3)}, clearance "
+            f"{mm(all_joints.corrected[0])}. The metals of Table VI span only {mm(min(materials), 3)} to "
+            f"{mm(max(materials), 3)}; its shapes span {mm(shapes['ellipse'], 3)} to {mm(shapes['triangle'], 3)}, "
+            "which is the proportions picked for each and not the shape.",
         ),
     )
 
@@ -104,14 +109,14 @@ def proofs(book: Book) -> tuple[Proof, ...]:
         Proof(
             "Its arm reaches a ring of inner radius L1 − L2 − L3.",
             False,
-            f"That is negative for {shown}. The inner radius is max(0, 2 max(L) − ΣL): {mm(ring.inner)} here, a full disc of "
-            f"{mm(ring.outer)}.",
+            f"That is negative for {shown}. The inner radius is max(0, 2 max(L) − ΣL): {mm(ring.inner)} here, a full "
+            f"disc of {mm(ring.outer)}.",
         ),
         Proof(
             "A segment between two reachable points lies between the circles through its ends (14).",
             False,
-            "Its middle can come nearer to the base than either end: from (800, 300) to (−800, 300) mm the ends lie at 854 mm, the "
-            "middle at 300 mm.",
+            "Its middle can come nearer to the base than either end: from (800, 300) to (−800, 300) mm the ends lie "
+            "at 854 mm, the middle at 300 mm.",
         ),
         Proof(
             "Segments between reachable points are reachable for its lengths, without joint limits.",
@@ -122,15 +127,16 @@ def proofs(book: Book) -> tuple[Proof, ...]:
         Proof(
             "The same for any planar 3R arm.",
             hole.verdict == "reachable",
-            f"Links of 1000, 300 and 200 mm leave a hole of {mm(ring_of(long_first).inner)}: from (800, 300) to (−800, 300) mm the first "
-            f"point out of reach is {_point(hole)}.",
+            f"Links of 1000, 300 and 200 mm leave a hole of {mm(ring_of(long_first).inner)}: from (800, 300) to "
+            f"(−800, 300) mm the first point out of reach is {_point(hole)}.",
             hole,
         ),
         Proof(
             "The same for its lengths with joint limits.",
             bent.verdict == "reachable",
-            f"With joints 2 and 3 within ±60° the arm cannot fold: from (900, 300) to (−900, 300) mm both ends are reachable, the first "
-            f"point out of reach is {_point(bent)}, and the tip stays up to {mm(bent.missing, 3)} away from the seam.",
+            "With joints 2 and 3 within ±60° the arm cannot fold: from (900, 300) to (−900, 300) mm both ends are "
+            f"reachable, the first point out of reach is {_point(bent)}, and the tip stays up to "
+            f"{mm(bent.missing, 3)} away from the seam.",
             bent,
         ),
     )

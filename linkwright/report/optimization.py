@@ -6,7 +6,14 @@ from pathlib import PurePath
 
 from linkwright.as_json import objective_unit
 from linkwright.screen.evaluation import bound_words
-from linkwright.screen.optimization import bound_sentence, effort_words, names_words, price_words, status_words
+from linkwright.screen.optimization import (
+    bound_sentence,
+    effort_words,
+    names_words,
+    price_words,
+    status_words,
+    violation_words,
+)
 from linkwright.words import (
     factor_words,
     figure,
@@ -109,7 +116,7 @@ def _search(result: OptimizationResult) -> list[str]:
             with_unit(factor * each.objective, unit, 6),
             percent(each.design_change),
             str(each.poses),
-            percent(max(each.worst_violation, 0.0)),
+            violation_words(each),
             "certified" if each.certified else "",
         ]
         for each in result.iterations

@@ -15,6 +15,12 @@ from .console import table
 from .evaluation import bound_words, show_warnings
 
 MOST_CANDIDATES = 8
+_ROUNDING = 1e-8
+
+
+def violation_words(iteration: Iteration) -> str:
+    """How much the worst pose found afterwards exceeds the objective; rounding counts as nothing."""
+    return percent(iteration.worst_violation if iteration.worst_violation > _ROUNDING else 0.0)
 
 
 def iteration_line(iteration: Iteration, minimize: str) -> str:
@@ -24,7 +30,7 @@ def iteration_line(iteration: Iteration, minimize: str) -> str:
     return (
         f"{iteration.number:4d}  {figure(factor * iteration.objective, 6):>10} {unit}"
         f"  design {percent(iteration.design_change):>9}  poses {iteration.poses:3d}"
-        f"  violation {percent(max(iteration.worst_violation, 0.0)):>9}{mark}"
+        f"  violation {violation_words(iteration):>9}{mark}"
     )
 
 

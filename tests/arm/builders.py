@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,14 +13,10 @@ from arm.chain import Arm, Joint, Link, LoadCase
 from arm.error import active_effects, carried_to_tip, rotation_at_tip
 from arm.files import read_arm
 from arm.statics import PoseState, solve
-from materials.material import Material
-from sections import build
-from sections.section import Section
 from tests.random_chains import RandomChain
 
 Array = NDArray[np.float64]
 
-FULL = (-math.pi, math.pi)
 CIRCLE = "{shape: circle, diameter: 100 mm}"
 PAPER_MATERIAL = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3}"
 
@@ -67,26 +62,6 @@ def chain_motion(chain: RandomChain, *, shear: bool) -> tuple[Array, Array]:
     """The tip's displacement (m) and rotation (rad) of a random chain by the project's own mechanics."""
     arm, beams, q = chain_arm(chain, shear=shear)
     return elastic_motion(arm, solve(arm, q, beams))
-
-
-def tube(diameter: float, thickness: float) -> Section:
-    """A round tube, m."""
-    return build("tube", {"outer_diameter": diameter, "thickness": thickness})
-
-
-def planar_arm(
-    lengths: Sequence[float],
-    material: Material,
-    *,
-    ranges: Sequence[tuple[float, float]] | None = None,
-    **others: object,
-) -> Arm:
-    """A planar arm of solid 50 mm rods, of plain drives unless `joints` are given."""
-    limits = ranges or [FULL] * len(lengths)
-    section = build("circle", {"diameter": 0.05})
-    joints = tuple(Joint(range=limit) for limit in limits)
-    links = tuple(Link(length, section=section, material=material) for length in lengths)
-    return Arm(**{"name": "planar", "joints": joints, "links": links, **others})  # type: ignore[arg-type]
 
 
 def arm_of(text: str, folder: Path) -> Arm:

@@ -36,6 +36,7 @@ def test_evaluate_writes_the_fields_of_the_contract(linkwright, bench):
     assert content["min_safety_factor"] > 1
     assert len(content["load_cases"]) == 2
     assert content["workspace"]["points_mm"] == [[500.0, 200.0], [400.0, 300.0]]
+    assert content["workspace"]["joints"]["lower"]["q_deg"] == pytest.approx([-90.0, -100.0])
     assert content["cost_EUR"] is None
     assert "cost" in content["unknown"]
     assert "cost is not known" in out

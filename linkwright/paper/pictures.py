@@ -1,0 +1,123 @@
+"""Figures 5 to 9 as one page that opens without a network: the truth left or first, the paper's own curves beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from linkwright.report.page import figure_place, section, side_by_side
+from linkwright.report.page import page as report_page
+from linkwright.report.svg import element, text
+
+from .figures import Figure
+
+Plot = dict[str, Any]
+_TITLE = "The paper's figures 5 to 9 beside the truth"
+_SUMMARY = (
+    "The paper's curves are computed by the conventions that reproduce its tables: squared distances (mm², printed "
+    "as mm) and two constants fitted to its figures. The truth is in mm, from the whole physics, fitted to nothing."
+)
+_NAMES = (
+    ("corrected_clearance_mm", "clearance alone"),
+    ("corrected_backlash_mm", "backlash alone"),
+    ("corrected_with_deformation_mm", "with deformation"),
+    ("corrected_mm", "worst error"),
+    ("paper_clearance_mm2", "clearance alone"),
+    ("paper_backlash_mm2", "backlash alone"),
+    ("paper_with_deformation_mm2", "with deformation"),
+    ("paper_mm2", "PE"),
+)
+
+
+def page(figures: Sequence[Figure]) -> str:
+    """The page with all figures."""
+    makers: dict[str, Callable[[Figure], tuple[Plot, Plot]]] = {
+        "5": _maps,
+        "6": lambda figure: _curves(figure, "shoulder_deg", "angle of the shoulder in degrees"),
+        "7": lambda figure: _curves(figure, "clearance_mm", "clearance of each joint in mm", logarithmic=True),
+        "8": lambda figure: _curves(figure, "backlash_rad", "backlash to either side in rad"),
+        "9": _lengths,
+    }
+    plots: dict[str, Plot] = {}
+    body: list[str] = []
+    for figure in figures:
+        truth, paper = makers[figure.number](figure)
+        names = f"true-{figure.number}", f"paper-{figure.number}"
+        plots.update(zip(names, (truth, paper), strict=True))
+        beside = side_by_side(
+            element("div", element("h3", text("The truth, mm")), figure_place(names[0], f"{figure.title}, in truth")),
+            element(
+                "div",
+                element("h3", text("By the paper's conventions, mm²")),
+                figure_place(names[1], f"{figure.title}, by the paper's conventions"),
+            ),
+        )
+        words = [element("p", text(remark)) for remark in figure.remarks]
+        body.append(section(f"Figure {figure.number}: {figure.title}", beside, *words))
+    return report_page(_TITLE, _SUMMARY, body, plots)
+
+
+def _maps(figure: Figure) -> tuple[Plot, Plot]:
+    return _map(figure, "corrected_mm", "mm"), _map(figure, "paper_mm2", "mm²")
+
+
+def _map(figure: Figure, column: str, unit: str) -> Plot:
+    x, y = np.unique(figure.column("x_mm")), np.unique(figure.column("y_mm"))
+    field = figure.column(column).reshape(len(y), len(x))
+    heat = {
+        "type": "heatmap",
+        "x": x.tolist(),
+        "y": y.tolist(),
+        "z": field.tolist(),
+        "zmin": 0.0,
+        "colorscale": "Viridis",
+        "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
+        "hovertemplate": f"x %{{x:.0f}} mm<br>y %{{y:.0f}} mm<br>%{{z:.4g}} {unit}<extra></extra>",
+    }
+    layout = {
+        "xaxis": {"title": {"text": "x in mm"}, "zeroline": False, "constrain": "domain"},
+        "yaxis": {"title": {"text": "y in mm"}, "zeroline": False, "scaleanchor": "x"},
+        "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
+        "showlegend": False,
+    }
+    return {"data": [heat], "layout": layout}
+
+
+def _curves(figure: Figure, across: str, title: str, *, logarithmic: bool = False) -> tuple[Plot, Plot]:
+    kind = "log" if logarithmic else "linear"
+
+    def half(prefix: str, unit: str) -> Plot:
+        data = [
+            {"type": "scatter", "mode": "lines", "name": words, "x": list(figure.columns[across]), "y": list(figure.columns[name])}
+            for name, words in _NAMES
+            if name.startswith(prefix) and name in figure.columns
+        ]
+        up = {"title": {"text": unit}, "zeroline": False, "type": kind, "exponentformat": "none"}
+        layout = {
+            "xaxis": {"title": {"text": title}, "zeroline": False, "type": kind, "exponentformat": "none"},
+            "yaxis": up if logarithmic else {**up, "rangemode": "tozero"},
+            "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
+            "legend": {"orientation": "h", "y": 1.12},
+            "showlegend": len(data) > 1,
+        }
+        return {"data": data, "layout": layout}
+
+    return half("corrected_", "worst error in mm"), half("paper_", "“PE” in mm²")
+
+
+def _lengths(figure: Figure) -> tuple[Plot, Plot]:
+    truth, paper = _curves(figure, "reach_mm", "reach in mm", logarithmic=True)
+    wide = list(figure.columns["corrected_mm"])
+    for mark, words, dash in (
+        ("linear_to_reach_mm", "linear bending ends", "dot"),
+        ("yields_at_reach_mm", "a link yields", "solid"),
+    ):
+        at = figure.marks[mark]
+        line = {"color": "#e5383b", "width": 2, "dash": dash}
+        truth["data"].append(
+            {"type": "scatter", "mode": "lines", "name": words, "x": [at, at], "y": [min(wide), max(wide)], "line": line}
+        )
+    truth["layout"]["showlegend"] = True
+    return truth, paper
