@@ -139,7 +139,9 @@ def climb(
     for _ in range(steps):
         held = ((x <= lower) & (gradient < 0.0)) | ((x >= upper) & (gradient > 0.0))
         free = ~held
-        masked = hessian * free[:, :, None] * free[:, None, :] - identity * held[:, :, None]
+        # A held coordinate takes the Hessian's own size: one of another size would drown the others' curvatures.
+        size = np.abs(hessian).max(axis=(1, 2), initial=0.0)[:, None, None]
+        masked = hessian * free[:, :, None] * free[:, None, :] - size * identity * held[:, :, None]
         eigenvalues, vectors = np.linalg.eigh(masked)
         floor = 1e-6 * np.abs(eigenvalues).max(axis=1, initial=1e-300, keepdims=True)
         uphill = np.einsum("nij,ni->nj", vectors, gradient * free) / np.maximum(np.abs(eigenvalues), floor)

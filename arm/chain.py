@@ -96,7 +96,8 @@ class LoadCase:
 
 @dataclass(frozen=True)
 class EffectEntry:
-    """One line of an arm file's `effects`: which effect, at which joints or links (from 1), with what parameters (SI)."""
+    """One line of an arm file's `effects`: which effect, at which joints or links (from 1), with what parameters
+    (SI)."""
 
     effect: str
     at: tuple[int, ...] = ()

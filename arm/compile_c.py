@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from .compile_tape import Tape, UnsupportedOperation, literal
 
@@ -23,7 +24,7 @@ slower to run, but compiling each of them anew in place would take some 40 ms ap
 
 ENTRY = "linkwright_rows"
 
-FORMULAS = {
+FORMULAS = MappingProxyType({
     "add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}", "neg": "-{0}",
     "sq": "{0} * {0}", "twice": "{0} + {0}", "inv": "1.0 / {0}", "sqrt": "sqrt({0})", "fabs": "fabs({0})",
     "floor": "floor({0})", "ceil": "ceil({0})", "lt": "({0} < {1}) ? 1.0 : 0.0",
@@ -32,14 +33,14 @@ FORMULAS = {
     "or": "(({0} != 0.0) | ({1} != 0.0)) ? 1.0 : 0.0", "if_else_zero": "({0} != 0.0) ? {1} : 0.0",
     "sign": "({0} < 0.0) ? -1.0 : (({0} > 0.0) ? 1.0 : {0})", "copysign": "copysign({0}, {1})",
     "fmin": "(({0} <= {1}) | ({1} != {1})) ? {0} : {1}", "fmax": "(({0} >= {1}) | ({1} != {1})) ? {0} : {1}",
-}  # fmt: skip
+})  # fmt: skip
 
-LIBRARY = {
+LIBRARY = MappingProxyType({
     "exp": "exp", "log": "log", "pow": "pow", "constpow": "pow", "tan": "tan", "asin": "asin", "acos": "acos",
     "atan": "atan", "atan2": "atan2", "fmod": "fmod", "remainder": "remainder", "hypot": "hypot",
     "erf": "erf", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "asinh": "asinh", "acosh": "acosh",
     "atanh": "atanh", "log1p": "log1p", "expm1": "expm1",
-}  # fmt: skip
+})  # fmt: skip
 
 PRELUDE = """\
 #include <math.h>

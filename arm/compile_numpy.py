@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 BLOCK_BYTES = 3 << 18
 """Registers, inputs and outputs of one block share about this much memory: a level-2 cache, with room."""
 
-UFUNCS = {
+UFUNCS = MappingProxyType({
     "add": "add", "sub": "subtract", "mul": "multiply", "div": "divide", "neg": "negative",
     "exp": "exp", "log": "log", "pow": "power", "constpow": "power", "sqrt": "sqrt", "sq": "square",
     "sin": "sin", "cos": "cos", "tan": "tan", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
@@ -33,7 +34,7 @@ UFUNCS = {
     "inv": "reciprocal", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "asinh": "arcsinh",
     "acosh": "arccosh", "atanh": "arctanh", "atan2": "arctan2", "log1p": "log1p", "expm1": "expm1",
     "hypot": "hypot",
-}  # fmt: skip
+})  # fmt: skip
 
 
 def _if_else_zero(condition: Any, value: Any, out: Array | None = None) -> Any:

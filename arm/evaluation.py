@@ -20,6 +20,7 @@ from .play import played
 from .refine import uphill
 from .strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
 from .vectors import is_zero
+from .weakest import weakest_poses
 from .workspace import Workspace, climbing_bounds, wrapped
 from .worst import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
 
@@ -121,7 +122,7 @@ def evaluate(
     total = sum(masses) + sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
     poses = search.poses(p, _STRENGTH_POSES)
     poses = np.vstack([poses, [entry.q for entry in worst.poses]])
-    strength = strength_over(arm, cases, poses, p)
+    strength = strength_over(arm, cases, poses, p, search)
     unknown: dict[str, str] = {}
     cost = _cost(arm, masses, unknown)
     if strength.least_safety_factor is None:
@@ -182,8 +183,11 @@ def effects_at(arm: Arm, load: LoadCase, p: Array, pose: WorstPose) -> dict[str,
     return {name: found[name] for name in EFFECTS if name in found}
 
 
-def strength_over(arm: Arm, cases: Sequence[LoadCase], poses: Array, p: Array) -> StrengthResult:
-    """The worst strength of the links over poses (N, n) and load cases."""
+def strength_over(
+    arm: Arm, cases: Sequence[LoadCase], poses: Array, p: Array, search: WorstSearch | None = None
+) -> StrengthResult:
+    """The worst strength of the links over poses (N, n) and load cases; with `search` over its whole workspace,
+    the poses being where climbs to greater stress and compression start."""
     # The moduli do not depend on Poisson's ratio, so a material without one will do.
     sections = [None if link.section is None else link.section.properties(0.3) for link in arm.links]
     yields = [
@@ -193,7 +197,10 @@ def strength_over(arm: Arm, cases: Sequence[LoadCase], poses: Array, p: Array) -
         for link in arm.links
     ]
     found = [strength_case(arm, case) for case in cases]
-    return worst_strength(found, poses, p, strength_values(sections), yields)
+    values = strength_values(sections)
+    if search is not None:
+        poses = np.vstack([poses, weakest_poses(search, found, poses, p, values)])
+    return worst_strength(found, poses, p, values, yields)
 
 
 def least_frequency(
@@ -272,7 +279,8 @@ def warnings_of(strength: StrengthResult) -> list[str]:
 
 
 def error_map(search: WorstSearch, p: Array, *, poses: int = 200_000, cells: int = 90) -> ErrorMap:
-    """The worst error met at each place of the tip, from a scan of spread poses of the workspace and its worst poses."""
+    """The worst error met at each place of the tip, from a scan of spread poses of the workspace and its worst
+    poses."""
     model: ErrorModel = search.model
     seeds = [search.poses(p, search.scan, seed) for seed in range(1, 1 + max(1, poses // search.scan))]
     q = np.vstack(seeds)

@@ -31,7 +31,7 @@ from .chain import (
 from .effects import EFFECTS
 from .vectors import IDENTITY, ZERO, Rotation, about, from_roll_pitch_yaw, norm, snap_vector, unit
 
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
 
 @dataclass(frozen=True)
@@ -385,7 +385,8 @@ def _joined(mapping: Mapping, entries: list[_Entry]) -> tuple[tuple[Joint, ...],
         joint = entry.joint
         runs_on = index + 1 < len(entries) and entries[index + 1].origin is not None
         if entry.has_link and not entry.length_given and not runs_on:
-            raise mapping.error(f"chain[{index + 1}].link.length", "is missing; write length: 400 mm, say (0 mm for none)")
+            would_do = "write length: 400 mm, say (0 mm for none)"
+            raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(

@@ -40,8 +40,8 @@ class SegmentedArm:
     """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics.
 
     `kinds` says what each segment is: a `part` of an elastic link, or of a rigid one the stretch `before` its centre of
-    mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets apart
-    from the end of the link before.
+    mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets
+    apart from the end of the link before.
     """
 
     arm: Arm
@@ -189,10 +189,11 @@ def inertia_excess(
     shape: Sequence[float],
     frequency: float,
 ) -> Scalar:
-    """(M phi)' F (M phi) omega^2 / phi' M phi - 1 for a fixed trial shape: above 0, the frequency lies below `frequency`.
+    """(M phi)' F (M phi) omega^2 / phi' M phi - 1 for a fixed trial shape: above 0, the frequency lies below
+    `frequency`.
 
-    For the true mode it is exact; for any other shape it is a valid cut (Rayleigh), so an optimiser may use shapes found
-    at earlier designs. `beams` may hold symbols.
+    For the true mode it is exact; for any other shape it is a valid cut (Rayleigh), so an optimiser may use shapes
+    found at earlier designs. `beams` may hold symbols.
     """
     masses = node_masses(arm, segments, beams, payload)
     forces: list[Vector] = [

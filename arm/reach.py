@@ -1,11 +1,12 @@
 """What a tip can reach: rings without joint limits, balls around poses with them, and straight seams between points.
 
-Without joint limits a planar chain of turning joints reaches the ring between max(0, 2 max(l) - sum(l)) and sum(l) around
-its first joint (a chain closes when its longest link is no longer than the rest together). With limits nothing so
-short is true. There each pose q proves a ball: with J the tip's Jacobian over some of the joints, P its right inverse
-and L a Lipschitz constant of J, y -> tip(q + P y) - tip(q) differs from y by at most L |P|^2 |y|^2 / 2 and contracts
-towards it, so that every point within rho - L |P|^2 rho^2 / 2 has a pose, as long as L |P|^2 rho <= 1 and no joint leaves
-its range (Newton and Kantorovich; Ortega & Rheinboldt, Iterative Solution of Nonlinear Equations, section 12.6).
+Without joint limits a planar chain of turning joints reaches the ring between max(0, 2 max(l) - sum(l)) and sum(l)
+around its first joint (a chain closes when its longest link is no longer than the rest together). With limits nothing
+so short is true. There each pose q proves a ball: with J the tip's Jacobian over some of the joints, P its right
+inverse and L a Lipschitz constant of J, y -> tip(q + P y) - tip(q) differs from y by at most L |P|^2 |y|^2 / 2, and
+that difference contracts, so that every point within rho - L |P|^2 rho^2 / 2 has a pose, as long as L |P|^2 rho <= 1
+and no joint leaves its range (Newton and Kantorovich; Ortega & Rheinboldt, Iterative Solution of Nonlinear Equations,
+section 12.6).
 """
 
 from __future__ import annotations

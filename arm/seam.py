@@ -30,11 +30,12 @@ _LOOK = 1e-3
 class SeamCheck:
     """Whether a straight seam can be followed.
 
-    `reachable`: every point has a pose, proved; `unreachable`: `first_unreachable` (m) is where the seam first leaves the
-    reachable set and `missing` (m) how far the tip stays from the farthest point looked at; `undecided`: poses were
-    found everywhere, but between the shares `gaps` nothing proves them. `exact`: by the ring's equation rather than a
-    walk. `regrips` are shares of the seam at which the walk had to take another pose: the joints cannot simply
-    follow there, or the walk did not see how (None where it was not asked).
+    `reachable`: every point has a pose, proved; `unreachable`: `first_unreachable` (m) is where the seam first leaves
+    the reachable set (with a walk: the first point that no search reaches) and `missing` (m) how far the tip stays from
+    the farthest point looked at; `undecided`: poses were found everywhere, but between the shares `gaps` nothing proves
+    them. `proved_to` is the share up to which it is proved. `exact`: by the ring's equation, not a walk. `regrips` are
+    shares of the seam at which the walk took another pose: the joints cannot simply follow there, or the walk did not
+    see how (None where it was not asked).
     """
 
     verdict: Verdict

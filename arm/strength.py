@@ -2,8 +2,8 @@
 
 Stress: normal stress of axial force and of bending in both planes, added up at the corner where they meet (exact for
 bending in one plane, safe for round sections bent in two), with torsional shear by von Mises. Transverse shear
-vanishes at the fibre where bending is largest and is left out. Buckling: each link as an Euler column fixed at its joint
-and free at its end (effective length 2 L; Gere & Goodno, Mechanics of Materials, columns), under the largest
+vanishes at the fibre where bending is largest and is left out. Buckling: each link as an Euler column fixed at its
+joint and free at its end (effective length 2 L; Gere & Goodno, Mechanics of Materials, columns), under the largest
 compression along it. Deflection: a link's own bending against a tenth of its length, where linear theory ends.
 """
 

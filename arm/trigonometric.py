@@ -178,7 +178,8 @@ class Terms:
         return bool(np.any(self.power > 0.0))
 
     def at(self, x: Array, which: NDArray[np.intp], order: int = 2) -> tuple[Array, Array, Array]:
-        """Value (N,), gradient (N, n) and Hessian (N, n, n) of function `which[i]` at scaled x[i]; |x_j| <= 1 for slides.
+        """Value (N,), gradient (N, n) and Hessian (N, n, n) of function `which[i]` at scaled x[i]; |x_j| <= 1 for
+        slides.
 
         Derivatives beyond `order` come back empty.
         """

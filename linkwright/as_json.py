@@ -189,6 +189,8 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "problem": PurePath(result.problem_file).name,
         "status": result.status,
         "minimize": result.minimize,
+        "subject_to": list(result.limits),
+        "choose": list(result.choices),
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,

@@ -12,7 +12,7 @@ from linkwright.screen.console import OutputClosed, drop_output
 from materials.quantities import InputError
 
 from .as_json import program_version
-from .commands import effects, evaluate, materials, optimize, sections
+from .commands import effects, evaluate, figures, materials, optimize, sections, tables
 from .commands.groups import PLAIN
 
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
@@ -44,6 +44,8 @@ def command_line() -> typer.Typer:
     made: Any = typer.Typer(help=HELP, callback=_start, invoke_without_command=True, **PLAIN)
     made.command("evaluate", help=evaluate.HELP)(evaluate.evaluate)
     made.command("optimize", help=optimize.HELP)(optimize.optimize)
+    made.command("tables", help=tables.HELP)(tables.tables)
+    made.command("figures", help=figures.HELP)(figures.figures)
     made.add_typer(materials.group(), name="materials")
     made.add_typer(sections.group(), name="sections")
     made.add_typer(effects.group(), name="effects")

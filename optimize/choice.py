@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ class Choice:
     objective: float
     candidates: tuple[Candidate, ...]
     exhaustive: bool
+    history: tuple[Iteration, ...]
 
 
 def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[Material | None, ...]]]:
@@ -95,7 +96,9 @@ class Chooser:
     """Works through combinations with one pool of poses and one incumbent."""
 
     def __init__(self, context: Context, progress: Progress | None, log: Callable[[Iteration], None] | None) -> None:
-        self.context, self.progress, self.log = context, progress, log
+        self.context, self.progress = context, progress
+        self.history: list[Iteration] = []
+        self._listener = log
         self.pool: Pool | None = None
         self.best: tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float] | None = None
         self.candidates: dict[Combination, Candidate] = {}
@@ -177,7 +180,7 @@ class Chooser:
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.objective, log=self.log)
+        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.objective, log=self._heard)
         if done is None:
             if pick not in self.candidates:
                 self._note(pick, None, "infeasible")
@@ -194,6 +197,12 @@ class Chooser:
             self._note(pick, objective, "solved")
         if objective < self.objective * (1.0 - 1e-7):
             self.best = (pick, exchange.space, materials, exchange, done, objective)
+
+    def _heard(self, iteration: Iteration) -> None:
+        """Exchanges of one choice after another make one log, numbered through."""
+        self.history.append(replace(iteration, number=len(self.history) + 1))
+        if self._listener is not None:
+            self._listener(self.history[-1])
 
     def _note(self, pick: Combination, objective: float | None, outcome: str) -> None:
         names = tuple(None if material is None else material.name for material in pick.materials)
@@ -221,7 +230,8 @@ def choose(
         value = objective if other == pick else candidate.objective
         noted.append(Candidate(candidate.shapes, candidate.materials, value, outcome))
     noted.sort(key=_rank)
-    return Choice(pick, space, materials, exchange, exchanged, objective, tuple(noted), exhaustive)
+    return Choice(pick, space, materials, exchange, exchanged, objective, tuple(noted), exhaustive,
+    tuple(chooser.history))
 
 
 def _rank(candidate: Candidate) -> float:

@@ -30,7 +30,8 @@ MATERIAL_FIELDS = ("elastic_modulus", "shear_modulus", "density", "poisson_ratio
 
 @dataclass(frozen=True)
 class Variable:
-    """One number of the optimiser: the design quantity is exp(x), or x times `scale`, between `lower` and `upper` (SI)."""
+    """One number of the optimiser: the design quantity is exp(x), or x times `scale`, between `lower` and `upper`
+    (SI)."""
 
     link: int
     name: str

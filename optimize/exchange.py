@@ -1,7 +1,8 @@
 """The exchange (Blankenship and Falk 1976, doi:10.1007/BF00934096): binding poses in, a better design out.
 
-Solve the design for the poses found so far; look for poses at which that design is worse; add them; until the search, and
-for planar arms its certificate, agrees that there are none. Every figure is judged on the real arm, never on the program.
+Solve the design for the poses found so far; look for poses at which that design is worse; add them; until the search,
+and for planar arms its certificate, agrees that there are none. Every figure is judged on the real arm, never on the
+program.
 """
 
 from __future__ import annotations
@@ -160,6 +161,11 @@ class Exchange:
             pool = found.pool
         return best
 
+    def worse_poses(self, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> Pool:
+        """The pool with the poses at which a solution breaks the problem's limits; the same where there are none."""
+        found = self._judge(solution.x, solution, chosen, pool)
+        return found.pool if found.violation > TOLERANCE else pool
+
     def _judge(self, x: Array, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> _Judged:
         """How much worse the design is than its program believes, with the poses that show it."""
         context = self.context
@@ -233,7 +239,7 @@ def _change(space: DesignSpace, old: Array, new: Array) -> float:
 def strength_of(context: Context, arm: Arm, p: Array) -> StrengthResult:
     """The strength of a design over spread poses of the workspace and the worst poses for each link."""
     poses = context.search.poses(p, _STRENGTH_POSES)
-    return strength_over(arm, context.problem.load_cases, poses, p)
+    return strength_over(arm, context.problem.load_cases, poses, p, context.search)
 
 
 def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from materials.quantities import format_quantity
+from materials.quantities import format_quantity, read_bound
 from sections import SHAPES
 
 from .choice import Choice, Combination, combinations
 from .design import Variable, material_row, starting_points
 from .exchange import Context, Exchange, first_pool
-from .problem import LIMIT_KINDS, Problem
+from .problem import LIMIT_KINDS, Limit, Problem
 from .program import Solution
 from .result import BindingLimit
 
 Array = NDArray[np.float64]
 
-_UNITS = {
+_UNITS = MappingProxyType({
     "max_error": ("mm", 1e3),
     "mass": ("kg", 1.0),
     "total_mass": ("kg", 1.0),
@@ -29,11 +31,14 @@ _UNITS = {
     "safety_factor": ("", 1.0),
     "first_frequency": ("Hz", 1.0),
     "buckling": ("", 1.0),
-}
+})
 _FELT = 1e-6
 """A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""
 _EXPLAINED = 24
 """Combinations looked at to explain why none is feasible."""
+_ROUNDS = 12
+_BROKEN = 1e-5
+"""A limit whose logarithm had to give way by more than this is one that stands in the way."""
 
 
 def price_unit(problem: Problem, unit: str) -> str:
@@ -43,7 +48,8 @@ def price_unit(problem: Problem, unit: str) -> str:
 
 
 def binding_limits(problem: Problem, choice: Choice, figures: dict[str, float]) -> tuple[BindingLimit, ...]:
-    """Every limit that holds the optimum, with what one unit more of it would buy; `figures` are the design's own (SI)."""
+    """Every limit that holds the optimum, with what one unit more of it would buy; `figures` are the design's own
+    (SI)."""
     solution = choice.exchanged.solution
     # The objective is a logarithm: of the error that design can change, of the mass, or of the cost.
     unchanging = choice.exchange.program(choice.exchanged.pool).fixed_error if problem.minimize == "max_error" else 0.0
@@ -174,26 +180,48 @@ def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None
     exchange = Exchange(context, space)
     for start in starting_points(space, materials, 3):
         pool = first_pool(context, space, start, pick.materials)
-        solution = exchange.program(pool).solve(start, materials, pool, relax=True)
-        if solution.solved:
-            broken = [k for k, slack in enumerate(solution.slacks) if abs(slack) > 1e-4]
-            if broken:
-                return sum(abs(slack) for slack in solution.slacks), _told(problem, solution.slacks, broken)
+        x = start
+        for _ in range(_ROUNDS):
+            solution = exchange.program(pool).solve(x, materials, pool, relax=True)
+            broken = [k for k, slack in enumerate(solution.slacks) if abs(slack) > _BROKEN]
+            if not solution.solved or not broken:
+                break
+            needs = {k: _needed(problem.limits[k], solution.slacks[k]) for k in broken}
+            limits = tuple(replace(limit, value=needs.get(k, limit.value)) for k, limit in enumerate(problem.limits))
+            relaxed = Exchange(replace(context, problem=replace(problem, limits=limits)), space)
+            grown = relaxed.worse_poses(solution, pick.materials, pool)
+            if grown.size == pool.size:
+                return sum(abs(solution.slacks[k]) for k in broken), _told(problem, needs)
+            x, pool = solution.x, grown
     return None
 
 
-def _told(problem: Problem, slacks: Sequence[float], broken: Sequence[int]) -> str:
+def _needed(limit: Limit, slack: float) -> float:
+    """The limit's value at the least relaxation, to four digits, rounded to the side on which the problem is feasible."""
+    kind = LIMIT_KINDS[limit.name]
+    way = 1.0 if (slack > 0.0) == (limit.relation != ">=") else -1.0
+    factor = math.exp(way * abs(slack))
+    if limit.name == "buckling":
+        factor = 1.0 / (1.0 + slack)
+    elif limit.name == "first_frequency":
+        factor = 1.0 / math.sqrt(1.0 + slack)
+    exact = limit.value * factor * (1.0 + 1e-4 * way)
+    need = exact
+    for step in range(21):
+        text = format_quantity(exact * (1.0 + 1e-4 * step * way), kind, digits=4)
+        need = read_bound(f"<= {text}", kind, file="", key="").value
+        if way * (need - exact) >= 0.0:
+            break
+    return need
+
+
+def _told(problem: Problem, needs: Mapping[int, float]) -> str:
     parts: list[str] = []
-    for index in broken:
+    for index, value in needs.items():
         limit = problem.limits[index]
-        factor = math.exp(-slacks[index] if limit.relation == ">=" else slacks[index])
-        if limit.name == "buckling":
-            factor = 1.0 / (1.0 + slacks[index])
-        elif limit.name == "first_frequency":
-            factor = 1.0 / math.sqrt(1.0 + slacks[index])
-        need = format_quantity(limit.value * factor, LIMIT_KINDS[limit.name], digits=4)
+        need = format_quantity(value, LIMIT_KINDS[limit.name], digits=4)
         parts.append(f"{limit.text} would have to be {limit.relation} {need}")
-    rest = [limit.text for k, limit in enumerate(problem.limits) if k not in broken]
+    rest = [limit.text for k, limit in enumerate(problem.limits) if k not in needs]
     kept = f", with {', '.join(rest)} kept" if rest else ""
     sizes = format_quantity(problem.section_size[0], "length"), format_quantity(problem.section_size[1], "length")
     return f"no design keeps all limits: {' and '.join(parts)}{kept} (section_size {sizes[0]} to {sizes[1]})"

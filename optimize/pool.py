@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Anchor:
-    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints can move without it."""
+    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints can move without
+    it."""
 
     tip: tuple[float, float, float]
     null: tuple[tuple[float, ...], ...]

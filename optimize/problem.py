@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal, cast
 
 from arm.chain import Arm, LoadCase
@@ -21,7 +23,7 @@ from sections import SHAPES
 Objective = Literal["max_error", "mass", "total_mass", "cost"]
 Relation = Literal["<=", "==", ">="]
 
-LIMIT_KINDS = {
+LIMIT_KINDS = MappingProxyType({
     "max_error": "length",
     "mass": "mass",
     "total_mass": "mass",
@@ -30,9 +32,9 @@ LIMIT_KINDS = {
     "safety_factor": "dimensionless",
     "first_frequency": "frequency",
     "buckling": "dimensionless",
-}
+})
 """The quantities that `subject_to` can limit, with their kinds."""
-_SENSE: dict[str, tuple[Relation, ...]] = {
+_SENSE: MappingLike[str, tuple[Relation, ...]] = MappingProxyType({
     "max_error": ("<=",),
     "mass": ("<=", "==", ">="),
     "total_mass": ("<=", "==", ">="),
@@ -41,8 +43,8 @@ _SENSE: dict[str, tuple[Relation, ...]] = {
     "safety_factor": (">=",),
     "first_frequency": (">=",),
     "buckling": (">=",),
-}
-_RANGES = {"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)}
+})
+_RANGES = MappingProxyType({"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)})
 
 
 class NoAnswer(Exception):

@@ -1,10 +1,12 @@
-"""The finite problem of the exchange: the best design for the binding poses found so far, by IPOPT with exact derivatives.
+"""The finite problem of the exchange: the best design for the binding poses found so far, by IPOPT with exact
+derivatives.
 
-minimise y over (x, y) subject to log |e(x; pose)|^2 <= 2 y for every pose of the pool: the worst error is then exp(y) mm
+minimise y over (x, y) subject to log |e(x; pose)|^2 <= 2 y for every pose of the pool: the worst error is then exp(y)
+mm
 plus the sum of the clearance discs' radii, which no design changes. Masses and errors enter through their logarithms:
 where they are posynomials of the dimensions, the problem is convex. Poses, play and materials are parameters, so one
-compiled program serves every round of the exchange and every choice of materials. Every limit has a slack, fixed at zero
-unless an infeasible problem is to be explained.
+compiled program serves every round of the exchange and every choice of materials. Every limit has a slack, fixed at
+zero unless an infeasible problem is to be explained.
 """
 
 from __future__ import annotations
@@ -39,22 +41,25 @@ from .rows import (
 
 Array = NDArray[np.float64]
 
-_IPOPT: dict[str, Any] = {
-    "print_time": False,
-    "ipopt": {
-        "print_level": 0,
-        "sb": "yes",
-        "tol": 1e-9,
-        "constr_viol_tol": 1e-10,
-        "max_iter": 500,
-        "mu_strategy": "adaptive",
-        "bound_relax_factor": 0.0,
-        "honor_original_bounds": "yes",
-    },
-}
 _INSIDE = 1e-6
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
+
+
+def _ipopt_options() -> dict[str, Any]:
+    return {
+        "print_time": False,
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "tol": 1e-9,
+            "constr_viol_tol": 1e-10,
+            "max_iter": 500,
+            "mu_strategy": "adaptive",
+            "bound_relax_factor": 0.0,
+            "honor_original_bounds": "yes",
+        },
+    }
 
 
 @dataclass(frozen=True)
@@ -62,8 +67,8 @@ class Solution:
     """What IPOPT found for a pool: the optimiser's numbers and the worst error over the pool (m).
 
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
-    the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each limit
-    (in its logarithm) had to be relaxed, `active` are the poses that hold the solution.
+    the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each
+    limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution.
     """
 
     x: Array
@@ -137,7 +142,7 @@ class Program:
             "f": weights[0] * objective + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack))),
             "g": ca.vertcat(*every) if every else ca.SX(0, 1),
         }
-        self._solver = ca.nlpsol("design", "ipopt", program, _IPOPT)
+        self._solver = ca.nlpsol("design", "ipopt", program, _ipopt_options())
         self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
         self._mass = ca.Function("mass", [x, materials], [design.mass, design.cost, design.reach])
 

@@ -74,6 +74,8 @@ class Candidate:
 class OptimizationResult:
     """The best design found, with the arm as given for comparison.
 
+    `limits` are the limits and ranges kept, `choices` what each link could be, both as people write them. `iterations`
+    is the whole log: exchanges of one choice after another, numbered through.
     `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `lower_bound` is the optimum over
     the binding poses alone, from several starts: the design's own objective lies above it by no more than the
     certificate's gap, and where the problem is convex (solid shapes, fixed lengths) no design does better.
@@ -81,6 +83,8 @@ class OptimizationResult:
 
     problem_file: str
     minimize: Literal["max_error", "mass", "total_mass", "cost"]
+    limits: tuple[str, ...]
+    choices: tuple[str, ...]
     status: Status
     arm: Arm
     before: Evaluation

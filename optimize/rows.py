@@ -111,7 +111,8 @@ def strength_rows(
     slack: Any,
     slots: Sequence[int],
 ) -> Rows:
-    """Stress against yield strength and compression against Euler's load at as many poses of each load case as `slots` says."""
+    """Stress against yield strength and compression against Euler's load at as many poses of each load case as `slots`
+    says."""
     out = Rows()
     size = len(design.beams)
     for number, case in enumerate(cases):

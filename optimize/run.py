@@ -9,6 +9,7 @@ from types import MappingProxyType
 from arm.chain import Arm
 from arm.evaluation import Evaluation, error_map, evaluate
 from arm.workspace import Unreachable
+from materials.quantities import format_quantity
 
 from .choice import Choice, Progress, choose
 from .design import arm_of, numeric_beams
@@ -41,6 +42,8 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
     return OptimizationResult(
         problem_file=problem.file,
         minimize=problem.minimize,
+        limits=_limits(problem),
+        choices=_choices(problem),
         status=_status(choice, context),
         arm=arm,
         before=before,
@@ -49,13 +52,36 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         objective=_objective(problem, after),
         lower_bound=lower_bound,
         binding=binding_limits(problem, choice, _figures(after)),
-        iterations=choice.exchanged.iterations,
+        iterations=choice.history,
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
         before_map=error_map(context.search, numeric_beams(problem.arm)),
         after_map=error_map(context.search, numeric_beams(arm)),
     )
+
+
+def _limits(problem: Problem) -> tuple[str, ...]:
+    """The limits and ranges, as people write them."""
+    ranges = {"section_size": problem.section_size, "thickness": problem.thickness, "link_length": problem.link_length}
+    spans = [
+        f"{name} {format_quantity(span[0], 'length')} to {format_quantity(span[1], 'length')}"
+        for name, span in ranges.items()
+        if span is not None
+    ]
+    return (*(limit.text for limit in problem.limits), *spans)
+
+
+def _choices(problem: Problem) -> tuple[str, ...]:
+    """What each link could be, as people write it."""
+    found: list[str] = []
+    if problem.shapes is not None:
+        found.append(f"section: {', '.join(problem.shapes)}")
+    if problem.materials is not None:
+        found.append(f"material: {', '.join(material.name for material in problem.materials)}")
+    if problem.same:
+        found.append(f"the same for all links: {', '.join(sorted(problem.same))}")
+    return tuple(found)
 
 
 def _status(choice: Choice, context: Context) -> Status:

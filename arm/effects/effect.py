@@ -38,7 +38,8 @@ class Interval:
 
 @dataclass(frozen=True)
 class Disc:
-    """Play within a disc of `radius` (m) normal to `normal` (unit), at joint `index`. `seating` is the load carried (N)."""
+    """Play within a disc of `radius` (m) normal to `normal` (unit), at joint `index`. `seating` is the load carried
+    (N)."""
 
     index: int
     radius: float
@@ -48,7 +49,8 @@ class Disc:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI, source."""
+    """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI,
+    source."""
 
     name: str
     kind: str

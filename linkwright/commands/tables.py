@@ -12,7 +12,7 @@ from materials.quantities import InputError
 
 from .options import JsonFile
 
-HELP = """The paper's Tables III to VII: as printed, reproduced by its own conventions, as its equations read, and corrected.
+HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
 Example: linkwright tables --markdown tables.md --json tables.json
 """

@@ -4,8 +4,8 @@ What the printed figures turn out to be:
 - squared distances: equation (29) lost its square root, so they are mm^2 though printed as mm;
 - with clearance and backlash taken sqrt(2) times as large (a square's half side and not a disc's radius);
 - with angles that are absolute: backlash of joint i turns link i alone;
-- plus a deformation whose size at full stretch is two constants fitted to the paper, one for the links' own weight and one
-  for a tool that it does not print. How it varies with the pose and the design is taken from its equations.
+- plus a deformation whose size at full stretch is two constants fitted to the paper, one for the links' own weight
+  and one for a tool that it does not print. How it varies with the pose and the design is taken from its equations.
 
 What the equations read: (29) with its root, (22) to (25) without sqrt(2), (30) to (35) for the deformation, no tool.
 Where the extraction of (33) leaves it open, the moment on link 2 takes the cosine of link 3, whose weight it is.
@@ -111,13 +111,16 @@ class Deformation:
             shift = np.stack([-np.sin(angles) @ swing, np.cos(angles) @ swing], axis=1) + self.at(angles)
             return np.hypot(shift[:, 0], shift[:, 1])
 
+        def nearness(angles: Array) -> float:
+            return -1e6 * float(distance(angles[None])[0])
+
         grid = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
         starts = np.array(list(itertools.product(grid, repeat=3)))
         values = distance(starts)
         best = 0.0
         for start in starts[np.argsort(-values)[:8]]:
-            found = minimize(lambda angles: -float(distance(angles[None])[0]), start, method="Nelder-Mead")
-            best = max(best, -float(found.fun))
+            found = minimize(nearness, start, method="Nelder-Mead")
+            best = max(best, -1e-6 * float(found.fun))
         return best
 
 
@@ -171,7 +174,7 @@ class Conventions:
         return self._everywhere(turns), self.as_read.worst_with(turns)
 
     def printed_material(self, modulus: float, density: float) -> float:
-        """PE (mm^2) of Table VI: the links' own part scales with density over modulus, the tool's with 1 over modulus."""
+        """PE (mm^2) of Table VI: the links' part goes with density over modulus, the tool's with 1 over modulus."""
         given = self.paper.parameters
         softer = given.elastic_modulus / modulus
         return squared(softer * (self.paper.tool_sag + self.paper.weight_sag * density / given.density))

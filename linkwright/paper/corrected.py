@@ -1,8 +1,9 @@
 """The paper's arm in the project's own physics: true distances, nothing fitted to the paper.
 
-Table II's three round bars held by rigid drives (the paper prints no stiffness), without a tool (none is printed), every
-joint free to turn full circle (no ranges are printed), angles relative as in any arm whose drives sit in its joints:
-backlash of joint 1 turns links 2 and 3 as well. Deformation is bending, the slopes it passes on, axial and shear.
+Table II's three round bars held by rigid drives (the paper prints no stiffness), without a tool (none is printed),
+every joint free to turn full circle (no ranges are printed), angles relative as in any arm whose drives sit in its
+joints: backlash of joint 1 turns links 2 and 3 as well. Deformation is bending, the slopes it passes on, axial strain
+and shear.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Figure:
         return np.array(self.columns[name])
 
 
-def make_figures(*, poses: int = 65536, cells: int = 62, points: int = 25) -> tuple[Figure, ...]:
+def make_figures(*, poses: int = 2**18, cells: int = 56, points: int = 25) -> tuple[Figure, ...]:
     """Compute figures 5 to 9; `poses` and `cells` (across) set how fine figure 5 is, `points` the sweeps."""
     maker = _Maker(poses, cells, points)
     return (maker.error_map(), maker.around(), maker.clearance(), maker.backlash(), maker.length())
@@ -83,7 +83,7 @@ class _Maker:
         size = 2.0 * reach / self.cells
         cell = np.clip(((tips + reach) / size).astype(int), 0, self.cells - 1)
         flat = cell[:, 1] * self.cells + cell[:, 0]
-        columns = {"x_mm": list[float](), "y_mm": list[float](), "corrected_mm": list[float](), "paper_mm2": list[float]()}
+        columns = {name: list[float]() for name in ("x_mm", "y_mm", "corrected_mm", "paper_mm2")}
         worst, worst_squares = np.full(self.cells**2, np.nan), np.full(self.cells**2, np.nan)
         for values, store in ((1e3 * ours, worst), (theirs, worst_squares)):
             order = np.argsort(values)

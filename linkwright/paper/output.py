@@ -127,7 +127,10 @@ def cells(row: Row) -> tuple[str, str, str, str]:
 
 
 def _millimetres(values: Sequence[float]) -> str:
-    return " / ".join("0" if value == 0.0 else f"{1e3 * value:.4f}" if value < 0.1 else f"{1e3 * value:.0f}" for value in values)
+    def shown(value: float) -> str:
+        return "0" if value == 0.0 else f"{1e3 * value:.4f}" if value < 0.1 else f"{1e3 * value:.0f}"
+
+    return " / ".join(shown(value) for value in values)
 
 
 def notes(table: Table) -> list[tuple[str, str]]:
@@ -167,7 +170,8 @@ def tables_markdown(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Pr
     lines += ["", "### The paper's four conclusions", ""]
     lines += [f"{each.number}. “{each.claim}”: **{each.judgement}**. {each.reason}" for each in verdicts]
     lines += ["", "### What it says about reach", ""]
-    lines += [f"- {each.statement} **{'Holds' if each.holds else 'Does not hold'}.** {each.shown_by}" for each in proofs]
+    for each in proofs:
+        lines.append(f"- {each.statement} **{'Holds' if each.holds else 'Does not hold'}.** {each.shown_by}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Figures 5 to 9 as one page that opens without a network: the truth left or first, the paper's own curves beside it."""
+"""Figures 5 to 9 as one page that opens without a network: the truth, and the paper's own curves beside it."""
 
 from __future__ import annotations
 
@@ -90,13 +90,14 @@ def _curves(figure: Figure, across: str, title: str, *, logarithmic: bool = Fals
 
     def half(prefix: str, unit: str) -> Plot:
         data = [
-            {"type": "scatter", "mode": "lines", "name": words, "x": list(figure.columns[across]), "y": list(figure.columns[name])}
+            _line(figure, across, name, words)
             for name, words in _NAMES
             if name.startswith(prefix) and name in figure.columns
         ]
-        up = {"title": {"text": unit}, "zeroline": False, "type": kind, "exponentformat": "none"}
+        ticks = {"zeroline": False, "type": kind, "exponentformat": "none", **({"dtick": 1} if logarithmic else {})}
+        up = {"title": {"text": unit}, **ticks}
         layout = {
-            "xaxis": {"title": {"text": title}, "zeroline": False, "type": kind, "exponentformat": "none"},
+            "xaxis": {"title": {"text": title}, **ticks},
             "yaxis": up if logarithmic else {**up, "rangemode": "tozero"},
             "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
             "legend": {"orientation": "h", "y": 1.12},
@@ -107,6 +108,11 @@ def _curves(figure: Figure, across: str, title: str, *, logarithmic: bool = Fals
     return half("corrected_", "worst error in mm"), half("paper_", "“PE” in mm²")
 
 
+def _line(figure: Figure, across: str, up: str, words: str) -> Plot:
+    x, y = list(figure.columns[across]), list(figure.columns[up])
+    return {"type": "scatter", "mode": "lines", "name": words, "x": x, "y": y}
+
+
 def _lengths(figure: Figure) -> tuple[Plot, Plot]:
     truth, paper = _curves(figure, "reach_mm", "reach in mm", logarithmic=True)
     wide = list(figure.columns["corrected_mm"])
@@ -115,9 +121,8 @@ def _lengths(figure: Figure) -> tuple[Plot, Plot]:
         ("yields_at_reach_mm", "a link yields", "solid"),
     ):
         at = figure.marks[mark]
-        line = {"color": "#e5383b", "width": 2, "dash": dash}
-        truth["data"].append(
-            {"type": "scatter", "mode": "lines", "name": words, "x": [at, at], "y": [min(wide), max(wide)], "line": line}
-        )
+        line = {"color": "#b7791f", "width": 2, "dash": dash}
+        ends = {"x": [at, at], "y": [min(wide), max(wide)]}
+        truth["data"].append({"type": "scatter", "mode": "lines", "name": words, "line": line, **ends})
     truth["layout"]["showlegend"] = True
     return truth, paper

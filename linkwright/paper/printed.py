@@ -42,7 +42,7 @@ class DirectionRow:
 
 @dataclass(frozen=True)
 class MaterialRow:
-    """A row of Table VI at both ends of its range: moduli in Pa, densities in kg/m^3; `poisson_ratio` is not printed."""
+    """A row of Table VI at both ends of its range: moduli in Pa, densities in kg/m^3; `poisson_ratio` is supplied."""
 
     name: str
     elastic_modulus: tuple[float, float]

@@ -8,10 +8,11 @@ from decimal import ROUND_HALF_UP, Decimal
 
 @dataclass(frozen=True)
 class Row:
-    """One row. `printed` are the paper's figures as their text; `reproduced` (mm^2) the same by its conventions, each to
-    be compared at the printed figure's last digit; `as_read` and `corrected` are distances in m. `counted` says how many
-    figures the paper prints here (a range printed as one figure counts once). `note` holds the reason for every figure
-    that differs.
+    """One row of a table.
+
+    `printed` are the paper's figures as their text; `reproduced` (mm^2) the same by its conventions, to be compared at
+    the printed figure's last digit; `as_read` and `corrected` are distances in m. `counted` says how many figures the
+    paper prints here (a range printed as one figure counts once). `note` is the reason for every figure that differs.
     """
 
     label: str

@@ -36,9 +36,8 @@ def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: S
 
 
 def _show(out: Console, table: Table) -> None:
-    shown = empty_table(
-        "", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm", numbers=(1, 2, 3, 4), title=heading(table)
-    )
+    headings = ("", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm")
+    shown = empty_table(*headings, numbers=(1, 2, 3, 4), title=heading(table))
     for row in table.rows:
         shown.add_row(row.label, *cells(row))
     out.print(shown)

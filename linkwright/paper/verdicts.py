@@ -52,6 +52,8 @@ def verdicts(book: Book) -> tuple[Verdict, ...]:
     roots = [math.sqrt(value) for row in (none, all_joints) for value in row.reproduced]
     rises = [float(row.printed[1]) - float(row.printed[0]) for row in (none, all_joints)]
     added = [row.corrected[1] - row.corrected[0] for row in book.table("clearance").rows]
+    same = max(added) - min(added) < 1e-9
+    steady = f"it adds {mm(sag)} in every row" if same else f"it adds {mm(min(added))} to {mm(max(added))}"
     shapes = {row.label: row.corrected[0] for row in book.table("shape").rows}
     materials = [value for row in book.table("material").rows[:-1] for value in row.corrected]
     return (
@@ -79,8 +81,7 @@ def verdicts(book: Book) -> tuple[Verdict, ...]:
             "does not hold",
             "An artefact of the squaring: (a + d)² − a² = 2ad + d² grows with a where d does not. Printed, "
             f"deformation adds {figure(rises[0], 2)} without and {figure(rises[1], 2)} with three clearances; in "
-            f"truth it adds {mm(max(added), 4)} in every row (the rows differ by "
-            f"{figure(1e3 * (max(added) - min(added)), 1)} mm).",
+            f"truth {steady}.",
         ),
         Verdict(
             4,
@@ -107,10 +108,10 @@ def proofs(book: Book) -> tuple[Proof, ...]:
     shown = ", ".join(mm(length) for length in lengths)
     return (
         Proof(
-            "Its arm reaches a ring of inner radius L1 − L2 − L3.",
+            "A planar 3R arm reaches a ring of inner radius L1 − L2 − L3 (printed as its diameter).",
             False,
-            f"That is negative for {shown}. The inner radius is max(0, 2 max(L) − ΣL): {mm(ring.inner)} here, a full "
-            f"disc of {mm(ring.outer)}.",
+            f"Only where link 1 is as long as the others together; for its own {shown} that is negative. The inner "
+            f"radius is max(0, 2 max(L) − ΣL), here {mm(ring.inner)}: a full disc of {mm(ring.outer)}.",
         ),
         Proof(
             "A segment between two reachable points lies between the circles through its ends (14).",

@@ -167,6 +167,8 @@ def _problem(result: OptimizationResult) -> list[list[str]]:
         ["workspace", workspace_words(after.arm, after.workspace)],
     ]
     rows += [[f"load case {number}", load_case_words(case)] for number, case in enumerate(after.load_cases, start=1)]
+    rows += [["subject to" if number == 0 else "", limit] for number, limit in enumerate(result.limits)]
+    rows += [["choose" if number == 0 else "", choice] for number, choice in enumerate(result.choices)]
     rows.append(["play counts as", after.arm.play])
     if after.arm.leave_out:
         rows.append(["left out of the model", ", ".join(sorted(after.arm.leave_out))])

@@ -24,8 +24,8 @@ gravity: [1 m/s^2, -9.7 m/s^2, 0 m/s^2]
 angles: relative
 temperature: 35 degC
 chain:
-  - joint: {type: revolute, range: [-120 deg, 100 deg], clearance: 0.025 mm, backlash: 3.4 arcmin, stiffness: 60 kN*m/rad,
-            mass: 6 kg, zero: 12 deg}
+  - joint: {type: revolute, range: [-120 deg, 100 deg], clearance: 0.025 mm, backlash: 3.4 arcmin,
+            stiffness: 60 kN*m/rad, mass: 6 kg, zero: 12 deg}
     link: {length: 400 mm, section: {shape: circle, diameter: 100 mm}, material: aluminium-6061-t6}
   - joint: {type: prismatic, range: [0 mm, 500 mm], axis: y, clearance: 0.01 mm, backlash: 20 um, stiffness: 3e6 N/m}
     link: {length: 420 mm, section: {shape: rectangular_tube, width: 80 mm, height: 100 mm, thickness: 3 mm},
@@ -157,8 +157,8 @@ def test_defaults_are_those_of_the_documentation(tmp_path: Path) -> None:
     assert (arm.angles, arm.play, arm.temperature) == ("relative", "worst", 293.15)
     assert arm.joints[0].axis == (0.0, 0.0, 1.0)
     assert arm.joints[0].stiffness is None
-    slide = arm_of("chain: [{joint: {type: prismatic, range: [0 mm, 1 m]}, link: {length: 1 m, rigid: true, mass: 1 kg}}]",
-                   tmp_path)  # fmt: skip
+    rail = "chain: [{joint: {type: prismatic, range: [0 mm, 1 m]}, link: {length: 1 m, rigid: true, mass: 1 kg}}]"
+    slide = arm_of(rail, tmp_path)
     assert slide.joints[0].axis == (1.0, 0.0, 0.0)
 
 
@@ -225,7 +225,9 @@ def test_mistakes_are_one_line_with_file_key_and_what_would_do(
         assert part in message, message
 
 
-@pytest.mark.parametrize("text", ["chain: []", "name: x", "chain: {}", "[]", "", "chain: [1]", "chain: [{joint: {}}]\nx: {"])
+@pytest.mark.parametrize(
+    "text", ["chain: []", "name: x", "chain: {}", "[]", "", "chain: [1]", "chain: [{joint: {}}]\nx: {"]
+)
 def test_files_that_hold_no_arm_are_refused_in_one_line(text: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         arm_of(text, tmp_path)
@@ -233,8 +235,9 @@ def test_files_that_hold_no_arm_are_refused_in_one_line(text: str, tmp_path: Pat
 
 
 def test_absolute_angles_need_parallel_axes(tmp_path: Path) -> None:
+    text = "angles: absolute\n" + rod_lines([400, 420], joint=", axis: y")
     with pytest.raises(InputError, match="absolute"):
-        arm_of("angles: absolute\n" + rod_lines([400, 420]).replace("type: revolute}", "type: revolute, axis: y}"), tmp_path)
+        arm_of(text, tmp_path)
 
 
 def test_a_link_cannot_be_rigid_and_have_a_section(tmp_path: Path) -> None:

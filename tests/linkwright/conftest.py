@@ -97,6 +97,8 @@ def result(evaluation):
     return OptimizationResult(
         problem_file="folder/problem.yaml",
         minimize="max_error",
+        limits=("mass <= 3 kg", "section_size 5 mm to 500 mm"),
+        choices=("section: circle, tube",),
         status="certified",
         arm=after.arm,
         before=evaluation,
