@@ -29,7 +29,7 @@ from .chain import (
     Statistics,
 )
 from .effects import EFFECTS
-from .vectors import IDENTITY, ZERO, Rotation, about, from_roll_pitch_yaw, norm, snap_vector, unit
+from .vectors import IDENTITY, ZERO, Rotation, about, compose, cross, from_roll_pitch_yaw, norm, snap_vector, unit
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -69,6 +69,11 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             with mapping.mapping("tool").reading() as offset:
                 tool = _vector(offset, "xyz", "length", ZERO)
         play, statistics = _play(mapping)
+        left_out = _leave_out(mapping)
+        for number, link in enumerate(links, start=1):
+            if link.height_direction is not None and norm(cross(link.direction, link.height_direction)) < 1e-9:
+                key = f"chain[{number}].link.height_direction"
+                raise mapping.error(key, "lies along the link; it must point across")
         arm = Arm(
             name=name,
             joints=joints,
@@ -79,8 +84,8 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             payload=read_load(mapping.mapping("payload")) if mapping.has("payload") else LoadCase(),
             play=play,
             statistics=statistics,
-            leave_out=_leave_out(mapping),
-            effects=_effects(mapping, len(joints)),
+            leave_out=left_out,
+            effects=_effects(mapping, len(joints), left_out),
             tool=tool,
         )
     _check_absolute(mapping, arm)
@@ -149,7 +154,7 @@ def _leave_out(mapping: Mapping) -> frozenset[str]:
     return frozenset(names)
 
 
-def _effects(mapping: Mapping, size: int) -> tuple[EffectEntry, ...]:
+def _effects(mapping: Mapping, size: int, left_out: frozenset[str]) -> tuple[EffectEntry, ...]:
     if not mapping.has("effects"):
         return ()
     found: list[EffectEntry] = []
@@ -159,12 +164,17 @@ def _effects(mapping: Mapping, size: int) -> tuple[EffectEntry, ...]:
             if name not in EFFECTS:
                 raise entry.error("effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
             at = _places(entry, size)
-            values = {
-                parameter.name: entry.quantity(parameter.name, parameter.kind)
-                for parameter in EFFECTS[name].parameters
-                if entry.has(parameter.name)
-            }
+            values: dict[str, float] = {}
+            for parameter in EFFECTS[name].parameters:
+                if entry.has(parameter.name):
+                    value = values[parameter.name] = entry.quantity(parameter.name, parameter.kind)
+                    if value < 0.0 <= parameter.lower or value == 0.0 < parameter.lower:
+                        bound = "must be positive" if parameter.lower > 0.0 else "cannot be negative"
+                        raise entry.error(parameter.name, f"{bound}, not {shown(entry.content[parameter.name])}")
             found.append(EffectEntry(name, at, MappingProxyType(values)))
+        if EFFECTS[name].automatic and not values and name not in left_out:
+            message = f"{name} is in the model already; give what it adds, or leave it out of the rest (leave_out)"
+            raise entry.error("effect", message)
     return tuple(found)
 
 
@@ -186,6 +196,12 @@ def _entry(mapping: Mapping, catalogue: Catalogue) -> _Entry:
         body = mapping.mapping("link") if has_link else None
         given = body is not None and body.has("length")
         if mapping.has("dh"):
+            raw = mapping.content["joint"]
+            if isinstance(raw, dict) and "axis" in raw:
+                raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
+            for name in ("direction", "end_rotation"):
+                if body is not None and body.has(name):
+                    raise body.error(name, "is given by dh already; leave it out")
             joint, link = _dh(mapping.mapping("dh"), joint)
             given = True
             if body is not None and body.has("length"):
@@ -390,7 +406,7 @@ def _joined(mapping: Mapping, entries: list[_Entry]) -> tuple[tuple[Joint, ...],
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(
-                joint, origin_rotation=rotation if joint.origin_rotation == IDENTITY else joint.origin_rotation
+                joint, origin_rotation=compose(rotation, joint.origin_rotation)
             )
             if index > 0 and not entries[index - 1].length_given:
                 links[-1] = _along(xyz, links[-1])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -72,24 +73,50 @@ class DesignSpace:
         upper = np.array([variable.to_x(variable.upper) for variable in self.variables])
         return lower, upper
 
-    def sections_and_lengths(self, x: Any) -> tuple[list[Section | None], list[Any]]:
-        """Each link's section and length (m) for the optimiser's numbers."""
+    def chosen(self, x: Any) -> list[tuple[list[Any], Any]]:
+        """For each link the values (SI) of its section's design variables (none where rigid), and its length (m)."""
         values = self.values(x)
-        sections: list[Section | None] = []
-        lengths: list[Any] = []
+        found: list[tuple[list[Any], Any]] = []
         for link, shape in enumerate(self.shapes):
+            length = self.problem.arm.links[link].length
             own = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == link}
             if shape is None:
-                sections.append(None)
-            else:
-                source = own
-                if "size" in self.problem.same:
-                    first = next(k for k, other in enumerate(self.shapes) if other == shape)
-                    source = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == first}
-                kind = SHAPES[shape]
-                sections.append(kind.from_variables([source[variable.name] for variable in kind.variables]))
-            lengths.append(own.get("length", self.problem.arm.links[link].length))
-        return sections, lengths
+                found.append(([], length))
+                continue
+            first = self.shapes.index(shape) if "size" in self.problem.same else link
+            sizes = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == first}
+            found.append(([sizes[variable.name] for variable in SHAPES[shape].variables], own.get("length", length)))
+        return found
+
+    def sections_and_lengths(self, x: Any) -> tuple[list[Section | None], list[Any]]:
+        """Each link's section and length (m) for the optimiser's numbers."""
+        chosen = self.chosen(x)
+        sections = [
+            None if shape is None else SHAPES[shape].from_variables(sizes)
+            for shape, (sizes, _) in zip(self.shapes, chosen, strict=True)
+        ]
+        return sections, [length for _, length in chosen]
+
+
+@lru_cache(maxsize=64)
+def properties_function(shape: str) -> Any:
+    """A shape's properties as a compiled function of its design variables and Poisson's ratio.
+
+    Writing a shape's formulas out as symbols takes far longer than calling a function that holds them, and a choice
+    among shapes meets the same few hundreds of times.
+    """
+    kind = SHAPES[shape]
+    sizes = ca.SX.sym("sizes", len(kind.variables))  # pyright: ignore[reportCallIssue]
+    poisson_ratio = ca.SX.sym("nu")  # pyright: ignore[reportCallIssue]
+    found = kind.from_variables([sizes[k] for k in range(sizes.numel())]).properties(poisson_ratio)
+    column = ca.vertcat(*[ca.SX(getattr(found, item.name)) for item in fields(SectionProperties)])
+    return ca.Function(shape, [sizes, poisson_ratio], [column])
+
+
+def symbolic_properties(shape: str, sizes: list[Any], poisson_ratio: Any) -> SectionProperties:
+    """A shape's properties for symbols in place of its design variables."""
+    column = properties_function(shape)(ca.vertcat(*sizes), poisson_ratio)
+    return SectionProperties(**{item.name: column[k] for k, item in enumerate(fields(SectionProperties))})
 
 
 def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpace:
@@ -166,7 +193,9 @@ class DesignExpressions:
 def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:
     """The design's figures for symbols x and the materials' parameters."""
     arm = space.problem.arm
-    sections, lengths = space.sections_and_lengths(x)
+    sections, _ = space.sections_and_lengths(x)
+    chosen = space.chosen(x)
+    lengths = [length for _, length in chosen]
     own = beams_of(arm) if any(section is None for section in sections) else None
     beams: list[Beam] = []
     properties: list[SectionProperties | None] = []
@@ -180,7 +209,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
             mass = mass + own[link].lumped_mass
             continue
         material = material_values(materials, link)
-        found = section.properties(material.poisson_ratio)
+        found = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
         beam = elastic_beam(length, found, material, shear=True)
         properties.append(found)
         beams.append(beam)
@@ -231,11 +260,20 @@ def starting_points(space: DesignSpace, materials: Array, count: int, seed: int 
     if own is not None:
         starts.append(own)
     generator = np.random.default_rng(seed)
+    starts = [np.clip(start, lower, upper) for start in starts]
+    starts = [starts[0], *(start for start in starts[1:] if _possible(space, start))]
     while len(starts) < count:
         shift = generator.uniform(-0.5, 0.5, len(lower))
-        starts.append(np.clip(starts[0] + shift, lower, upper))
-    del problem
-    return [np.clip(start, lower, upper) for start in starts[:count]]
+        trials = (np.clip(starts[0] + 0.5**halved * shift, lower, upper) for halved in range(8))
+        starts.append(next((trial for trial in trials if _possible(space, trial)), starts[0]))
+    return starts[:count]
+
+
+def _possible(space: DesignSpace, x: Array) -> bool:
+    """Whether the optimiser's numbers make real sections: an area within its own bounds may not fit its diameter."""
+    with np.errstate(invalid="ignore"):
+        sections, _ = space.sections_and_lengths([float(value) for value in x])
+        return not any(section.check() for section in sections if section is not None)
 
 
 def _starting_lengths(space: DesignSpace) -> list[float]:

@@ -197,15 +197,10 @@ def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None
 
 
 def _needed(limit: Limit, slack: float) -> float:
-    """The limit's value at the least relaxation, to four digits, rounded to the side on which the problem is feasible."""
+    """The limit's value at the least relaxation, to four digits, rounded to the side that is feasible."""
     kind = LIMIT_KINDS[limit.name]
     way = 1.0 if (slack > 0.0) == (limit.relation != ">=") else -1.0
-    factor = math.exp(way * abs(slack))
-    if limit.name == "buckling":
-        factor = 1.0 / (1.0 + slack)
-    elif limit.name == "first_frequency":
-        factor = 1.0 / math.sqrt(1.0 + slack)
-    exact = limit.value * factor * (1.0 + 1e-4 * way)
+    exact = limit.value * math.exp(way * abs(slack)) * (1.0 + 1e-4 * way)
     need = exact
     for step in range(21):
         text = format_quantity(exact * (1.0 + 1e-4 * step * way), kind, digits=4)

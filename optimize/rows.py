@@ -123,7 +123,7 @@ def strength_rows(
             for index, limit in enumerate(limits):
                 for entry, link in enumerate(case.links):
                     if limit.name == "buckling":
-                        out.rows.append(compression[entry] * limit.value - 1.0 - slack[index])
+                        out.rows.append(compression[entry] * limit.value - ca.exp(slack[index]))
                         out.labels.append(limit.name)
                     elif limit.name == "safety_factor":
                         strength = material_values(materials, link).yield_strength
@@ -148,7 +148,8 @@ def mode_rows(space: DesignSpace, limits: Sequence[Limit], design: DesignExpress
             if limit.name == "first_frequency":
                 places, shapes = [q[k] for k in range(arm.size)], [shape[k] for k in range(shape.numel())]
                 excess = inertia_excess(arm, segments, places, design.beams, payload, shapes, limit.value)
-                out.rows.append(excess - slack[index])
+                # Inertia over stiffness goes with the frequency squared.
+                out.rows.append(excess + 1.0 - ca.exp(2.0 * slack[index]))
                 out.labels.append(limit.name)
     return out
 

@@ -34,7 +34,7 @@ chain:
     origin: {xyz: [10 mm, -20 mm, 30 mm], rpy: [10 deg, 20 deg, 30 deg]}
     link: {length: 300 mm, section: {shape: tube, diameter: 60 mm, thickness: 4 mm},
            material: {elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3, yield_strength: 100 MPa}}
-  - joint: {axis: -x}
+  - joint: {}
     dh: {a: 20 mm, d: 115 mm, alpha: 90 deg, theta: -90 deg}
     link: {rigid: true, mass: 12 kg, center_of_mass: 21 mm}
   - joint: {axis: y, stiffness: 1e4 N*m/rad}
@@ -206,6 +206,11 @@ def test_the_file_that_the_mistakes_start_from_is_right(tmp_path: Path) -> None:
         ("play: worst", "effects: [{effect: thermal_expansion, at: 2}]", ["effects[1]", "at", "1"]),
         ("play: worst", "effects: [{effect: backlash, totl: 1 mrad}]", ["effects[1]", "totl", "total"]),
         ("play: worst", "effects: [{effect: backlash, total: 1}]", ["effects[1]", "total", "rad"]),
+        ("play: worst", "effects: [{effect: joint_compliance, stiffness: 0 N*m/rad}]", ["stiffness", "positive"]),
+        ("play: worst", "effects: [{effect: backlash, total: -1 mrad}]", ["total", "negative"]),
+        ("play: worst", "effects: [{effect: link_bending}]", ["effects[1]", "already"]),
+        ("play: worst", "effects: [{effect: backlash, at: 1}]", ["effects[1]", "already"]),
+        ("length: 400 mm", "length: 400 mm, height_direction: [1, 0, 0]", ["chain[1].link.height_direction", "across"]),
         ("temperature: 20 degC", "temperature: 20", ["temperature", "degC"]),
         ("temperature: 20 degC", "gravity: [0 m/s^2]", ["gravity", "three"]),
         ("temperature: 20 degC", "angles: relativ", ["angles", "relative"]),
@@ -257,6 +262,32 @@ def test_origins_in_place_of_lengths_make_the_same_arm(tmp_path: Path) -> None:
     assert origins.links[0].length == pytest.approx(0.5)
     assert origins.links[0].direction == pytest.approx((0.0, 0.6, 0.8))
     assert tip_position(origins, [0.0, 0.0])[0] == pytest.approx([0.0, 0.5, 0.4], abs=1e-12)
+
+
+def test_an_effect_that_was_left_out_may_come_back_where_it_is_named(tmp_path: Path) -> None:
+    text = GOOD.replace("play: worst", "leave_out: [link_bending]\neffects: [{effect: link_bending, at: 1}]")
+    assert evaluate(arm_of(text, tmp_path)).max_error == evaluate(arm_of(GOOD, tmp_path)).max_error
+
+
+def test_an_origin_turns_a_slide_in_dh_form_too(tmp_path: Path) -> None:
+    """Rot(rpy) Rz(theta) Tz(q) Tx(a): a quarter turn about x lays the slide along -y."""
+    arm = arm_of(
+        "chain: [{joint: {type: prismatic, range: [0 mm, 500 mm]}, dh: {a: 100 mm, theta: 90 deg},"
+        " origin: {rpy: [90 deg, 0 deg, 0 deg]}, link: {rigid: true, mass: 1 kg}}]",
+        tmp_path,
+    )
+    assert tip_position(arm, [0.3])[0] == pytest.approx([0.0, -0.3, 0.1], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joint", "link", "key"),
+    [("axis: x", "", "joint.axis"), ("", ", direction: [0, 1, 0]", "link.direction"),
+     ("", ", end_rotation: [0 deg, 0 deg, 90 deg]", "link.end_rotation")],
+)  # fmt: skip
+def test_dh_and_what_it_says_already_contradict_each_other(joint: str, link: str, key: str, tmp_path: Path) -> None:
+    text = f"chain: [{{joint: {{{joint}}}, dh: {{a: 100 mm}}, link: {{rigid: true, mass: 1 kg{link}}}}}]"
+    with pytest.raises(InputError, match=key):
+        arm_of(text, tmp_path)
 
 
 def test_what_is_written_is_plain_yaml(tmp_path: Path) -> None:

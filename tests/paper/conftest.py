@@ -1,0 +1,18 @@
+"""The paper's tables and figures, computed once for all tests."""
+
+import pytest
+
+from linkwright.paper.figures import make_figures
+from linkwright.paper.tables import make_tables
+
+
+@pytest.fixture(scope="session")
+def book():
+    """Tables III to VII."""
+    return make_tables()
+
+
+@pytest.fixture(scope="session")
+def figures():
+    """Figures 5 to 9 by number, coarser than the command makes them."""
+    return {each.number: each for each in make_figures(poses=2**15, cells=31, points=9)}
