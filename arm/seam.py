@@ -32,7 +32,7 @@ class SeamCheck:
 
     `reachable`: every point has a pose, proved; `unreachable`: `first_unreachable` (m) is where the seam first leaves
     the reachable set (with a walk: the first point that no search reaches) and `missing` (m) how far the tip stays from
-    the farthest point looked at; `undecided`: poses were found everywhere, but between the shares `gaps` nothing proves
+    the seam's farthest point; `undecided`: poses were found everywhere, but between the shares `gaps` nothing proves
     them. `proved_to` is the share up to which it is proved. `exact`: by the ring's equation, not a walk. `regrips` are
     shares of the seam at which the walk took another pose: the joints cannot simply follow there, or the walk did not
     see how (None where it was not asked).
@@ -154,8 +154,13 @@ class _Walk:
     def _ended(
         self, along: float, length: float, one: tuple[float, ...], other: tuple[float, ...], regrips: list[float]
     ) -> SeamCheck:
-        places = np.linspace(along, length, 17)
-        missing = max(self._missing(float(place), length) for place in places)
+        low, high, missing = along, length, 0.0
+        for _ in range(3):
+            places = np.linspace(low, high, 17)
+            missed = [self._missing(float(place), length) for place in places]
+            farthest = int(np.argmax(missed))
+            missing = max(missing, missed[farthest])
+            low, high = float(places[max(farthest - 1, 0)]), float(places[min(farthest + 1, 16)])
         first = tuple(self._point(along, length).tolist())
         share = along / max(length, 1e-300)
         return SeamCheck("unreachable", one, other, share, first, missing, regrips=tuple(regrips))

@@ -252,7 +252,6 @@ def numeric_beams(arm: Arm) -> Array:
 
 def starting_points(space: DesignSpace, materials: Array, count: int, seed: int = 7) -> list[Array]:
     """Starting values of x: equal shares of the mass allowed, the arm as given, then random ones (seeded)."""
-    problem = space.problem
     lower, upper = space.bounds()
     lengths = _starting_lengths(space)
     starts = [_shared_mass(space, materials, lengths)]

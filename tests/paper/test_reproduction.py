@@ -83,9 +83,9 @@ def test_rounding_is_that_of_print(printed, value, shown):
     assert at_digits_of(printed, value) == shown
 
 
-@pytest.mark.parametrize(("change", "met"), [(0.0, 52), (-0.000004e-3, 51), (0.00003e-3, 50)])
-def test_the_fitted_constants_have_little_room(paper, change, met):
-    """4 nm less loses 0.1031, 30 nm more loses 0.3819: their digits are earned."""
+@pytest.mark.parametrize(("change", "lost"), [(0.0, []), (-4e-9, ["0.1031"]), (21e-9, ["0.3819", "0.3819"])])
+def test_the_fitted_constants_have_little_room(paper, change, lost):
+    """4 nm less loses 0.1031, 21 nm more loses 0.3819: their digits are earned."""
     moved = Conventions(replace(paper, weight_sag=paper.weight_sag + change))
     figures = [
         (text, value)
@@ -93,8 +93,8 @@ def test_the_fitted_constants_have_little_room(paper, change, met):
         for row in rows
         for text, value in zip(row.printed, moved.printed_play(row.joints, backlash=backlash), strict=True)
     ]
-    missed = sum(at_digits_of(text, value) != text for text, value in figures)
-    assert missed - 2 == (52 - met if change <= 0 else 2)
+    missed = [text for text, value in figures if at_digits_of(text, value) != text]
+    assert [text for text in missed if text != "0.0093"] == lost
 
 
 def test_constants_are_those_said_openly(book):

@@ -142,4 +142,4 @@ def test_what_the_paper_proved_about_seams(book):
     # By hand: joints 2 and 3 at 60 deg leave the tip (0.4, 0.7275) m from the base at least.
     inner = math.hypot(0.4, 2 * 0.42 * math.sin(math.radians(60)))
     assert limited.first_unreachable == pytest.approx((math.sqrt(inner**2 - 0.09), 0.3), abs=1e-6)
-    assert limited.missing == pytest.approx(inner - 0.3, abs=2e-3)
+    assert limited.missing == pytest.approx(inner - 0.3, abs=1e-5)
