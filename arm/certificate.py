@@ -20,6 +20,9 @@ Index = NDArray[np.intp]
 CellFilter = Callable[[Array, Array, Index], NDArray[np.bool_]]
 """(centres (N, n), half widths (N, n), functions (N,)) -> which cells may hold an admissible point."""
 
+Derivatives = Callable[[Array], tuple[Array, Array, Array]]
+"""Points (N, n) to values (N,), gradients (N, n) and Hessians (N, n, n)."""
+
 _OUTWARD = 1e-12
 _CHUNK = 8192
 
@@ -125,15 +128,13 @@ def _halved(centers: Array, half: Array, which: Index, weight: Array) -> tuple[A
     )
 
 
-def climb(
-    terms: Terms, starts: Array, which: Index, lower: Array, upper: Array, steps: int = 40
-) -> tuple[Array, Array]:
-    """Local maxima of functions `which` from `starts` within a box, by projected Newton steps on all at once.
+def climb(at: Derivatives, starts: Array, lower: Array, upper: Array, steps: int = 40) -> tuple[Array, Array]:
+    """Local maxima of a function for each of `starts` (N, n) within a box, by projected Newton steps on all at once.
 
     Infinite bounds leave a full-circle joint free to turn through. Returns points (N, n) and values (N,).
     """
     x = np.clip(starts, lower, upper)
-    value, gradient, hessian = terms.at(x, which)
+    value, gradient, hessian = at(x)
     damping = np.ones(len(x))
     identity = np.eye(x.shape[1])
     for _ in range(steps):
@@ -147,7 +148,7 @@ def climb(
         uphill = np.einsum("nij,ni->nj", vectors, gradient * free) / np.maximum(np.abs(eigenvalues), floor)
         step = np.clip(np.einsum("nij,nj->ni", vectors, uphill), -0.6, 0.6) * damping[:, None]
         trial = np.clip(x + step, lower, upper)
-        new_value, new_gradient, new_hessian = terms.at(trial, which)
+        new_value, new_gradient, new_hessian = at(trial)
         better = new_value > value
         if not np.any(better) and np.all(damping < 1e-3):
             break

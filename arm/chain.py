@@ -160,6 +160,8 @@ class Arm:
                 return False
             if link.height_direction is not None and link.height_direction[2] != 0.0:
                 return False
+            if link.section is not None and askew(link.section):
+                return False
         if self.gravity[2] != 0.0 or self.tool[2] != 0.0:
             return False
         case = self.payload if load is None else load
@@ -168,6 +170,13 @@ class Arm:
     def with_links(self, links: tuple[Link, ...]) -> Arm:
         """The same arm with other links."""
         return replace(self, links=links)
+
+
+def askew(section: Section) -> bool:
+    """Whether a section has no axis of symmetry along its height or width, so that it bends out of the load's plane."""
+    found = section.properties(0.3)
+    size = float(found.second_moment_y) + float(found.second_moment_z)
+    return abs(float(found.product_moment_yz)) > 1e-12 * size
 
 
 def _about_z(rotation: Any) -> bool:

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 _STRENGTH_POSES = 4096
 _MODE_POSES = 256
+_MAPPED_POSES = 100_000
 
 
 @dataclass(frozen=True)
@@ -224,7 +225,7 @@ def least_frequency(
             def slowness(q: Array, carried: float = payload) -> Array:
                 return 1.0 / first_frequencies(arm, beams, carried, q) ** 2
 
-            reached = wrapped(arm, uphill(slowness, candidates, bounds, step=1e-4), search.lower, search.upper)
+            reached = wrapped(arm, uphill(slowness, candidates, bounds, step=1e-3), search.lower, search.upper)
             candidates = np.vstack([candidates, reached])
         values = first_frequencies(arm, beams, payload, candidates)
         lowest = int(np.argmin(values))
@@ -278,11 +279,12 @@ def warnings_of(strength: StrengthResult) -> list[str]:
     return lines
 
 
-def error_map(search: WorstSearch, p: Array, *, poses: int = 200_000, cells: int = 90) -> ErrorMap:
+def error_map(search: WorstSearch, p: Array, *, poses: int | None = None, cells: int = 90) -> ErrorMap:
     """The worst error met at each place of the tip, from a scan of spread poses of the workspace and its worst
     poses."""
     model: ErrorModel = search.model
-    seeds = [search.poses(p, search.scan, seed) for seed in range(1, 1 + max(1, poses // search.scan))]
+    wanted = poses or (_MAPPED_POSES if model.planar else _MAPPED_POSES // 3)
+    seeds = [search.poses(p, search.scan, seed) for seed in range(1, 1 + max(1, wanted // search.scan))]
     q = np.vstack(seeds)
     tips = search.tip(q, p)
     error = np.max([search.errors(q, p, case).error for case in range(len(model.cases))], axis=0)

@@ -11,7 +11,7 @@ from typing import cast
 from materials.catalogue import Catalogue, load_catalogue
 from materials.quantities import InputError, read_number, read_quantity, shown
 from materials.reading import Mapping, load_yaml, nearest
-from sections import SectionError, build
+from sections import SectionError, build, load_stock
 from sections.section import Section
 
 from .chain import (
@@ -325,6 +325,12 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
 
 def _section(mapping: Mapping) -> tuple[Section, str | None]:
     raw = mapping.raw("section")
+    if isinstance(raw, str):
+        try:
+            size = load_stock().find(raw)
+        except SectionError as error:
+            raise mapping.error("section", error.message) from None
+        return size.section, size.name
     if not isinstance(raw, dict):
         raise mapping.error("section", f"needs a shape, e.g. {{shape: circle, diameter: 100 mm}}, not {shown(raw)}")
     body = mapping.mapping("section")

@@ -236,18 +236,18 @@ def _rotation_vector(turn: Array) -> Array:
 
 def _jacobian(arm: Arm, q: Array, inclined: bool, size: float) -> Array:
     """How tip (and orientation, weighted) follow the joints, (N, 3 or 6, n), by central differences."""
-    step = 1e-6
-    columns: list[Array] = []
-    for joint in range(arm.size):
-        shift = step * np.eye(arm.size)[joint]
-        ahead, turned_ahead = _frames(arm, q + shift)
-        behind, turned_behind = _frames(arm, q - shift)
-        column = (ahead - behind) / (2.0 * step)
-        if inclined:
-            turn = _rotation_vector(turned_ahead @ np.swapaxes(turned_behind, 1, 2)) / (2.0 * step)
-            column = np.concatenate([column, size * turn], axis=1)
-        columns.append(column)
-    return np.stack(columns, axis=2)
+    step, count = 1e-6, len(q)
+    shifts = step * np.eye(arm.size)
+    moved = np.concatenate([q[:, None, :] + shifts, q[:, None, :] - shifts], axis=1)
+    tip, turned = _frames(arm, moved.reshape(-1, arm.size))
+    tip = tip.reshape(count, 2, arm.size, 3)
+    slope = np.swapaxes(tip[:, 0] - tip[:, 1], 1, 2) / (2.0 * step)
+    if not inclined:
+        return slope
+    ahead, behind = np.moveaxis(turned.reshape(count, 2, arm.size, 3, 3), 1, 0)
+    relative = (ahead @ np.swapaxes(behind, 2, 3)).reshape(-1, 3, 3)
+    turning = _rotation_vector(relative).reshape(count, arm.size, 3) / (2.0 * step)
+    return np.concatenate([slope, size * np.swapaxes(turning, 1, 2)], axis=1)
 
 
 def _apart(arm: Arm, one: Array, other: Array) -> bool:

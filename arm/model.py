@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .beam import Beam, elastic_beam
-from .chain import Arm, Link, LoadCase
+from .chain import Arm, Link, LoadCase, askew
 from .compile import VectorFunction, vectorise
 from .error import TipError, active_effects, tip_error
 from .kinematics import parts, place, symbols
@@ -33,6 +33,7 @@ BEAM_FIELDS = (
     "torsional_rigidity",
     "shear_rigidity_height",
     "shear_rigidity_width",
+    "flexural_rigidity_coupling",
 )
 """The order in which `beam_values` lists each link's rigidities."""
 
@@ -74,7 +75,7 @@ def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
 
 
 def beam_values(beams: Sequence[Beam]) -> Array:
-    """The rigidities and lengths of all links as one row (8 per link, in the order of `BEAM_FIELDS`); 0 where rigid."""
+    """The rigidities and lengths of all links as one row (in the order of `BEAM_FIELDS`, link after link); 0 where rigid."""
     return np.array([float(getattr(beam, name) or 0.0) for beam in beams for name in BEAM_FIELDS])
 
 
@@ -84,7 +85,7 @@ class PoseArrays:
 
     `vector` (N, 3) is the deterministic error; `intervals` (N, k, 3) the reach of each play along a motion and
     `interval_seating` (N, k) the load that seats it; `normals` and `disc_seating` (N, d, 3) belong to the discs, whose
-    radii are the model's.
+    radii are the model's. `load_scale` (N,) is the size of the loads that the arm carries (N and N*m alike).
     """
 
     vector: Array
@@ -92,13 +93,14 @@ class PoseArrays:
     interval_seating: Array
     normals: Array
     disc_seating: Array
+    load_scale: Array
 
 
 @dataclass(frozen=True)
 class CaseModel:
     """The error model under one load case.
 
-    `state` and `error` hold symbols in `q` (n) and `p` (8 per link); `function` maps (q, p) to what `PoseArrays`
+    `state` and `error` hold symbols in `q` (n) and `p` (see `beam_values`); `function` maps (q, p) to what `PoseArrays`
     lists, as CasADi columns; `vectorised` does the same for many rows.
     """
 
@@ -112,7 +114,7 @@ class CaseModel:
 
     @cached_property
     def vectorised(self) -> VectorFunction:
-        """The same function for many rows at once; q (N, n) and p (8 n,)."""
+        """The same function for many rows at once; q (N, n) and p (one row for all)."""
         return vectorise([self.q, self.p], list(self.outputs))
 
     @property
@@ -126,8 +128,8 @@ class CaseModel:
         return np.array([disc.radius for disc in self.error.discs])
 
     def arrays(self, q: Array, p: Array) -> PoseArrays:
-        """The model's figures at N poses q (N, n) for a design p (8 n,)."""
-        vector, intervals, seating, normals, loads = self.vectorised(q, p)
+        """The model's figures at N poses q (N, n) for a design p (see `beam_values`)."""
+        vector, intervals, seating, normals, loads, scale = self.vectorised(q, p)
         count = len(q)
         return PoseArrays(
             vector,
@@ -135,6 +137,7 @@ class CaseModel:
             seating,
             np.reshape(normals, (count, -1, 3)),
             np.reshape(loads, (count, -1, 3)),
+            scale[:, 0],
         )
 
 
@@ -152,18 +155,18 @@ def error_model(arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = Non
     """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect."""
     cases = tuple(_case(arm, load, only) for load in (loads or (arm.payload,)))
     q, p = symbols(arm), beam_symbols(arm)
-    position = place(arm, parts(q), [p[8 * index] for index in range(arm.size)]).tip()
+    position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     planar = all(arm.planar(case.load) for case in cases)
     return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]))
 
 
 def beam_symbols(arm: Arm) -> Any:
-    """The symbols p: 8 per link, in the order of `BEAM_FIELDS`."""
+    """The symbols p: one for each of `BEAM_FIELDS`, link after link."""
     return ca.SX.sym("p", len(BEAM_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
 
 
 def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
-    """The arm's beams with the symbols p (8 per link) in place of rigidities and lengths; rigid links keep theirs."""
+    """The arm's beams with the symbols p in place of rigidities and lengths; rigid links keep theirs."""
     beams: list[Beam] = []
     for index, link in enumerate(arm.links):
         base = len(BEAM_FIELDS) * index
@@ -172,6 +175,8 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
             expansion = None
             if link.material is not None and link.material.has("thermal_expansion"):
                 expansion = link.material.at(arm.temperature).thermal_expansion
+            if link.section is None or not askew(link.section):
+                values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
             beams.append(Beam(**values, thermal_expansion=expansion))
         else:
             rigid = _beam(arm, index, link)
@@ -190,9 +195,19 @@ def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
         _column([interval.seating for interval in error.intervals]),
         _column([component for disc in error.discs for component in disc.normal]),
         _column([component for disc in error.discs for component in disc.seating]),
+        _load_scale(state),
     )
     function = ca.Function("error", [q, p], list(outputs))
     return CaseModel(load, q, p, state, error, outputs, function)
+
+
+def _load_scale(state: PoseState) -> Any:
+    """The forces that the arm carries, without regard to sign, and their moments over its whole length."""
+    forces = [component for link in state.links for component in link.weight]
+    forces += [*state.links[-1].force, *state.joints[0].force]
+    total = sum((ca.fabs(ca.SX(component)) for component in forces), ca.SX(0.0))
+    moment = sum((ca.fabs(ca.SX(component)) for component in state.load.moment), ca.SX(0.0))
+    return total * (1.0 + sum(link.beam.length for link in state.links)) + moment
 
 
 def _column(entries: Sequence[Any]) -> Any:

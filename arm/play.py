@@ -22,8 +22,12 @@ from .model import PoseArrays
 Array = NDArray[np.float64]
 
 _MOST_ENUMERATED = 4
+_MOST_VERTICES_TRIED = 8
+"""Intervals whose vertices are tried as starts of climbs in space."""
 _CLIMBS = 25
 _CHUNK = 8192
+_NO_LOAD = 1e-12
+"""A load below this share of what the arm carries is rounding, and seats nothing."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,7 @@ def _chunk(arrays: PoseArrays, start: int, stop: int) -> PoseArrays:
         arrays.interval_seating[part],
         arrays.normals[part],
         arrays.disc_seating[part],
+        arrays.load_scale[part],
     )
 
 
@@ -124,25 +129,19 @@ def _plane_vertices(intervals: Array) -> Array:
 
 
 def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: Array) -> PlayedError:
+    """Climbs from the axes' directions, the error's own and the farthest vertices; all starts of all poses at once."""
     count, plays = intervals.shape[:2]
-    directions = [np.broadcast_to(row, (count, 3)) for row in np.vstack([np.eye(3), -np.eye(3)])]
-    directions.append(vector)
+    starts = [np.broadcast_to(row, (count, 3)) for row in np.vstack([np.eye(3), -np.eye(3)])]
+    starts.append(vector)
     if plays:
-        vertices = sign_vertices(min(plays, 8))
+        vertices = sign_vertices(min(plays, _MOST_VERTICES_TRIED))
         points = vector[:, None, :] + np.einsum("ck,nki->nci", vertices, intervals[:, : vertices.shape[1]])
         order = np.argsort(-_length(points), axis=1)[:, :6]
-        directions += [points[np.arange(count), order[:, column]] for column in range(order.shape[1])]
-    best = PlayedError(np.full(count, -1.0), vector, np.zeros((count, plays)), np.zeros((*normals.shape[:2], 3)))
-    for start in directions:
-        climbed = _climb(vector, intervals, normals, radii, np.asarray(start, dtype=float))
-        better = climbed.error > best.error
-        best = PlayedError(
-            np.where(better, climbed.error, best.error),
-            np.where(better[:, None], climbed.vector, best.vector),
-            np.where(better[:, None], climbed.signs, best.signs),
-            np.where(better[:, None, None], climbed.shifts, best.shifts),
-        )
-    return best
+        starts += [points[np.arange(count), order[:, column]] for column in range(order.shape[1])]
+    repeated = [np.tile(array, (len(starts), *[1] * (array.ndim - 1))) for array in (vector, intervals, normals, radii)]
+    climbed = _climb(repeated[0], repeated[1], repeated[2], repeated[3], np.concatenate(starts))
+    best = climbed.error.reshape(len(starts), count).argmax(axis=0) * count + np.arange(count)
+    return PlayedError(climbed.error[best], climbed.vector[best], climbed.signs[best], climbed.shifts[best])
 
 
 def _climb(vector: Array, intervals: Array, normals: Array, radii: Array, direction: Array) -> PlayedError:
@@ -155,7 +154,7 @@ def _climb(vector: Array, intervals: Array, normals: Array, radii: Array, direct
         size = _length(across)[:, :, None]
         shifts = radii[:, :, None] * across / np.where(size > 0.0, size, 1.0)
         new = vector + np.einsum("nk,nki->ni", signs, intervals) + shifts.sum(axis=1)
-        if np.array_equal(new, reached):
+        if np.abs(new - reached).max(initial=0.0) <= 1e-15 * np.abs(new).max(initial=0.0):
             break
         reached = direction = new
     return PlayedError(_length(reached), reached, signs, shifts)
@@ -169,12 +168,11 @@ def _across(arrays: PoseArrays) -> Array:
 
 def pushed_discs(arrays: PoseArrays) -> NDArray[np.bool_]:
     """Whether a load pushes each disc (N, d) to one side; a pin without load may lie anywhere."""
-    return _length(_across(arrays)) > 1e-12 * _length(arrays.disc_seating).max(initial=0.0)
+    return _length(_across(arrays)) > _NO_LOAD * arrays.load_scale[:, None]
 
 
 def _loaded(arrays: PoseArrays, radii: Array, planar: bool) -> PlayedError:
-    scale = np.abs(arrays.interval_seating).max(initial=0.0)
-    seated = np.abs(arrays.interval_seating) > 1e-12 * scale
+    seated = np.abs(arrays.interval_seating) > _NO_LOAD * arrays.load_scale[:, None]
     signs = np.where(seated, np.sign(arrays.interval_seating), 0.0)
     across = _across(arrays)
     load = _length(across)

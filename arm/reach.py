@@ -120,15 +120,15 @@ class Reach:
         earlier one turns, and 0 where the earlier one slides; the constant is the Frobenius norm of these bounds.
         """
         arm, beyond = self.arm, self._beyond()
+        plain = all(joint.revolute and not any(joint.origin_translation) for joint in arm.joints)
+        if arm.angles == "absolute" and plain and not any(arm.tool):
+            return math.hypot(*arm.lengths)  # each joint turns its own link and no other
         square = 0.0
         for i, j in itertools.product(range(arm.size), repeat=2):
             first, later = min(i, j), max(i, j)
             if not arm.joints[first].revolute or (i == j and not arm.joints[i].revolute):
                 continue
-            if arm.angles == "absolute":
-                square += arm.links[i].length ** 2 if i == j else 0.0
-            else:
-                square += (beyond[later] if arm.joints[later].revolute else 1.0) ** 2
+            square += (beyond[later] if arm.joints[later].revolute else 1.0) ** 2
         return math.sqrt(square)
 
     def _beyond(self) -> list[float]:

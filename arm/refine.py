@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from .certificate import climb
 from .workspace import Workspace, distance_to_path, path_points, pull
 
 Array = NDArray[np.float64]
@@ -20,19 +21,29 @@ TipFunction = Callable[[Array], Array]
 _ON_REGION = 1e-7
 
 
-def uphill(error: ErrorFunction, starts: Array, bounds: Bounds, *, step: float = 1e-5) -> Array:
-    """Local maxima of an error from `starts`, by L-BFGS-B with central differences; bounds may be infinite."""
+def uphill(error: ErrorFunction, starts: Array, bounds: Bounds, *, step: float = 1e-4, steps: int = 25) -> Array:
+    """Local maxima of an error from `starts`, by Newton steps with central differences; bounds may be infinite."""
     size = starts.shape[1]
-    offsets = np.vstack([np.zeros(size), step * np.eye(size), -step * np.eye(size)])
+    unit = step * np.eye(size)
+    pairs = list(itertools.combinations(range(size), 2))
+    mixed = [sign * unit[a] + other * unit[b] for a, b in pairs for sign in (1.0, -1.0) for other in (1.0, -1.0)]
+    offsets = np.vstack([np.zeros((1, size)), unit, -unit, *([mixed] if mixed else [])])
     scale = max(float(error(starts).max()), 1e-30)
 
-    def objective(q: Array) -> tuple[float, Array]:
-        values = error(q + offsets) / scale
-        return -float(values[0]), -(values[1 : size + 1] - values[size + 1 :]) / (2.0 * step)
+    def at(q: Array) -> tuple[Array, Array, Array]:
+        around = (q[:, None, :] + offsets).reshape(-1, size)
+        values = (error(around) / scale).reshape(len(q), -1)
+        middle, ahead, behind = values[:, 0], values[:, 1 : size + 1], values[:, size + 1 : 2 * size + 1]
+        hessian = np.empty((len(q), size, size))
+        diagonal = np.arange(size)
+        hessian[:, diagonal, diagonal] = (ahead + behind - 2.0 * middle[:, None]) / step**2
+        for k, (a, b) in enumerate(pairs):
+            corner = values[:, 2 * size + 1 + 4 * k :]
+            cross = (corner[:, 0] - corner[:, 1] - corner[:, 2] + corner[:, 3]) / (4.0 * step**2)
+            hessian[:, a, b] = hessian[:, b, a] = cross
+        return middle, (ahead - behind) / (2.0 * step), hessian
 
-    box = list(zip(*bounds, strict=True))
-    results = [minimize(objective, start, jac=True, bounds=box, method="L-BFGS-B") for start in starts]
-    return np.array([np.asarray(result.x, dtype=float) for result in results])
+    return climb(at, starts, *bounds, steps=steps)[0]
 
 
 def in_region(workspace: Workspace, places: Array) -> NDArray[np.bool_]:

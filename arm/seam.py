@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Verdict = Literal["reachable", "unreachable", "undecided"]
 
 _REACHED = 1e-9
-_LEAST_STEP = 1e-6
+_LEAST_STEP = 1e-5
 """A step below this (m) is taken for a standstill."""
 _LOOK = 1e-3
 """How far ahead of a standstill (m) the search looks for a point that cannot be reached."""
@@ -77,12 +77,14 @@ class _Walk:
         length = float(np.linalg.norm(self.end - self.start))
         one, other = tuple(self.start.tolist()), tuple(self.end.tolist())
         along, gaps, regrips = 0.0, list[tuple[float, float]](), list[float]()
-        pose = self._best(0.0, length)
+        pose, looked_at = self._best(0.0, length), 4e-3
         if pose is None:
             return self._ended(0.0, length, one, other, regrips)
         while True:
             radius = self.reach.ball(pose).radius
-            if radius < _LEAST_STEP or (radius < 1e-3 and along + radius < length):
+            looked_at = max(looked_at, min(radius, 4e-3))
+            if radius < _LEAST_STEP or (radius < 0.25 * looked_at and along + radius < length):
+                looked_at = radius  # a search at every step of a narrow place would take too long
                 better = self._best(along, length)
                 if better is not None and self.reach.ball(better).radius > 1.5 * radius:
                     pose = better
@@ -95,7 +97,8 @@ class _Walk:
                 beyond = self._first_beyond(along, ahead, length)
                 if beyond is not None:
                     return self._ended(beyond, length, one, other, regrips)
-                gaps.append((along / length, ahead / length))
+                joined = gaps.pop()[0] if gaps and gaps[-1][1] == along / length else along / length
+                gaps.append((joined, ahead / length))
                 along = ahead
                 pose = self._best(along, length)
                 if pose is None:
@@ -138,18 +141,22 @@ class _Walk:
     def _first_beyond(self, low: float, high: float, length: float) -> float | None:
         """The first place between two that no search reaches, by a scan and bisection; None where all are reached."""
         places = np.linspace(low, high, 9)[1:]
-        missed = [self._missing(place, length) > _REACHED for place in places]
-        if not any(missed):
+        missed = self._missing(places, length) > _REACHED
+        if not missed.any():
             return None
         index = int(np.argmax(missed))
         low, high = float(places[index - 1]) if index else low, float(places[index])
-        for _ in range(24):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if self._missing(middle, length) > _REACHED else (middle, high)
+        for _ in range(8):  # each round looks at seven places between
+            places = np.linspace(low, high, 9)
+            missed = self._missing(places[1:-1], length) > _REACHED
+            index = int(np.argmax(missed)) if missed.any() else 7
+            low, high = float(places[index]), float(places[index + 1])
         return high
 
-    def _missing(self, along: float, length: float) -> float:
-        return float(self.reach.nearest(self._point(along, length)[None])[1].min())
+    def _missing(self, places: Array, length: float) -> Array:
+        """The least distance found at each place (m along the seam)."""
+        points = np.array([self._point(float(along), length) for along in places])
+        return self.reach.nearest(points)[1].min(axis=1)
 
     def _ended(
         self, along: float, length: float, one: tuple[float, ...], other: tuple[float, ...], regrips: list[float]
@@ -157,9 +164,9 @@ class _Walk:
         low, high, missing = along, length, 0.0
         for _ in range(3):
             places = np.linspace(low, high, 17)
-            missed = [self._missing(float(place), length) for place in places]
+            missed = self._missing(places, length)
             farthest = int(np.argmax(missed))
-            missing = max(missing, missed[farthest])
+            missing = max(missing, float(missed[farthest]))
             low, high = float(places[max(farthest - 1, 0)]), float(places[min(farthest + 1, 16)])
         first = tuple(self._point(along, length).tolist())
         share = along / max(length, 1e-300)

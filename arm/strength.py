@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .chain import Arm, LoadCase
 from .compile import VectorFunction, vectorise
-from .effects.link_bending import bent_end
+from .effects.link_bending import bent_end, in_both_planes
 from .kinematics import parts
 from .model import beam_symbols, symbolic_beams
 from .statics import LinkState, PoseState, solve
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 STRENGTH_FIELDS = ("area", "section_modulus_y", "section_modulus_z", "torsion_modulus")
 """The order in which `strength_values` lists each link's section."""
-STATIONS = (0.0, 0.5, 1.0)
+STATIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Where along a link its stress is looked at, as a share of its length from its joint."""
 LARGEST_DEFLECTION = 0.1
 """A link's own bending beyond this share of its length is outside linear theory."""
@@ -106,7 +106,13 @@ def _stress(link: LinkState, section: Sequence[Any], share: float) -> Scalar:
     force: Vector = add(link.force, beyond)
     moment = add(link.moment, cross(scale(rest, link.along), add(link.force, scale(0.5, beyond))))
     axial = _magnitude(dot(force, link.along)) / area
-    bending = plus(_magnitude(dot(moment, link.width)) / modulus_y, _magnitude(dot(moment, link.height)) / modulus_z)
+    in_height, in_width = dot(moment, link.width), times(-1.0, dot(moment, link.height))
+    if not (isinstance(link.beam.flexural_rigidity_coupling, float) and link.beam.flexural_rigidity_coupling == 0.0):
+        # The moments that would bend a symmetric section as much as these bend this one.
+        curved = in_both_planes(link, in_height, in_width)
+        in_height = times(curved[0], link.beam.flexural_rigidity_height)
+        in_width = times(curved[1], link.beam.flexural_rigidity_width)
+    bending = plus(_magnitude(in_height) / modulus_y, _magnitude(in_width) / modulus_z)
     shear = dot(link.moment, link.along) / torsion_modulus
     normal = plus(axial, bending)
     return ca.sqrt(normal * normal + 3.0 * shear * shear + 1e-6)
@@ -124,11 +130,7 @@ def _compression(state: PoseState, index: int) -> Scalar:
 
 
 def _deflection(link: LinkState) -> Scalar:
-    in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
-    assert in_height is not None
-    assert in_width is not None
-    first = bent_end(link, link.height, link.width, in_height)
-    second = bent_end(link, link.width, scale(-1.0, link.height), in_width)
+    first, second = bent_end(link)
     # A link without length (a wrist's, in Denavit-Hartenberg form) does not bend; it must not divide by zero either.
     length = ca.fmax(ca.SX(link.beam.length), 1e-9)
     return ca.sqrt(ca.SX(plus(times(first, first), times(second, second))) + 1e-24) / length

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+_FEW_FUNCTIONS = 8
 _NEGLIGIBLE = 1e-14
 
 
@@ -153,6 +154,13 @@ def evaluate(coefficients: Coefficients, q: Array) -> Array:
         return np.broadcast_to(coefficients.tensor.real, (len(x), len(coefficients.tensor))).copy()
     bases = [coefficients.coordinates.basis(j, coefficients.degree, x[:, j]) for j in range(size)]
     flat = coefficients.tensor.reshape(len(coefficients.tensor), -1)
+    if len(flat) <= _FEW_FUNCTIONS:
+        # Joint after joint: the table of all products of the bases would be far larger than what comes of it.
+        left = np.moveaxis(coefficients.tensor, 0, -1)
+        values = bases[0] @ left.reshape(left.shape[0], -1)
+        for basis in bases[1:]:
+            values = (basis[:, None, :] @ values.reshape(len(x), basis.shape[1], -1))[:, 0]
+        return values.real
     weights = bases[0]
     for basis in bases[1:]:
         weights = (weights[:, :, None] * basis[:, None, :]).reshape(len(x), -1)

@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -82,11 +83,17 @@ def wrapped(arm: Arm, q: Array, lower: Array, upper: Array) -> Array:
 
 def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
     """`count` low-discrepancy points in a box (a scrambled Sobol sequence, seeded), and its corners up to 64."""
-    size = len(lower)
+    return lower + (upper - lower) * _spread_in_cube(len(lower), count, seed)
+
+
+@lru_cache(maxsize=16)
+def _spread_in_cube(size: int, count: int, seed: int) -> Array:
     power = max(1, math.ceil(math.log2(max(count, 2))))
     points = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)[:count]
     corners = np.array([[(k >> j) & 1 for j in range(size)] for k in range(2 ** min(size, 6))], dtype=float)
-    return lower + (upper - lower) * np.vstack([points, corners])
+    spread_out = np.vstack([points, corners])
+    spread_out.setflags(write=False)
+    return spread_out
 
 
 def path_points(workspace: Workspace) -> Array:

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 DEFAULT_GAP = 1e-4
 """Relative gap of the certificate."""
 _DISTINCT = 0.05
+_MOST_CELLS = 2_000_000
+_MOST_REGION_CELLS = 500_000
+"""A path is a thin set: its cells are dropped slowly, and beyond this many the bound stands as it is."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +170,7 @@ class WorstSearch:
         if self.workspace.kind == "joints":
             lower, upper = scaled(self._climbing[0])[joints], scaled(self._climbing[1])[joints]
             x = scaled(q)
-            x[:, joints], _ = climb(polynomials.terms, x[:, joints], which, lower, upper)
+            x[:, joints], _ = climb(lambda at: polynomials.terms.at(at, which), x[:, joints], lower, upper)
             q = wrapped(self.arm, self._coordinates.unscaled(x), self.lower, self.upper)
             poses = self.worst_poses_at(q, p, polynomials.case)
         else:
@@ -219,6 +222,7 @@ class WorstSearch:
             upper,
             gap=2.0 * self.gap,
             incumbent=max(known - polynomials.radius, 0.0) ** 2,
+            most_cells=_MOST_CELLS if cells is None else _MOST_REGION_CELLS,
             keep=keep if filtered else None,
             admissible=admissible if filtered else None,
         )

@@ -27,9 +27,8 @@ AGREEMENT = 1e-12
 BLOCKS = (1024, 2048, 4096, 8192, 16384)
 
 
-def main() -> None:
+def scan(poses: int = 1_000_000, rounds: int = ROUNDS) -> None:
     """Check, time and print."""
-    poses = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (poses, 3))
     ways, preparing = _ways(q)
     results = {name: way() for name, way in ways.items()}
@@ -41,7 +40,7 @@ def main() -> None:
     print(f"{poses} poses; all results agree to {AGREEMENT:.0e} (relative)")
 
     best = dict.fromkeys(ways, np.inf)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for name, way in ways.items():
             best[name] = min(best[name], _seconds(way))
     print(f"{'':44}{'ms':>9}{'of by hand':>12}{'of half angles':>16}")
@@ -110,4 +109,4 @@ def _seconds(way: Callable[[], Array]) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    scan(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000)

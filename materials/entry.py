@@ -1,13 +1,17 @@
 """One entry of a catalogue, or a material described in place, read and checked.
 
-A property is written as a plain quantity (`71 GPa`), or as a mapping:
+`family` of its own overrides that of the file. A property is written as a plain quantity (`71 GPa`), or as a
+mapping (the n-th coefficient of a polynomial is per kelvin^n):
 
 ```yaml
 elastic_modulus:
-  value: 210 GPa                       # or table: [[20 degC, 210 GPa], ...]
-  spread: [200 GPa, 215 GPa]           # or polynomial: {origin: 20 degC, coefficients: [210 GPa, -60 MPa,
-  ...]} range: [0 degC, 100 degC]            # (the n-th coefficient is per kelvin^n) source: en-1993-1-1
-  note: where to be careful ```
+  value: 210 GPa                       # or table: [[20 degC, 210 GPa], [100 degC, 205 GPa]]
+                                       # or polynomial: {origin: 20 degC, coefficients: [210 GPa, -60 MPa]}
+  spread: [200 GPa, 215 GPa]
+  range: [0 degC, 100 degC]
+  source: en-1993-1-1
+  note: where to be careful
+```
 """
 
 from __future__ import annotations
@@ -30,8 +34,17 @@ from materials.quantities import InputError, format_quantity, read_quantity, sho
 from materials.reading import Mapping
 
 _REQUIRED: tuple[PropertyName, ...] = ("elastic_modulus", "density")
-_POSITIVE: tuple[PropertyName, ...] = ("elastic_modulus", "shear_modulus", "density", "yield_strength")
-_NOT_NEGATIVE: tuple[PropertyName, ...] = ("cost",)
+_POSITIVE: tuple[PropertyName, ...] = (
+    "elastic_modulus",
+    "shear_modulus",
+    "density",
+    "yield_strength",
+    "tensile_strength",
+    "fatigue_strength",
+    "thermal_conductivity",
+    "heat_capacity",
+)
+_NOT_NEGATIVE: tuple[PropertyName, ...] = ("cost", "damping")
 CONSISTENT_WITHIN = 0.02
 """How far a given shear modulus may be from E/(2(1+nu)) in an isotropic material, relative."""
 
@@ -64,6 +77,7 @@ def read_entry(mapping: Mapping, name: str, references: MappingLike[str, str], f
 
 def _read(mapping: Mapping, name: str, references: MappingLike[str, str] | None, family: str) -> Material:
     title = mapping.text("title", "") if mapping.has("title") else ""
+    family = mapping.text("family", family)
     isotropic = mapping.boolean("isotropic", True)
     default_source = _source(mapping, references, "") if mapping.has("source") else ""
     magnetic, magnetic_source = _read_magnetic(mapping, references, default_source)
@@ -206,6 +220,15 @@ def _check_values(material: Material, mapping: Mapping) -> None:
             if name in _POSITIVE and item.spread[0] <= 0:
                 raise mapping.error(name, "its spread must be above zero")
     _check_shear_modulus(material, mapping)
+    _check_strengths(material, mapping)
+
+
+def _check_strengths(material: Material, mapping: Mapping) -> None:
+    if "yield_strength" not in material.properties:
+        return
+    lowest = material.need("yield_strength")
+    if "tensile_strength" in material.properties and material.need("tensile_strength") < lowest:
+        raise mapping.error("tensile_strength", "must not be below the yield strength")
 
 
 def _check_shear_modulus(material: Material, mapping: Mapping) -> None:

@@ -21,7 +21,12 @@ PropertyName = Literal[
     "shear_modulus",
     "density",
     "yield_strength",
+    "tensile_strength",
+    "fatigue_strength",
     "thermal_expansion",
+    "thermal_conductivity",
+    "heat_capacity",
+    "damping",
     "cost",
     "highest_service_temperature",
 ]
@@ -31,14 +36,23 @@ REFERENCE_TEMPERATURE = 293.15
 
 
 def property_kinds() -> dict[PropertyName, str]:
-    """Return the properties a material can have, each with its kind of quantity (`units.kinds()`)."""
+    """Return the properties a material can have, each with its kind of quantity (`units.kinds()`).
+
+    `fatigue_strength` is the stress amplitude at R = -1 that is endured for the number of cycles its note
+    tells; `damping` is the loss factor of the material (2*zeta near resonance).
+    """
     return {
         "elastic_modulus": "elastic_modulus",
         "poisson_ratio": "dimensionless",
         "shear_modulus": "elastic_modulus",
         "density": "density",
         "yield_strength": "pressure",
+        "tensile_strength": "pressure",
+        "fatigue_strength": "pressure",
         "thermal_expansion": "thermal_expansion",
+        "thermal_conductivity": "conductivity",
+        "heat_capacity": "heat_capacity",
+        "damping": "dimensionless",
         "cost": "cost_per_mass",
         "highest_service_temperature": "temperature",
     }
@@ -167,6 +181,11 @@ class MaterialValues:
     thermal_expansion: float | None = None
     cost: float | None = None
     highest_service_temperature: float | None = None
+    tensile_strength: float | None = None
+    fatigue_strength: float | None = None
+    thermal_conductivity: float | None = None
+    heat_capacity: float | None = None
+    damping: float | None = None
     beyond: tuple[tuple[PropertyName, tuple[float, float]], ...] = ()
 
     def need(self, name: PropertyName) -> float:

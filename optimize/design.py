@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.beam import Beam, elastic_beam
-from arm.chain import Arm
+from arm.chain import Arm, LoadCase
 from arm.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
 from arm.strength import STRENGTH_FIELDS
 from materials.material import Material, MaterialValues
@@ -146,7 +146,7 @@ def _section_variable(link: int, variable: DesignVariable, lower: float, upper: 
 def material_row(materials: Sequence[Material | None], problem: Problem) -> Array:
     """The materials' figures as the programs' parameters (6 a link); raises `MissingProperty` for what is needed."""
     needed = {"elastic_modulus", "density"}
-    if needs_shear_modulus(problem.arm):
+    if needs_shear_modulus(problem.arm, problem.load_cases):
         needed |= {"shear_modulus"}
     if problem.limit("safety_factor"):
         needed |= {"yield_strength"}
@@ -196,7 +196,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     sections, _ = space.sections_and_lengths(x)
     chosen = space.chosen(x)
     lengths = [length for _, length in chosen]
-    own = beams_of(arm) if any(section is None for section in sections) else None
+    own = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
     beams: list[Beam] = []
     properties: list[SectionProperties | None] = []
     mass: Any = 0.0
@@ -245,9 +245,9 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
     return space.problem.arm.with_links(tuple(links))
 
 
-def numeric_beams(arm: Arm) -> Array:
-    """The beam values of an arm, as the error model takes them."""
-    return beam_values(beams_of(arm))
+def numeric_beams(arm: Arm, loads: Sequence[LoadCase]) -> Array:
+    """The beam values of an arm under load cases, as the error model takes them."""
+    return beam_values(beams_of(arm, loads))
 
 
 def starting_points(space: DesignSpace, materials: Array, count: int, seed: int = 7) -> list[Array]:

@@ -19,7 +19,7 @@ from arm.evaluation import least_frequency, strength_over
 from arm.model import ErrorModel, beams_of, error_model
 from arm.modes import first_modes
 from arm.strength import StrengthCase, StrengthResult, strength_case
-from arm.workspace import pull
+from arm.workspace import Unreachable, pull
 from arm.worst import WorstCase, WorstPose, WorstSearch
 from materials.material import Material
 
@@ -101,20 +101,23 @@ class Exchange:
 
     def __init__(self, context: Context, space: DesignSpace) -> None:
         self.context, self.space = context, space
+        self._anchors = anchored(space) and context.uses_error
         self._program: Program | None = None
 
     def program(self, pool: Pool, *, spare: bool = True) -> Program:
         """A compiled program with room for the pool (with `spare`, for some more)."""
         if self._program is None or not self._program.holds(pool):
             room = pool.room(len(self.context.model.cases))
-            room = room.spare() if spare else room
+            # Eight slots compile about as fast as one, where poses need no unknowns of their own.
+            room = room.spare(1 if self._anchors else 8) if spare else room
             self._program = Program(self.space, self.context.model, self.context.strengths, room)
         return self._program
 
     def bound(self, materials: Array, pool: Pool, start: Array) -> tuple[Solution, float] | None:
         """The solution for the pool alone, and its objective: no design near it does better. None where infeasible."""
         program = self.program(pool, spare=False)
-        solution = program.solve(start, materials, pool)
+        # Anchored poses that turn as far as they like can only make the bound lower.
+        solution = program.solve(start, materials, pool, turn=20.0)
         if not solution.solved:
             return None
         return solution, objective_of(self.context, program, solution.x, materials, solution.error)
@@ -146,20 +149,40 @@ class Exchange:
             objective = objective_of(self.context, program, solution.x, materials, solution.error)
             change = _change(self.space, last, solution.x) if number > 1 else math.nan
             last, error = solution.x, solution.error
-            if objective > give_up_above * (1.0 + 1e-9):
+            if objective > give_up_above * (1.0 + 1e-9) and not solution.turned:
                 return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
-            found = self._judge(last, solution, chosen, pool)
+            try:
+                found = self._judge(last, solution, chosen, pool)
+            except Unreachable as missing:
+                # The new lengths are too short for a place that the start reaches: from now on a pose holds on to it.
+                grown = pool.with_errors(self._reaching(missing.point, start, chosen)) if self._anchors else pool
+                if grown.size == pool.size:
+                    raise
+                pool, last = grown, start
+                continue
             iterations.append(Iteration(number, objective, change, pool.size, found.violation, found.certified))
             if log is not None:
                 log(iterations[-1])
-            done = found.violation <= TOLERANCE or found.pool.size == pool.size
-            best = Exchanged(
-                last, solution, pool, found.worst, tuple(iterations), found.certified, found.violation <= TOLERANCE
-            )
-            if done:
+            agreed = found.violation <= TOLERANCE and not solution.turned
+            best = Exchanged(last, solution, pool, found.worst, tuple(iterations), found.certified, agreed)
+            if agreed or not (found.added or solution.turned):
                 break
             pool = found.pool
         return best
+
+    def _reaching(self, point: tuple[float, ...], x: Array, chosen: Sequence[Material | None]) -> tuple[ErrorCut, ...]:
+        """A pose of another design with its tip at a point (m); none where that design does not reach it either."""
+        search = self.context.search
+        p = numeric_beams(arm_of(self.space, x, chosen), self.context.problem.load_cases)
+        place = np.array([*point, 0.0][:3])
+        used = np.array([1.0, 1.0, float(not self.context.model.planar)])
+        starts = search.poses(p, 64)
+        places = np.tile(place, (len(starts), 1))
+        q, miss = pull(lambda q: search.tip(q, p), starts, places, search.lower, search.upper, used)
+        if miss.min() > 1e-7:
+            return ()
+        pose = search.worst_poses_at(q[[int(np.argmin(miss))]], p, 0)[0]
+        return (error_cut(self.context, pose, p, self.space),)
 
     def worse_poses(self, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> Pool:
         """The pool with the poses at which a solution breaks the problem's limits; the same where there are none."""
@@ -170,9 +193,9 @@ class Exchange:
         """How much worse the design is than its program believes, with the poses that show it."""
         context = self.context
         arm = arm_of(self.space, x, chosen)
-        p = numeric_beams(arm)
+        p = numeric_beams(arm, context.problem.load_cases)
         violation, certified, worst = -math.inf, True, None
-        grown = pool
+        grown, kept = pool, pool.size
         if context.uses_error:
             known = np.array([cut.q for cut in pool.errors])
             allowed = solution.error
@@ -187,10 +210,11 @@ class Exchange:
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
             cuts = tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED])
             grown = _anchored_again(context, grown, p) if anchored(self.space) else grown
+            kept = grown.size
             grown = grown.with_errors(cuts)
         violation, grown = self._judge_strength(arm, p, violation, grown)
         violation, grown = self._judge_modes(arm, p, violation, grown)
-        return _Judged(max(violation, 0.0), certified, worst, grown)
+        return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
 
     def _judge_strength(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
         context = self.context
@@ -228,6 +252,7 @@ class _Judged:
     certified: bool
     worst: WorstCase | None
     pool: Pool
+    added: bool
 
 
 def _change(space: DesignSpace, old: Array, new: Array) -> float:
@@ -244,7 +269,7 @@ def strength_of(context: Context, arm: Arm, p: Array) -> StrengthResult:
 
 def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:
     """The mode of the least first frequency over the workspace, and that frequency (Hz)."""
-    beams = beams_of(arm)
+    beams = beams_of(arm, context.problem.load_cases)
     slowest = least_frequency(arm, context.search, beams, p, context.problem.load_cases)
     if slowest is None:
         raise ValueError("nothing in the model gives, so a limit on the first frequency means nothing")
@@ -270,7 +295,9 @@ def _anchor(context: Context, q: Array, p: Array) -> Anchor:
     moved = [context.search.tip(q[None] + step * row, p)[0] for row in np.eye(len(q))]
     jacobian = np.stack([(place - tip)[:axes] / step for place in moved], axis=1)
     null = np.linalg.svd(jacobian)[2][axes:]
-    return Anchor((float(tip[0]), float(tip[1]), float(tip[2])), tuple(tuple(row) for row in null.tolist()))
+    square = np.vstack([jacobian, null])
+    side = -1.0 if square.shape[0] == square.shape[1] and np.linalg.det(square) < 0.0 else 1.0
+    return Anchor((float(tip[0]), float(tip[1]), float(tip[2])), tuple(tuple(row) for row in null.tolist()), side)
 
 
 def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
@@ -296,7 +323,7 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
     Raises `Unreachable` where the workspace holds points that this design cannot reach.
     """
     arm = arm_of(space, x, chosen)
-    p = numeric_beams(arm)
+    p = numeric_beams(arm, context.problem.load_cases)
     pool = Pool()
     if context.uses_error:
         worst = context.search.worst(p, certify=False)

@@ -8,11 +8,15 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Anchor:
-    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints can move without
-    it."""
+    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints move without it.
+
+    `side` (-1 or 1) is the sign of the determinant of the tip's Jacobian with those rows below it: where an arm is
+    nearly stretched, its elbow could otherwise flip to the other side, where the error is another.
+    """
 
     tip: tuple[float, float, float]
     null: tuple[tuple[float, ...], ...]
+    side: float
 
 
 @dataclass(frozen=True)
@@ -56,9 +60,13 @@ class Room:
         pairs = [*zip(self.errors, other.errors, strict=True), *zip(self.strengths, other.strengths, strict=True)]
         return all(_fits(have, need) for have, need in [*pairs, (self.modes, other.modes)])
 
-    def spare(self) -> Room:
-        """Room to grow: the next power of two."""
-        return Room(tuple(map(_grown, self.errors)), tuple(map(_grown, self.strengths)), _grown(self.modes))
+    def spare(self, errors: int = 1) -> Room:
+        """Room to grow: the next power of two, at least `errors` for each load case's errors."""
+        return Room(
+            tuple(max(_grown(need), errors if need else 0) for need in self.errors),
+            tuple(map(_grown, self.strengths)),
+            _grown(self.modes),
+        )
 
 
 def _fits(have: int, need: int) -> bool:

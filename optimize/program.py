@@ -29,6 +29,7 @@ from .problem import Problem
 from .rows import (
     MM,
     OWN_ROWS,
+    Rows,
     error_parameters,
     error_rows,
     filled,
@@ -44,6 +45,9 @@ Array = NDArray[np.float64]
 _INSIDE = 1e-6
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
+TURN = 0.5
+"""An anchored pose may turn its joints by this (rad) in one round: further, it could flip to another way of reaching
+its place, with another error."""
 
 
 def _ipopt_options() -> dict[str, Any]:
@@ -68,7 +72,8 @@ class Solution:
 
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
     the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each
-    limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution.
+    limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution. `turned`: an anchored
+    pose was held back from turning further, so that another round from here may do better.
     """
 
     x: Array
@@ -80,6 +85,7 @@ class Solution:
     slacks: tuple[float, ...]
     message: str
     active: Pool
+    turned: bool
 
 
 def carried_mass(problem: Problem) -> float:
@@ -117,7 +123,8 @@ class Program:
         modes = mode_rows(space, limits, design, slack, room.modes)
         own, equal = limit_rows(limits, design, worst, carried_mass(problem), slack)
         shapes = shape_rows(space, design)
-        families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes}
+        sides = Rows(errors.sides)
+        families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes, "sides": sides}
         self._families = families
         rows = [row for family in families.values() for row in family.rows]
         self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
@@ -161,11 +168,19 @@ class Program:
         return self.room.holds(pool.room(len(self.model.cases)))
 
     def solve(
-        self, start: Array, materials: Array, pool: Pool, *, error: float = 1e-3, relax: bool = False
+        self,
+        start: Array,
+        materials: Array,
+        pool: Pool,
+        *,
+        error: float = 1e-3,
+        relax: bool = False,
+        turn: float = TURN,
     ) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m).
 
-        With `relax` the limits may give way and the least relaxation is sought instead of the objective.
+        With `relax` the limits may give way and the least relaxation is sought instead of the objective. `turn` is how
+        far (rad) anchored poses may turn their joints.
         """
         lower, upper = self.space.bounds()
         count = len(self.space.problem.limits)
@@ -181,12 +196,11 @@ class Program:
         equal = np.array([-give if limit.relation == "==" else 0.0 for limit in self.space.problem.limits])
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
-        turns = len(unknowns)
         result = self._solver(
             x0=[*inside, y, *([0.5 * give / 10.0] * count), *unknowns],
             p=[*materials, *((0.0, 1.0) if relax else (1.0, 0.0)), *values],
-            lbx=[*lower, -40.0, *equal, *([-20.0] * turns)],
-            ubx=[*upper, 40.0, *([give] * count), *([20.0] * turns)],
+            lbx=[*lower, -40.0, *equal, *(u - turn for u in unknowns)],
+            ubx=[*upper, 40.0, *([give] * count), *(u + turn for u in unknowns)],
             lbg=self._lower,
             ubg=np.zeros(len(self._lower)),
         )
@@ -205,6 +219,7 @@ class Program:
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, strengths, modes),
             message=str(stats["return_status"]),
+            turned=bool(np.any(np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn)),
         )
 
     def _active(

@@ -35,6 +35,7 @@ class Rows:
     parameters: list[Any] = field(default_factory=list)
     unknowns: list[Any] = field(default_factory=list)
     equalities: list[Any] = field(default_factory=list)
+    sides: list[Any] = field(default_factory=list)
     labels: list[str] = field(default_factory=list)
 
 
@@ -59,8 +60,11 @@ def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequ
                 tip = symbol(f"tip{number}_{slot}", 3)
                 null = symbol(f"null{number}_{slot}", size * size)
                 out.unknowns.append(at)
-                out.parameters += [tip, null]
-                out.equalities += _anchored(model, design, at, q, tip, null)
+                side = symbol(f"side{number}_{slot}")
+                out.parameters += [tip, null, side]
+                held, same_side = _anchored(model, design, at, q, tip, null, side)
+                out.equalities += held
+                out.sides.append(same_side)
             outputs = case.function(at, design.beam_column)
             vector = MM * (outputs[0] + shift)
             for play in range(len(case.error.intervals)):
@@ -69,14 +73,21 @@ def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequ
     return out
 
 
-def _anchored(model: ErrorModel, design: DesignExpressions, at: Any, q: Any, tip: Any, null: Any) -> list[Any]:
-    """The pose moves with the lengths so that its tip stays where it is, and not along its null space."""
+def _anchored(
+    model: ErrorModel, design: DesignExpressions, at: Any, q: Any, tip: Any, null: Any, side: Any
+) -> tuple[list[Any], Any]:
+    """The pose moves with the lengths so that its tip stays where it is, not along its null space, and not over to the
+    other side of a singular pose: the equalities, and what must not be above zero."""
     arm = model.arm
     reached = place(arm, [at[k] for k in range(arm.size)], [beam.length for beam in design.beams]).tip()
     axes = 2 if model.planar else 3
     rows = [ca.SX(reached[axis]) - tip[axis] for axis in range(axes)]
+    jacobian = ca.jacobian(ca.vertcat(*rows), at)
     matrix = ca.reshape(null, arm.size, arm.size)
-    return rows + [ca.dot(matrix[:, k], at - q) for k in range(max(arm.size - axes, 0))]
+    free = max(arm.size - axes, 0)
+    rows += [ca.dot(matrix[:, k], at - q) for k in range(free)]
+    square = ca.vertcat(jacobian, matrix[:, :free].T)
+    return rows, -side * ca.det(square) if arm.size >= axes else ca.SX(0.0)
 
 
 def filled(cuts: Sequence[Cut], slots: Sequence[int]) -> list[Cut]:
@@ -98,7 +109,7 @@ def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: b
         if anchored:
             assert cut.anchor is not None
             flat = [value for row in cut.anchor.null for value in row]
-            values += [*cut.anchor.tip, *flat, *([0.0] * (size * size - len(flat)))]
+            values += [*cut.anchor.tip, *flat, *([0.0] * (size * size - len(flat))), cut.anchor.side]
             unknowns += list(cut.q)
     return values, unknowns
 

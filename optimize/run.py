@@ -33,7 +33,8 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
         choice = choose(context, progress=progress, log=log)
     except Unreachable as error:
-        raise NoAnswer(f"workspace: {error}") from None
+        hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
+        raise NoAnswer(f"workspace: {error}{hint}") from None
     if choice is None:
         raise NoAnswer(why_infeasible(context))
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
@@ -56,8 +57,8 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
-        before_map=error_map(context.search, numeric_beams(problem.arm)),
-        after_map=error_map(context.search, numeric_beams(arm)),
+        before_map=error_map(context.search, numeric_beams(problem.arm, problem.load_cases)),
+        after_map=error_map(context.search, numeric_beams(arm, problem.load_cases)),
     )
 
 

@@ -27,6 +27,7 @@ from sections.shapes import (
     Triangle,
     Tube,
 )
+from sections.stock import Stock, StockSize, load_stock, section_from_name
 
 __all__ = [
     "SHAPES",
@@ -46,7 +47,11 @@ __all__ = [
     "Section",
     "SectionError",
     "SectionProperties",
+    "Stock",
+    "StockSize",
     "Triangle",
     "Tube",
     "build",
+    "load_stock",
+    "section_from_name",
 ]

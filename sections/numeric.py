@@ -66,3 +66,19 @@ def polynomial(coefficients: Sequence[Any], variables: Sequence[Number]) -> Numb
     for entry in reversed(coefficients):
         total = total * first + (polynomial(entry, rest) if rest else entry)
     return total
+
+
+def sin(value: Number) -> Number:
+    """Sine of an angle in radians."""
+    return ca.sin(value) if is_symbol(value) else np.sin(value)
+
+
+def absolute(value: Number) -> Number:
+    """Absolute value."""
+    return ca.fabs(value) if is_symbol(value) else np.abs(value)
+
+
+def atan2(opposite: Number, adjacent: Number) -> Number:
+    """Angle of a point, in radians from -pi to pi."""
+    symbolic = is_symbol(opposite) or is_symbol(adjacent)
+    return ca.atan2(opposite, adjacent) if symbolic else np.arctan2(opposite, adjacent)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sections.numeric import Number
+from sections.numeric import Number, atan2, sqrt
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,8 @@ class SectionProperties:
             of the exact flexural shear stress (Poisson's ratio included) is V^2 / (2 G A_s).
         section_modulus_y: second_moment_y / extreme_fibre_y, m^3; the least elastic modulus about y.
         section_modulus_z: second_moment_z / extreme_fibre_z, m^3.
+        plastic_modulus_y: integral of |z - z_0| dA, m^3, where z_0 halves the area; for bending about y.
+        plastic_modulus_z: the same of y, for bending about z.
         extreme_fibre_y: distance of the outermost fibre in bending about y, that is max |z| from the
         centroid, m.
         extreme_fibre_z: distance of the outermost fibre in bending about z, that is max |y| from the
@@ -35,7 +37,7 @@ class SectionProperties:
         height: of the bounding box, along z, m.
         centroid_y: distance of the centroid from the left edge of the bounding box, m.
         centroid_z: distance of the centroid from the lower edge of the bounding box, m.
-        product_moment_yz: integral of y z dA, m^4; zero unless the shape is a polygon.
+        product_moment_yz: integral of y z dA, m^4; zero where either axis is one of symmetry.
     """
 
     area: Number
@@ -46,6 +48,8 @@ class SectionProperties:
     shear_area_z: Number
     section_modulus_y: Number
     section_modulus_z: Number
+    plastic_modulus_y: Number
+    plastic_modulus_z: Number
     extreme_fibre_y: Number
     extreme_fibre_z: Number
     torsion_modulus: Number
@@ -54,3 +58,16 @@ class SectionProperties:
     centroid_y: Number
     centroid_z: Number
     product_moment_yz: Number = 0.0
+
+    @property
+    def principal_moments(self) -> tuple[Number, Number]:
+        """The greatest and the least second moment about axes through the centroid, m^4."""
+        mean = 0.5 * (self.second_moment_y + self.second_moment_z)
+        half = 0.5 * (self.second_moment_y - self.second_moment_z)
+        radius = sqrt(half**2 + self.product_moment_yz**2)
+        return mean + radius, mean - radius
+
+    @property
+    def principal_angle(self) -> Number:
+        """How far y is turned, anticlockwise towards z, to the axis of the greatest second moment; rad, +-pi / 2."""
+        return 0.5 * atan2(-2.0 * self.product_moment_yz, self.second_moment_y - self.second_moment_z)

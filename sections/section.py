@@ -49,14 +49,15 @@ class Dimension:
     Attributes:
         name: as in arm files, also the attribute of the shape.
         meaning: one phrase.
-        kind: ``outer`` (bounded by a problem's section_size) or ``wall`` (by its thickness) or ``points``.
+        kind: ``outer`` (bounded by a problem's section_size) or ``wall`` (by its thickness), ``radius``
+            (of a fillet or a corner, fixed) or ``points``.
         optional: may be left out always.
         unless: may be left out when all of these are given instead.
     """
 
     name: str
     meaning: str
-    kind: Literal["outer", "wall", "points"]
+    kind: Literal["outer", "wall", "radius", "points"]
     optional: bool = False
     unless: tuple[str, ...] = ()
 

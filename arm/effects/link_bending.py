@@ -5,28 +5,47 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..statics import LinkState, PoseState
-from ..vectors import Scalar, Vector, add, dot, plus, scale, times
+from ..vectors import Scalar, Vector, add, dot, minus, plus, scale, times
 from .effect import Effect, Settings, Twist
 
 
-def bent_end(link: LinkState, direction: Vector, turning: Vector, rigidity: Scalar) -> Scalar:
-    """Deflection (m) along `direction` of a cantilever's far end: (F L^3/3 + M L^2/2 + w L^4/8)/EI.
+def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:
+    """Loads towards the section's height and width divided by the rigidities that resist them.
 
-    `turning` is the axis (unit) about which a positive moment bends towards `direction`; `rigidity` is EI in N*m^2.
+    A section without an axis of symmetry bends askew: with E I_yz between the two planes,
+    k_h = (m_h - m_w I_yz/I_z) / (E I_y - E I_yz^2/I_z), and alike for the width. A rigid link gives nothing.
     """
+    height, width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
+    coupling = link.beam.flexural_rigidity_coupling
+    if height is None or width is None:
+        return 0.0, 0.0
+    if isinstance(coupling, float) and coupling == 0.0:
+        return times(towards_height, 1.0 / height), times(towards_width, 1.0 / width)
+    rest = height * width - coupling * coupling
+    in_height = minus(times(towards_height, width), times(towards_width, coupling))
+    in_width = minus(times(towards_width, height), times(towards_height, coupling))
+    return times(in_height, 1.0 / rest), times(in_width, 1.0 / rest)
+
+
+def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
+    """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w L^4/8)/EI."""
     length = link.beam.length
-    transverse = dot(add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight)), direction)
-    moment = times(0.5, dot(link.moment, turning))
-    return times(plus(times(length, transverse), moment), length * length / rigidity)
+    force = add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight))
+
+    def load(direction: Vector, turning: Vector) -> Scalar:
+        """`turning` is the axis about which a positive moment bends towards `direction`."""
+        return plus(times(length, dot(force, direction)), times(0.5, dot(link.moment, turning)))
+
+    towards_height, towards_width = load(link.height, link.width), load(link.width, scale(-1.0, link.height))
+    in_height, in_width = in_both_planes(link, towards_height, towards_width)
+    return times(in_height, length * length), times(in_width, length * length)
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, link in enumerate(state.links):
-        in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
-        if in_height is None or in_width is None or not settings.acts_at(index):
+        if link.beam.flexural_rigidity_height is None or not settings.acts_at(index):
             continue
-        along_height = bent_end(link, link.height, link.width, in_height)
-        along_width = bent_end(link, link.width, scale(-1.0, link.height), in_width)
+        along_height, along_width = bent_end(link)
         yield Twist("link", index, add(scale(along_height, link.height), scale(along_width, link.width)))
 
 

@@ -7,22 +7,28 @@ from collections.abc import Iterator
 from ..statics import LinkState, PoseState
 from ..vectors import Scalar, Vector, add, dot, plus, scale, times
 from .effect import Effect, Settings, Twist
+from .link_bending import in_both_planes
 
 
-def end_slope(link: LinkState, direction: Vector, turning: Vector, rigidity: Scalar) -> Scalar:
-    """Slope (rad) of a cantilever's far end towards `direction`: (F L^2/2 + M L + w L^3/6)/EI, EI in N*m^2."""
+def end_slope(link: LinkState) -> tuple[Scalar, Scalar]:
+    """Slope (rad) of a cantilever's far end towards the section's height and width: (F L^2/2 + M L + w L^3/6)/EI."""
     length = link.beam.length
-    transverse = dot(add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight)), direction)
-    return times(plus(times(length, transverse), dot(link.moment, turning)), length / rigidity)
+    force = add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight))
+
+    def load(direction: Vector, turning: Vector) -> Scalar:
+        """`turning` is the axis about which a positive moment bends towards `direction`."""
+        return plus(times(length, dot(force, direction)), dot(link.moment, turning))
+
+    towards_height, towards_width = load(link.height, link.width), load(link.width, scale(-1.0, link.height))
+    in_height, in_width = in_both_planes(link, towards_height, towards_width)
+    return times(in_height, length), times(in_width, length)
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, link in enumerate(state.links):
-        in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
-        if in_height is None or in_width is None or not settings.acts_at(index):
+        if link.beam.flexural_rigidity_height is None or not settings.acts_at(index):
             continue
-        towards_height = end_slope(link, link.height, link.width, in_height)
-        towards_width = end_slope(link, link.width, scale(-1.0, link.height), in_width)
+        towards_height, towards_width = end_slope(link)
         turn = add(scale(towards_height, link.width), scale(towards_width, scale(-1.0, link.height)))
         yield Twist("link", index, rotation=turn)
 

@@ -7,15 +7,15 @@ from typing import Annotated
 
 import typer
 
-from linkwright.writing import REPORT, RESULT, check_target, json_text, write_file, write_json
+from linkwright.writing import REPORT, RESULT, check_target, json_text, write_folder, write_json
 
 from .options import JsonFile
-from .tables import make_folder
 
 HELP = """The paper's Figures 5 to 9: what it plots by its own conventions, and the truth beside it.
 
 Example: linkwright figures --out figures
 """
+CSV = ("figure-5.csv", "figure-6.csv", "figure-7.csv", "figure-8.csv", "figure-9.csv")
 
 
 def figures(
@@ -30,9 +30,9 @@ def figures(
 
     check_target(json)
     if out is not None:
-        make_folder(out)
-        for name in (RESULT, REPORT):
-            check_target(out / name)
+        from linkwright.paper.folders import claim
+
+        claim(out, [RESULT, REPORT, *CSV], RESULT, "linkwright figures")
     with waiting("computing the paper's figures"):
         from linkwright.paper.figures import make_figures
         from linkwright.paper.output import figure_csv, figures_json
@@ -44,10 +44,9 @@ def figures(
     written = [] if json is None else [json]
     if out is not None:
         files = {RESULT: json_text(content), REPORT: page(made)}
-        files.update({f"figure-{each.number}.csv": figure_csv(each) for each in made})
-        for name, text in files.items():
-            write_file(out / name, text)
-            written.append(out / name)
+        files.update({name: figure_csv(each) for name, each in zip(CSV, made, strict=True)})
+        write_folder(out, files)
+        written += [out / name for name in files]
     screen = console()
     for each in made:
         screen.print(f"Figure {each.number}: {each.title}", style="bold")

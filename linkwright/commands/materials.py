@@ -9,42 +9,72 @@ from typing import Annotated, Any
 import typer
 
 from linkwright.as_json import program_version
-from linkwright.writing import check_target, write_json
+from linkwright.writing import check_target, write_file, write_json
 from materials.catalogue import Catalogue
-from materials.material import REFERENCE_TEMPERATURE, Material, PropertyName, property_kinds
-from materials.quantities import format_quantity
+from materials.material import REFERENCE_TEMPERATURE, Constant, Material, Property, PropertyName, property_kinds
+from materials.quantities import InputError
 
+from . import materials_edit, materials_exchange
 from .groups import command_group
+from .materials_query import SHORT, chosen, chosen_columns, condition, value_of, written
 from .options import CatalogueFile, JsonFile, catalogue_with
 
-HELP = """What links can be made of: list, show."""
+HELP = """What links can be made of: list, show, compare; add, edit, remove, rename, undo; import, export, check."""
 LIST_HELP = """Every material of the catalogue at 20 degC.
 
-Example: linkwright materials list
+Example: linkwright materials list --family aluminium --where 'density < 3 g/cm^3' --sort=-yield --columns E,yield,cost
 """
-SHOW_HELP = """One material: each property with its range of temperature, its spread and its source.
+SHOW_HELP = """One material: each property with its range of temperature, its spread and its source; E over temperature.
 
-Example: linkwright materials show aluminium-6061-t6
+Example: linkwright materials show aluminium-6061-t6 --plot aluminium.html
 """
-_DIGITS = 6
+COMPARE_HELP = """Several materials side by side at 20 degC.
+
+Example: linkwright materials compare steel-s355 aluminium-6061-t6 cfrp-quasi-isotropic
+"""
+_BAR = 40
+_STEPS = 12
 
 
-def list_materials(json: JsonFile = None, catalogue: CatalogueFile = None) -> None:
+def list_materials(
+    family: Annotated[list[str] | None, typer.Option("--family", help="Only this family; may be repeated.")] = None,
+    where: Annotated[
+        list[str] | None,
+        typer.Option("--where", metavar="CONDITION", help="Only those that keep it, e.g. 'density < 3 g/cm^3'."),
+    ] = None,
+    sort: Annotated[
+        str | None, typer.Option("--sort", metavar="PROPERTY", help="In this order; --sort=-density: largest first.")
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option("--columns", metavar="A,B,...", help="Which properties to show; 'all' for all.")
+    ] = None,
+    json: JsonFile = None,
+    catalogue: CatalogueFile = None,
+) -> None:
     """Run `materials list`."""
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
+    names = chosen_columns(columns)
     known = catalogue_with(catalogue)
-    _write(json, {"materials": [_as_json(known, material) for material in known]})
-    shown = table("material", "family", "E", "density", "yield", "cost", numbers=(2, 3, 4, 5))
-    columns: tuple[PropertyName, ...] = ("elastic_modulus", "density", "yield_strength", "cost")
-    for material in known:
-        shown.add_row(material.name, material.family, *(_value(material, name) for name in columns))
+    found = chosen(known, family or (), [condition(text) for text in where or ()], sort)
+    _write(json, {"materials": [_as_json(known, material) for material in found]})
+    if not found:
+        console().print("no material of the catalogue is so")
+        return
+    headings = (SHORT.get(name, name.replace("_", " ")) for name in names)
+    shown = table("material", "family", *headings, numbers=tuple(range(2, 2 + len(names))))
+    for material in found:
+        shown.add_row(material.name, material.family, *(value_of(material, name) for name in names))
     console().print(shown)
 
 
 def show_material(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The material's name.")],
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="FILE.html", help="Write the properties over temperature as a plot."),
+    ] = None,
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
@@ -52,9 +82,12 @@ def show_material(
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
+    check_target(plot, catalogue)
     known = catalogue_with(catalogue)
     material = known.find(name)
     _write(json, _as_json(known, material))
+    if plot is not None:
+        write_file(plot, _plot(material))
     screen = console()
     screen.print(f"{material.name}: {material.title or material.family}", style="bold")
     shown = table("property", "at 20 degC", "valid", "spread", "source", numbers=(1,))
@@ -62,25 +95,95 @@ def show_material(
         found = material.properties.get(property_name)
         if found is None:
             continue
-        spread = "" if found.spread is None else " to ".join(_written(x, property_name) for x in found.spread)
-        value = _value(material, property_name)
+        spread = "" if found.spread is None else " to ".join(written(x, property_name) for x in found.spread)
+        value = value_of(material, property_name)
         shown.add_row(property_name.replace("_", " "), value, _valid(found.valid), spread, found.source)
         if found.note:
             shown.add_row("", "", "", "", found.note)
     if material.magnetic is not None:
         shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
     screen.print(shown)
+    modulus = material.properties.get("elastic_modulus")
+    if modulus is not None and _varies(modulus):
+        screen.print("elastic modulus over temperature", style="bold")
+        for line in _bars(modulus):
+            screen.print(line)
+        screen.print()
     for key, text in material.references.items():
         screen.print(f"{key}: {text}")
     screen.print(f"from {', then '.join(known.where(material.name))}", soft_wrap=True)
 
 
-def _written(value: float, name: PropertyName) -> str:
-    return format_quantity(value, property_kinds()[name], digits=_DIGITS)
+def compare_materials(
+    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="The materials' names.")],
+    json: JsonFile = None,
+    catalogue: CatalogueFile = None,
+) -> None:
+    """Run `materials compare`."""
+    from linkwright.screen.console import console, table
+
+    check_target(json, catalogue)
+    if len(names) < 2:
+        raise InputError("", "NAME", "needs two materials or more to compare")
+    known = catalogue_with(catalogue)
+    found = [known.find(name) for name in names]
+    _write(json, {"materials": [_as_json(known, material) for material in found]})
+    shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
+    for name in property_kinds():
+        if any(material.has(name) for material in found):
+            shown.add_row(name.replace("_", " "), *(value_of(material, name) for material in found))
+    if all(material.has("elastic_modulus") and material.has("density") for material in found):
+        ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in found)
+        shown.add_row("E / density", *(f"{ratio:.4g} MN*m/kg" for ratio in ratios))
+    console().print(shown)
 
 
-def _value(material: Material, name: PropertyName) -> str:
-    return _written(material.need(name), name) if material.has(name) else "–"
+def _varies(item: Property) -> bool:
+    return not isinstance(item.law, Constant) and math.isfinite(item.valid[1])
+
+
+def _over_temperature(item: Property, steps: int) -> list[tuple[float, float]]:
+    """Temperatures in degC over the valid range, and the values (SI) there."""
+    low, high = item.valid
+    kelvins = [low + (high - low) * step / steps for step in range(steps + 1)]
+    return [(kelvin - 273.15, item.law.value(kelvin)) for kelvin in kelvins]
+
+
+def _bars(item: Property) -> list[str]:
+    """The values over temperature as bars from zero, a line a temperature."""
+    points = _over_temperature(item, _STEPS)
+    largest = max(value for _, value in points)
+    return [
+        f"{celsius:8.0f} degC {'█' * max(1, round(_BAR * value / largest)):<{_BAR}} "
+        f"{written(value, 'elastic_modulus', 4)}"
+        for celsius, value in points
+    ]
+
+
+def _plot(material: Material) -> str:
+    """Every property that changes with temperature as a curve on a page of its own that needs no network."""
+    import plotly.graph_objects as go
+
+    varying: dict[PropertyName, Property] = {name: item for name, item in material.properties.items() if _varies(item)}
+    if not varying:
+        raise InputError("", "--plot", f"no property of {material.name} is given over temperature")
+    figure = go.Figure()
+    for name, item in varying.items():
+        points = _over_temperature(item, 200)
+        at_reference = item.law.value(REFERENCE_TEMPERATURE)
+        label = f"{name.replace('_', ' ')} ({written(at_reference, name, 4)} at 20 degC; {item.source})"
+        shares = [100 * value / at_reference for _, value in points]
+        words = [written(value, name, 4) for _, value in points]
+        celsius = [point[0] for point in points]
+        figure.add_scatter(x=celsius, y=shares, text=words, name=label, mode="lines", hoverinfo="x+text+name")
+    figure.update_layout(
+        title=f"{material.name}: {material.title}",
+        xaxis_title="temperature in degC",
+        yaxis_title="% of the value at 20 degC",
+        showlegend=True,
+        legend={"orientation": "h", "y": -0.2},
+    )
+    return str(figure.to_html(include_plotlyjs=True))
 
 
 def _valid(valid: tuple[float, float]) -> str:
@@ -100,10 +203,10 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
     for name, found in material.properties.items():
         low, high = found.valid
         properties[name] = {
-            "value": _written(found.law.value(REFERENCE_TEMPERATURE), name),
+            "value": written(found.law.value(REFERENCE_TEMPERATURE), name),
             "si": found.law.value(REFERENCE_TEMPERATURE),
             "valid_degC": None if math.isinf(high) else [low - 273.15, high - 273.15],
-            "spread": None if found.spread is None else [_written(x, name) for x in found.spread],
+            "spread": None if found.spread is None else [written(x, name) for x in found.spread],
             "source": material.references.get(found.source, found.source),
             "note": found.note or None,
         }
@@ -120,4 +223,9 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
 
 def group() -> typer.Typer:
     """The command group."""
-    return command_group(HELP, {"list": (list_materials, LIST_HELP), "show": (show_material, SHOW_HELP)})
+    look = {
+        "list": (list_materials, LIST_HELP),
+        "show": (show_material, SHOW_HELP),
+        "compare": (compare_materials, COMPARE_HELP),
+    }
+    return command_group(HELP, {**look, **materials_edit.commands(), **materials_exchange.commands()})

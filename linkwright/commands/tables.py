@@ -16,6 +16,8 @@ HELP = """The paper's Tables III to VII: printed, reproduced by its conventions,
 
 Example: linkwright tables --markdown tables.md --json tables.json
 """
+KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
+"""The tables' names in JSON and of the CSV files."""
 
 
 def tables(
@@ -36,7 +38,9 @@ def tables(
     if json is not None and markdown is not None and json.absolute() == markdown.absolute():
         raise InputError(json, "", "is named for JSON and for Markdown; name two files")
     if csv is not None:
-        make_folder(csv)
+        from linkwright.paper.folders import claim
+
+        claim(csv, [f"{key}.csv" for key in KEYS], f"{KEYS[0]}.csv", "label,paper_")
     with waiting("computing the paper's tables"):
         from linkwright.paper.output import into, table_csv, tables_json, tables_markdown
         from linkwright.paper.screen import show_tables
@@ -60,16 +64,6 @@ def tables(
     show_tables(screen, book, judged, shown)
     for path in written:
         screen.print(f"written: {path}", soft_wrap=True)
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder for output unless it is there. Raises `InputError`."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise InputError(folder, "", "is a file; name a folder to write to") from None
-    except OSError as error:
-        raise InputError(folder, "", f"cannot be made: {error.strerror or error}") from None
 
 
 def _text_of(path: Path) -> str:

@@ -50,6 +50,8 @@ class Circle(Section):
             second_moment_y=second_moment,
             second_moment_z=second_moment,
             torsion_constant=2.0 * second_moment,
+            plastic_modulus_y=d**3 / 6.0,
+            plastic_modulus_z=d**3 / 6.0,
             extreme_fibre_y=0.5 * d,
             extreme_fibre_z=0.5 * d,
             torsion_modulus=math.pi / 16.0 * d**3,

@@ -55,6 +55,8 @@ class Ellipse(Section):
             second_moment_y=area * h**2 / 16.0,
             second_moment_z=area * b**2 / 16.0,
             torsion_constant=0.25 * area * b**2 * h**2 / (b**2 + h**2),
+            plastic_modulus_y=b * h**2 / 6.0,
+            plastic_modulus_z=h * b**2 / 6.0,
             extreme_fibre_y=0.5 * h,
             extreme_fibre_z=0.5 * b,
             torsion_modulus=0.25 * area * minimum(b, h),

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from sections.numeric import Number, maximum
+from sections.plastic import layered_modulus
 from sections.properties import SectionProperties
+from sections.rounding import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
 from sections.section import (
     LEAST_OPENING,
     Constraint,
@@ -23,7 +28,7 @@ from sections.thin_walls import Flange, i_section_shear_factors, i_section_torsi
 
 @dataclass(frozen=True)
 class ISection(Section):
-    """An I-section with sharp corners, symmetric about its web; the flanges may differ.
+    """An I-section, symmetric about its web; the flanges may differ. A rolled one has root fillets.
 
     In short form (width, height, flange_thickness, web_thickness) both flanges are equal, and an optimiser
     chooses
@@ -38,6 +43,7 @@ class ISection(Section):
         bottom_flange_width: m.
         top_flange_thickness: m.
         bottom_flange_thickness: m.
+        root_radius: of the fillets between web and flanges, m; sharp without. An optimiser does not choose it.
     """
 
     width: Number | None = None
@@ -48,6 +54,7 @@ class ISection(Section):
     bottom_flange_width: Number | None = None
     top_flange_thickness: Number | None = None
     bottom_flange_thickness: Number | None = None
+    root_radius: Number | None = None
 
     shape: ClassVar[str] = "i_section"
     dimensions: ClassVar[tuple[Dimension, ...]] = (
@@ -66,6 +73,7 @@ class ISection(Section):
         Dimension("bottom_flange_width", "width of the bottom flange", "outer", optional=True),
         Dimension("top_flange_thickness", "thickness of the top flange", "wall", optional=True),
         Dimension("bottom_flange_thickness", "thickness of the bottom flange", "wall", optional=True),
+        Dimension("root_radius", "radius of the fillets between web and flanges", "radius", optional=True),
     )
     variables: ClassVar[tuple[DesignVariable, ...]] = (
         DesignVariable("width", "width of both flanges", "outer"),
@@ -86,6 +94,8 @@ class ISection(Section):
                     "flange_thickness",
                     "give flange_thickness, or top_flange_thickness and bottom_flange_thickness",
                 )
+        if self.root_radius is not None and not self.symmetric:
+            raise SectionError("root_radius", "goes with equal flanges only (width and flange_thickness)")
 
     @property
     def top(self) -> Flange:
@@ -117,8 +127,8 @@ class ISection(Section):
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J and shear areas are fits, see `sections.thin_walls` for their range and error.
 
-        The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the
-        stress
+        Root fillets enter area, second and plastic moduli exactly, J and shear areas as `sections.rounding` says.
+        The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the stress
         concentration at the inner corners is left out, as design codes do.
         """
         top, bottom, web = self.top, self.bottom, self.web_thickness
@@ -130,30 +140,39 @@ class ISection(Section):
             (top.width, top.thickness, height - 0.5 * top.thickness),
         )
         area = sum(b * t for b, t, _ in parts)
+        plastic_y = layered_modulus([(b, t) for b, t, _ in parts])
         centroid = 0.5 * height if self.symmetric else sum(b * t * z for b, t, z in parts) / area
         second_moment_y = sum(b * t**3 / 12.0 + b * t * (z - centroid) ** 2 for b, t, z in parts)
         second_moment_z = sum(t * b**3 / 12.0 for b, t, _ in parts)
+        plastic_z = 0.25 * sum(t * b**2 for b, t, _ in parts)
         same = self.symmetric
         width = top.width if same else maximum(top.width, bottom.width)
         fibre = 0.5 * height if same else maximum(centroid, height - centroid)
         thickest = maximum(top.thickness if same else maximum(top.thickness, bottom.thickness), web)
         torsion_constant = i_section_torsion_constant(top, None if same else bottom, height, web)
+        moments = (area, centroid, second_moment_y, second_moment_z)
+        shear = i_section_shear_factors(top, None if same else bottom, height, web, poisson_ratio, *moments)
+        radius = self.root_radius
+        if radius is not None:
+            without = i_section_shear_factors(top, None, height, web, 0.0, *moments)
+            along_z, along_y, by_poisson = fillet_factors(width, height, top.thickness, web, radius)
+            shear = (without[0] * along_y + (shear[0] - without[0]) * by_poisson, shear[1] * along_z)
+            torsion_constant = fillet_torsion(width, top.thickness, web, radius, torsion_constant)
+            in_y = spandrel(radius, top.thickness - 0.5 * height, 1.0)
+            in_z = spandrel(radius, 0.5 * web, 1.0)
+            area = area + 4.0 * in_y.area
+            second_moment_y = second_moment_y + 4.0 * in_y.second
+            second_moment_z = second_moment_z + 4.0 * in_z.second
+            plastic_y = plastic_y - 4.0 * in_y.first
+            plastic_z = plastic_z + 4.0 * in_z.first
         return common_properties(
-            shear=i_section_shear_factors(
-                top,
-                None if same else bottom,
-                height,
-                web,
-                poisson_ratio,
-                area,
-                centroid,
-                second_moment_y,
-                second_moment_z,
-            ),
+            shear=shear,
             area=area,
             second_moment_y=second_moment_y,
             second_moment_z=second_moment_z,
             torsion_constant=torsion_constant,
+            plastic_modulus_y=plastic_y,
+            plastic_modulus_z=plastic_z,
             extreme_fibre_y=fibre,
             extreme_fibre_z=0.5 * width,
             torsion_modulus=torsion_constant / thickest,
@@ -164,14 +183,21 @@ class ISection(Section):
         )
 
     def outline(self) -> Outline:
-        """Twelve corners."""
+        """Twelve corners, four of them with fillets where there is a root radius."""
         top, bottom = self.top, self.bottom
         w, h = 0.5 * self.web_thickness, self.height
+        low, high = [(w, bottom.thickness)], [(w, h - top.thickness)]
+        if self.root_radius is not None:
+            r = self.root_radius
+            turn = np.linspace(0.0, 0.5 * math.pi, ARC_CHORDS + 1)
+            rise = [(w + r * (1.0 - math.cos(a)), r * (1.0 - math.sin(a))) for a in turn]
+            low = [(y, bottom.thickness + z) for y, z in reversed(rise)]
+            high = [(y, h - top.thickness - z) for y, z in rise]
         right = [
             (0.5 * bottom.width, 0.0),
             (0.5 * bottom.width, bottom.thickness),
-            (w, bottom.thickness),
-            (w, h - top.thickness),
+            *low,
+            *high,
             (0.5 * top.width, h - top.thickness),
             (0.5 * top.width, h),
         ]
@@ -185,6 +211,7 @@ class ISection(Section):
         share = f"{1.0 - LEAST_OPENING:.0%}"
         overhangs = [("flange", top)] if self.symmetric else [("top flange", top), ("bottom flange", bottom)]
         return (
+            *self._fillet_constraints(),
             Constraint(
                 "web_height",
                 f"both flange thicknesses must stay below {share} of the height",
@@ -198,6 +225,16 @@ class ISection(Section):
                 )
                 for name, flange in overhangs
             ),
+        )
+
+    def _fillet_constraints(self) -> tuple[Constraint, ...]:
+        if self.root_radius is None:
+            return ()
+        overhang = 0.5 * (self.top.width - self.web_thickness)
+        clear = 0.5 * (self.height - self.top.thickness - self.bottom.thickness)
+        return (
+            Constraint("root_radius", "the root radius must leave a web", self.root_radius / clear - 1.0),
+            Constraint("root_overhang", "the root radius must fit under the flange", self.root_radius / overhang - 1.0),
         )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sections.numeric import Number
+from sections.plastic import polygon_modulus
 from sections.properties import SectionProperties
 from sections.saint_venant import SaintVenant, moments, solve
 from sections.section import DesignVariable, Dimension, Outline, Section, SectionError, closed, poisson_square
@@ -102,6 +103,8 @@ class Polygon(Section):
             shear_area_z=m.area / (numeric.shear_z[0] + numeric.shear_z[1] * poisson),
             section_modulus_y=m.zz / fibre_y,
             section_modulus_z=m.yy / fibre_z,
+            plastic_modulus_y=polygon_modulus(loops, 1),
+            plastic_modulus_z=polygon_modulus(loops, 0),
             extreme_fibre_y=fibre_y,
             extreme_fibre_z=fibre_z,
             torsion_modulus=numeric.torsion_modulus,

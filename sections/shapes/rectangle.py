@@ -53,6 +53,8 @@ class Rectangle(Section):
             second_moment_y=b * h**3 / 12.0,
             second_moment_z=h * b**3 / 12.0,
             torsion_constant=rectangle_torsion_constant(b, h),
+            plastic_modulus_y=0.25 * b * h**2,
+            plastic_modulus_z=0.25 * h * b**2,
             extreme_fibre_y=0.5 * h,
             extreme_fibre_z=0.5 * b,
             torsion_modulus=rectangle_torsion_modulus(b, h),

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.numeric import Number, minimum
+from sections.numeric import Number, maximum, minimum
 from sections.properties import SectionProperties
+from sections.rounding import rounded_box, rounded_tube_shear, rounded_tube_torsion, spandrel
 from sections.section import (
     LEAST_OPENING,
     Constraint,
@@ -23,7 +24,9 @@ from sections.thin_walls import tube_shear_factor, tube_torsion_constant
 
 @dataclass(frozen=True)
 class RectangularTube(Section):
-    """A rectangular tube with sharp corners; top and bottom walls are equal, and so are both side walls.
+    """A rectangular tube; top and bottom walls are equal, and so are both side walls.
+
+    Corners are sharp unless a corner radius is given; an optimiser does not choose radii.
 
     Attributes:
         width: outer, along y, m.
@@ -31,6 +34,8 @@ class RectangularTube(Section):
         thickness: of every wall that is not given by itself, m.
         flange_thickness: of top and bottom, m.
         web_thickness: of both sides, m.
+        corner_radius: outer radius of the corners, m.
+        inner_corner_radius: m; a wall less than the outer one (or zero) if it is not given.
     """
 
     width: Number
@@ -38,6 +43,8 @@ class RectangularTube(Section):
     thickness: Number | None = None
     flange_thickness: Number | None = None
     web_thickness: Number | None = None
+    corner_radius: Number | None = None
+    inner_corner_radius: Number | None = None
 
     shape: ClassVar[str] = "rectangular_tube"
     dimensions: ClassVar[tuple[Dimension, ...]] = (
@@ -48,6 +55,8 @@ class RectangularTube(Section):
         ),
         Dimension("flange_thickness", "thickness of top and bottom", "wall", optional=True),
         Dimension("web_thickness", "thickness of both sides", "wall", optional=True),
+        Dimension("corner_radius", "outer radius of the corners", "radius", optional=True),
+        Dimension("inner_corner_radius", "inner radius of the corners", "radius", optional=True),
     )
     variables: ClassVar[tuple[DesignVariable, ...]] = (
         DesignVariable("width", "outer width, across the bending plane", "outer"),
@@ -59,6 +68,8 @@ class RectangularTube(Section):
     def __post_init__(self) -> None:
         if self.thickness is None and (self.flange_thickness is None or self.web_thickness is None):
             raise SectionError("thickness", "give thickness, or flange_thickness and web_thickness")
+        if self.corner_radius is None and self.inner_corner_radius is not None:
+            raise SectionError("inner_corner_radius", "give corner_radius with it")
 
     @property
     def walls(self) -> tuple[Number, Number]:
@@ -68,12 +79,24 @@ class RectangularTube(Section):
             self.thickness if self.web_thickness is None else self.web_thickness,
         )
 
+    @property
+    def radii(self) -> tuple[Number, Number] | None:
+        """Outer and inner radius of the corners, m; None where they are sharp."""
+        if self.corner_radius is None:
+            return None
+        if self.inner_corner_radius is not None:
+            return self.corner_radius, self.inner_corner_radius
+        flange, web = self.walls
+        return self.corner_radius, maximum(self.corner_radius - 0.5 * (flange + web), 0.0)
+
     def variable_values(self) -> tuple[Number, ...]:
         """Width, height and both walls (m)."""
         return (self.width, self.height, *self.walls)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J and shear areas are fits, see `sections.thin_walls` for their range and error.
+
+        Rounded corners enter area, second and plastic moduli exactly, J and shear areas as `sections.rounding` says.
 
         The torsion modulus is Bredt's, twice the area within the wall's middle line times the thinner wall;
         the
@@ -90,15 +113,35 @@ class RectangularTube(Section):
         second_moment_z = (
             h * web * (b**2 - 2.0 * b * web + 4.0 / 3.0 * web**2) / 2.0 + flange * inner_b**3 / 6.0
         )
+        shear = (
+            tube_shear_factor(h, b, web, flange, poisson_ratio, area, second_moment_z),
+            tube_shear_factor(b, h, flange, web, poisson_ratio, area, second_moment_y),
+        )
+        torsion_constant = tube_torsion_constant(b, h, flange, web)
+        plastic_y = 0.25 * (b * h**2 - inner_b * inner_h**2)
+        plastic_z = 0.25 * (h * b**2 - inner_h * inner_b**2)
+        if self.radii is not None:
+            outer, inner = self.radii
+            torsion_constant = rounded_tube_torsion(b, h, flange, web, outer, inner, torsion_constant)
+            lost_y = spandrel(outer, -0.5 * h, 1.0), spandrel(inner, -0.5 * inner_h, 1.0)
+            lost_z = spandrel(outer, -0.5 * b, 1.0), spandrel(inner, -0.5 * inner_b, 1.0)
+            area = area - 4.0 * (lost_y[0].area - lost_y[1].area)
+            second_moment_y = second_moment_y - 4.0 * (lost_y[0].second - lost_y[1].second)
+            second_moment_z = second_moment_z - 4.0 * (lost_z[0].second - lost_z[1].second)
+            plastic_y = plastic_y + 4.0 * (lost_y[0].first - lost_y[1].first)
+            plastic_z = plastic_z + 4.0 * (lost_z[0].first - lost_z[1].first)
+            shear = (
+                rounded_tube_shear(h, b, web, flange, (outer, inner), (area, second_moment_z), shear[0]),
+                rounded_tube_shear(b, h, flange, web, (outer, inner), (area, second_moment_y), shear[1]),
+            )
         return common_properties(
-            shear=(
-                tube_shear_factor(h, b, web, flange, poisson_ratio, area, second_moment_z),
-                tube_shear_factor(b, h, flange, web, poisson_ratio, area, second_moment_y),
-            ),
+            shear=shear,
             area=area,
             second_moment_y=second_moment_y,
             second_moment_z=second_moment_z,
-            torsion_constant=tube_torsion_constant(b, h, flange, web),
+            torsion_constant=torsion_constant,
+            plastic_modulus_y=plastic_y,
+            plastic_modulus_z=plastic_z,
             extreme_fibre_y=0.5 * h,
             extreme_fibre_z=0.5 * b,
             torsion_modulus=2.0 * (b - web) * (h - flange) * minimum(flange, web),
@@ -111,14 +154,18 @@ class RectangularTube(Section):
     def outline(self) -> Outline:
         """The outer and the inner rectangle."""
         flange, web = self.walls
-        inner = box(self.width - 2.0 * web, self.height - 2.0 * flange, clockwise=True)
-        return [box(self.width, self.height), inner]
+        inner_b, inner_h = self.width - 2.0 * web, self.height - 2.0 * flange
+        if self.radii is None:
+            return [box(self.width, self.height), box(inner_b, inner_h, clockwise=True)]
+        outer, inner = self.radii
+        return [rounded_box(self.width, self.height, outer), rounded_box(inner_b, inner_h, inner)[::-1]]
 
     def constraints(self) -> tuple[Constraint, ...]:
         """The walls must leave a hollow."""
         flange, web = self.walls
         share = f"{1.0 - LEAST_OPENING:.0%}"
         return (
+            *self._radius_constraints(),
             Constraint(
                 "hollow_width",
                 f"two web thicknesses must stay below {share} of the width",
@@ -128,5 +175,24 @@ class RectangularTube(Section):
                 "hollow_height",
                 f"two flange thicknesses must stay below {share} of the height",
                 2.0 * flange / self.height - 1.0 + LEAST_OPENING,
+            ),
+        )
+
+    def _radius_constraints(self) -> tuple[Constraint, ...]:
+        if self.radii is None:
+            return ()
+        flange, web = self.walls
+        outer, inner = self.radii
+        half = 0.5 * minimum(self.width, self.height)
+        hollow = 0.5 * minimum(self.width - 2.0 * web, self.height - 2.0 * flange)
+        return (
+            Constraint("corner_radius", "the corner radius must be at most half the least side", outer / half - 1.0),
+            Constraint(
+                "inner_corner_radius", "the inner corner radius must be at most half the hollow", inner / hollow - 1.0
+            ),
+            Constraint(
+                "corner_wall",
+                "the corner must not be thinner than the wall: inner radius at most the outer one",
+                (inner - outer) / half,
             ),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -47,6 +48,8 @@ class Triangle(Section):
             second_moment_y=b * h**3 / 36.0,
             second_moment_z=h * b**3 / 48.0,
             torsion_constant=triangle_torsion_constant(b, h),
+            plastic_modulus_y=(2.0 - math.sqrt(2.0)) / 6.0 * b * h**2,
+            plastic_modulus_z=h * b**2 / 12.0,
             extreme_fibre_y=2.0 / 3.0 * h,
             extreme_fibre_z=0.5 * b,
             torsion_modulus=triangle_torsion_modulus(b, h),

@@ -82,12 +82,18 @@ class Tube(Section):
             + (outer - inner) ** 2 * poisson_square(poisson_ratio)
         ) / (6.0 * (outer + inner) ** 2)
         radius = 0.5 * self.diameter
+        # D^3 - d^3 = (D^2 - d^2)(D^2 + D d + d^2) / (D + d): no cancellation in thin walls.
+        bore = self.diameter - 2.0 * self.thickness
+        both = outer + inner + self.diameter * bore
+        plastic = (outer - inner) * both / (6.0 * (self.diameter + bore))
         return common_properties(
             shear=(shear, shear),
             area=area,
             second_moment_y=second_moment,
             second_moment_z=second_moment,
             torsion_constant=2.0 * second_moment,
+            plastic_modulus_y=plastic,
+            plastic_modulus_z=plastic,
             extreme_fibre_y=radius,
             extreme_fibre_z=radius,
             torsion_modulus=2.0 * second_moment / radius,

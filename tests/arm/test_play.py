@@ -32,6 +32,7 @@ def pose_arrays(rng: np.random.Generator, poses: int, intervals: int, discs: int
         rng.normal(size=(poses, intervals)),
         normals,
         rng.normal(size=(poses, discs, 3)) * flat,
+        np.ones(poses),
     )
 
 
@@ -67,7 +68,12 @@ def test_worst_in_the_plane_is_the_farthest_of_all_vertices_and_disc_directions(
 def test_parallel_and_vanishing_intervals_are_no_trap_for_the_zonotope() -> None:
     base = np.array([[1.0, 2.0, 0.0], [-2.0, -4.0, 0.0], [0.0, 0.0, 0.0], [3.0, 6.0, 0.0], [0.5, -0.1, 0.0]])
     arrays = PoseArrays(
-        np.array([[0.3, -0.2, 0.0]]), np.stack([base]), np.zeros((1, 5)), np.zeros((1, 0, 3)), np.zeros((1, 0, 3))
+        np.array([[0.3, -0.2, 0.0]]),
+        np.stack([base]),
+        np.zeros((1, 5)),
+        np.zeros((1, 0, 3)),
+        np.zeros((1, 0, 3)),
+        np.ones(1),
     )
     expected = max(
         float(np.linalg.norm(arrays.vector[0] + np.array(signs) @ base))
@@ -109,7 +115,8 @@ def test_loaded_play_stands_where_its_load_pushes_it() -> None:
 
 def test_play_without_load_counts_as_worst() -> None:
     arrays = pose_arrays(np.random.default_rng(4), 30, 3, 2, planar=True)
-    free = PoseArrays(arrays.vector, arrays.intervals, np.zeros((30, 3)), arrays.normals, np.zeros((30, 2, 3)))
+    unloaded = (np.zeros((30, 3)), arrays.normals, np.zeros((30, 2, 3)), np.ones(30))
+    free = PoseArrays(arrays.vector, arrays.intervals, *unloaded)
     radii = np.array([0.2, 0.3])
     loaded, worst = (played(free, radii, mode, planar=True).error for mode in ("loaded", "worst"))
     assert loaded == pytest.approx(worst, rel=1e-14)

@@ -13,7 +13,7 @@ from arm.reach import Reach, Ring, free_ring, ring_of
 from arm.seam import check_seam
 from tests.arm.test_inverse import LENGTHS, planar_arm
 
-LIMITED = ((math.radians(-30), math.radians(90)), (math.radians(10), math.radians(150)), (math.radians(10), math.radians(120)))
+LIMITED = tuple((math.radians(low), math.radians(high)) for low, high in ((-30, 90), (10, 150), (10, 120)))
 point = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
 
 
@@ -39,7 +39,8 @@ def test_the_papers_own_lengths_leave_no_hole():
 
 def test_free_ring_counts_offsets_and_asks_for_full_circles():
     """A tool and an offset joint lengthen the links; a limited joint leaves no ring."""
-    base = Arm("a", (Joint(origin_translation=(0.1, 0.2, 0.0)), Joint(origin_translation=(0.0, 0.3, 0.0))), (Link(0.4), Link(0.2)))
+    joints = (Joint(origin_translation=(0.1, 0.2, 0.0)), Joint(origin_translation=(0.0, 0.3, 0.0)))
+    base = Arm("a", joints, (Link(0.4), Link(0.2)))
     ring = free_ring(base)
     assert ring is not None
     assert ring.center == pytest.approx((0.1, 0.2))
@@ -100,7 +101,8 @@ def test_the_jacobian_bends_no_more_than_said(angles):
     rail = Joint(type="prismatic", axis=(1.0, 0.0, 0.0), range=(0.0, 2.0))
     arms = [planar_arm(angles=angles)]
     if angles == "relative":
-        arms.append(Arm("m", (Joint(), rail, Joint(), Joint(axis=(0.0, 1.0, 0.0))), tuple(map(Link, (0.3, 0.1, 0.4, 0.2)))))
+        joints = (Joint(), rail, Joint(), Joint(axis=(0.0, 1.0, 0.0)))
+        arms.append(Arm("m", joints, tuple(map(Link, (0.3, 0.1, 0.4, 0.2)))))
     for arm in arms:
         reach = Reach(arm)
         generator = np.random.default_rng(4)
@@ -131,7 +133,8 @@ def test_a_walk_agrees_with_the_ring():
 
 
 @pytest.mark.parametrize(
-    ("start", "end"), [((0.3, 0.9), (-0.9, 0.1)), ((1.0, 0.1), (0.2, -0.1)), ((0.9, 0.5), (0.2, 0.9)), ((0.9, -0.3), (0.4, 0.7))]
+    ("start", "end"),
+    [((0.3, 0.9), (-0.9, 0.1)), ((1.0, 0.1), (0.2, -0.1)), ((0.9, 0.5), (0.2, 0.9)), ((0.9, -0.3), (0.4, 0.7))],
 )
 def test_seams_under_joint_limits_against_a_dense_grid(start, end):
     """Four million poses say which points of the seam have a tip near them."""
@@ -160,6 +163,25 @@ def test_reachable_seams_are_proved_and_not_sampled():
     limits = tuple((-math.radians(x), math.radians(x)) for x in (120, 150, 150))
     found = check_seam(planar_arm(ranges=limits), (0.9, -0.3), (0.4, 0.7))
     assert (found.verdict, found.proved_to, found.gaps, found.exact) == ("reachable", 1.0, (), False)
+
+
+def test_the_very_edge_is_left_undecided():
+    """At full stretch no ball is left: poses are found, nothing is claimed of the last tenth of a millimetre."""
+    limits = tuple((-math.radians(x), math.radians(x)) for x in (120, 150, 150))
+    found = check_seam(planar_arm(ranges=limits), (1.1, 0.0), (1.24, 0.0))
+    assert found.verdict == "undecided"
+    assert 0.999 < found.proved_to < 1.0
+    assert found.gaps == ((found.proved_to, 1.0),)
+
+
+def test_gaps_beside_each_other_are_one():
+    """A seam that touches the hole's edge is undecided around the one point where it does."""
+    nearly = (-math.pi + 0.04, math.pi - 0.04)
+    arm = planar_arm((1.0, 0.3, 0.2), ((-math.pi, math.pi), (-math.pi, math.pi), nearly))
+    found = check_seam(arm, (0.03, 0.5), (-0.03, 0.5))
+    assert found.verdict == "undecided"
+    ((low, high),) = found.gaps
+    assert low < 0.5 < high
 
 
 def test_a_seam_in_space_with_a_rail():

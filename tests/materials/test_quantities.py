@@ -224,9 +224,7 @@ def test_reads_bounds(text, kind, relation, value):
     assert (bound.relation, bound.value) == (relation, value)
 
 
-@pytest.mark.parametrize(
-    "text", ["26 kg", "< 26 kg", "<= 26", "<= 26 mm", "<= ", "!= 3 kg", 26, None, ["<= 26 kg"]]
-)
+@pytest.mark.parametrize("text", ["26 kg", "< 26 kg", "<= 26", "<= 26 mm", "<= ", "!= 3 kg", 26, None, ["<= 26 kg"]])
 def test_refuses_what_is_no_bound(text):
     with pytest.raises(InputError, match=r"p\.yaml: subject_to\.mass: "):
         read_bound(text, "mass", file="p.yaml", key="subject_to.mass")

@@ -39,7 +39,8 @@ def test_shear_adds_its_little(arms):
 )
 def test_backlash_turns_all_that_follows(book, joints, swing):
     """Half a thousandth of a radian times the reach beyond each joint."""
-    rows = {tuple(sorted(given.joints)): row for given, row in zip(book.paper.backlash, book.table("backlash").rows, strict=True)}
+    pairs = zip(book.paper.backlash, book.table("backlash").rows, strict=True)
+    rows = {tuple(sorted(given.joints)): row for given, row in pairs}
     assert 1e3 * rows[joints].corrected[0] == pytest.approx(0.5 * swing, rel=1e-6)
 
 
@@ -68,7 +69,8 @@ def test_no_random_pose_is_worse(arms):
 
 
 @pytest.mark.parametrize(
-    ("name", "modulus", "density"), [("carbon steel", 196e9, 7850), ("cast iron", 155e9, 7200), ("alloy steel", 190e9, 7820)]
+    ("name", "modulus", "density"),
+    [("carbon steel", 196e9, 7850), ("cast iron", 155e9, 7200), ("alloy steel", 190e9, 7820)],
 )
 def test_materials_by_the_cantilever(book, name, modulus, density):
     """Bending goes with density over modulus; shear adds half a per cent."""

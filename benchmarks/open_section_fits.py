@@ -1,0 +1,96 @@
+"""Fits for shapes beyond the doubly symmetric ones, against boundary element samples.
+
+``python benchmarks/open_section_fits.py FOLDER > sections/coefficients_open.py``, where FOLDER holds what
+`benchmarks/open_section_samples.py` left; the errors that remain go to standard error.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from section_fits import layout, minimax, nest, powers
+
+Fits = list[tuple[str, tuple]]
+WORST_POISSON = (0.45 / 1.45) ** 2
+
+
+def fillets(folder: Path) -> Fits:
+    """How root fillets change an I-section: log of each factor over the sharp section's."""
+    from sections import ISection
+    from sections.rounding import fillet_junctions
+
+    width, flange, web, radius, j, ay, cy, az, _ = np.load(folder / "filleted_i_section.npy").T
+    height = np.ones_like(width)
+    section = ISection(width, height, flange, web)
+    none, some = section.properties(0.0), section.properties(0.45)
+    sharp_y, sharp_z = none.area / none.shear_area_y, none.area / none.shear_area_z
+    sharp_c = (some.area / some.shear_area_y - sharp_y) / WORST_POISSON
+    features = (4 * web / width, 4 * flange / height, web / flange)
+    lead, exponents = powers(features, 2)
+    last, last_exponents = powers(features, 1)
+    scales = (radius / width, radius / height, (radius / width) ** 2)
+    matrix = np.hstack([lead * scales[0][:, None], lead * scales[1][:, None], last * scales[2][:, None]])
+    share = WORST_POISSON * cy / (ay + WORST_POISSON * cy)
+    junctions = fillet_junctions(flange, web, radius) - fillet_junctions(flange, web, 0.0)
+    local, local_exponents = powers((web / flange, radius / flange, 4 * flange / width), 3)
+    local = local * (radius / flange)[:, None]
+    ratio = np.log(j / (none.torsion_constant + 2.0 * junctions))
+    found = minimax(local, ratio, np.ones_like(j))
+    print(f"FILLET_TORSION             {np.abs(local @ found - ratio).max():.2%}", file=sys.stderr)
+    out: Fits = [("FILLET_TORSION", nest(local_exponents, found))]
+    for name, ratio, weight in (
+        ("FILLET_SHEAR", az / sharp_z, np.ones_like(j)),
+        ("FILLET_CROSS_SHEAR", ay / sharp_y, np.ones_like(j)),
+        ("FILLET_POISSON", cy / sharp_c, np.maximum(share, 0.02)),
+    ):
+        found = minimax(matrix, np.log(ratio), weight)
+        error = np.abs(matrix @ found - np.log(ratio)) * weight
+        print(f"{name:26s} {error.max():.2%}", file=sys.stderr)
+        n = lead.shape[1]
+        parts = (found[:n], found[n : 2 * n], found[2 * n :])
+        out.append((name, tuple(nest(e, c) for e, c in zip((exponents, exponents, last_exponents), parts, strict=True))))
+    return out
+
+
+def octagons(folder: Path) -> Fits:
+    """Regular octagons of unit width: J over that of the plain difference, and the two parts of A / A_s."""
+    inner, j, a, c, _, _ = np.load(folder / "octagonal_tube.npy").T
+    out: Fits = []
+    for name, value, weight, degree in (
+        ("OCTAGON_TORSION", j / (1 - inner**4), 1 / (j / (1 - inner**4)), 8),
+        ("OCTAGON_SHEAR", a, 1 / a, 8),
+        ("OCTAGON_POISSON", c / (1 - inner**2) ** 2, WORST_POISSON * (1 - inner**2) ** 2 / a, 6),
+    ):
+        matrix, exponents = powers((inner,), degree)
+        found = minimax(matrix, value, weight)
+        print(f"{name:26s} {np.max(np.abs(matrix @ found - value) * weight):.3%}", file=sys.stderr)
+        out.append((name, nest(exponents, found)))
+    return out
+
+
+def fit_log(name: str, features: tuple, ratio: np.ndarray, weight: np.ndarray, degree: int) -> tuple[str, tuple]:
+    matrix, exponents = powers(features, degree)
+    found = minimax(matrix, np.log(ratio), weight)
+    error = np.abs(np.expm1(matrix @ found - np.log(ratio))) * weight
+    print(f"{name:26s} degree {degree}, {matrix.shape[1]} of {len(ratio)}: {error.max():.2%}", file=sys.stderr)
+    return name, nest(exponents, found)
+
+
+def main() -> None:
+    """Fit and write the coefficients to standard output."""
+    folder = Path(sys.argv[1])
+    print('"""Coefficients of fits, written by benchmarks/open_section_fits.py; not to be edited by hand."""\n')
+    print("# fmt: off")
+    for make in (fillets, octagons):
+        for name, value in make(folder):
+            print(f"{name} = {layout(value)}")
+
+
+if __name__ == "__main__":
+    main()

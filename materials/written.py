@@ -1,0 +1,131 @@
+"""Materials as a catalogue file writes them: the entry's own keys and the sources that they name, not yet values.
+
+Edits, imports and exports work on these, so that notes, tables and spreads travel with a material as they are written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from collections.abc import Mapping as MappingLike
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, cast
+
+from materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
+from materials.reading import load_yaml, parse_yaml, read_text
+from materials.yaml_text import YamlText
+
+NEW_FILE = f"format_version: {FORMAT_VERSION}\nreferences: {{}}\nmaterials: {{}}\n"
+"""What a catalogue file begins as."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A material as a catalogue file writes it: its keys as YAML gives them, and the sources that they name."""
+
+    name: str
+    content: MappingLike[str, Any]
+    references: MappingLike[str, str] = field(default_factory=dict[str, str])
+
+
+def entries_text(entries: Iterable[Entry]) -> str:
+    """Return the entries as the text of a catalogue file of their own."""
+    document = YamlText(NEW_FILE, file="")
+    for entry in entries:
+        put(document, entry)
+    return document.text
+
+
+def find_entry(catalogue: Catalogue, name: str) -> Entry:
+    """Return the entry of the visible material of that name as its file writes it. Raises `InputError`."""
+    catalogue.find(name)
+    layer = next(layer for layer in reversed(catalogue.layers) if name in layer.materials)
+    shipped = shipped_entry(name) if layer in shipped_layers() else None
+    if shipped is not None:
+        return shipped
+    return next(entry for entry in read_entries(layer.file) if entry.name == name)
+
+
+def shipped_entry(name: str) -> Entry | None:
+    """Return the entry of a shipped material as it is written, its family with it; None for no such material."""
+    for family, data in _shipped():
+        found = _entry_in(data, name)
+        if found is not None:
+            return Entry(name, {"family": family, **found.content}, found.references)
+    return None
+
+
+def read_entries(path: Path | str) -> tuple[Entry, ...]:
+    """Return the entries of a catalogue file, checked. Raises `InputError`."""
+    read_layer(load_yaml(path), Path(path).stem)
+    data = YamlText(read_text(path), file=path).data
+    family = str(data.get("family") or Path(path).stem)
+    found = (_entry_in(data, name) for name in data.get("materials") or {})
+    entries = (entry for entry in found if entry is not None)
+    return tuple(Entry(each.name, {"family": family, **each.content}, each.references) for each in entries)
+
+
+def put(document: YamlText, entry: Entry) -> None:
+    """Write an entry; a source key that the file has for another text gets a new name."""
+    content: dict[str, Any] = dict(entry.content)
+    renamed: dict[str, str] = {}
+    for key, text in entry.references.items():
+        renamed[key] = reference(document, key, text)
+    document.set(["materials", entry.name], _with_sources(content, renamed), block=True)
+
+
+def _with_sources(content: dict[str, Any], renamed: MappingLike[str, str]) -> dict[str, Any]:
+    made: dict[str, Any] = {}
+    for key, value in content.items():
+        if isinstance(value, dict):
+            made[key] = _with_sources(cast(dict[str, Any], value), renamed)
+        else:
+            made[key] = renamed.get(value, value) if key == "source" and isinstance(value, str) else value
+    return made
+
+
+def reference(document: YamlText, key: str, text: str) -> str:
+    """Return the key under which the file cites `text`, adding it where it is not there yet."""
+    known: dict[str, str] = document.get(["references"]) or {}
+    for other, written in known.items():
+        if written == text:
+            return other
+    base, number = key or "source", 1
+    while key in known or not key:
+        number += 1
+        key = f"{base}-{number}"
+    if known:
+        document.set(["references", key], text)
+    else:
+        document.set(["references"], {key: text}, block=True)
+    return key
+
+
+def _entry_in(data: MappingLike[str, Any], name: str) -> Entry | None:
+    content = (data.get("materials") or {}).get(name)
+    if not isinstance(content, dict):
+        return None
+    references: dict[str, str] = data.get("references") or {}
+    used = _sources_of(cast(dict[str, Any], content))
+    return Entry(name, cast(dict[str, Any], content), {key: references[key] for key in used if key in references})
+
+
+def _sources_of(content: MappingLike[str, Any]) -> dict[str, None]:
+    found: dict[str, None] = {}
+    for key, value in content.items():
+        if isinstance(value, dict):
+            found |= _sources_of(cast(dict[str, Any], value))
+        elif key == "source" and isinstance(value, str):
+            found[value] = None
+    return found
+
+
+def _shipped() -> list[tuple[str, dict[str, Any]]]:
+    folder = files("materials").joinpath("catalogue")
+    found: list[tuple[str, dict[str, Any]]] = []
+    for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if item.name.endswith(".yaml"):
+            data = cast(dict[str, Any], parse_yaml(item.read_text(encoding="utf-8"), file=item.name))
+            found.append((str(data.get("family", item.name.removesuffix(".yaml"))), data))
+    return found

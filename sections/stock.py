@@ -1,0 +1,317 @@
+"""Standard sizes by name (`IPE 80`, `CHS 60.3x3.2`), each row checked against its own dimensions when it is read.
+
+A file of tables, shipped ones in ``sections/stock`` and the user's own alike:
+
+```yaml
+format_version: 1
+tables:
+  - family: CHS
+    shape: tube
+    source: "EN 10210-2:2006, ..."
+    columns: [name, diameter_mm, thickness_mm, area_cm2, second_moment_y_cm4]
+    rows:
+      - [CHS 60.3x3.2, 60.3, 3.2, 5.74, 23.5]
+```
+
+A column that ends in ``_mm`` is a dimension of the shape. `area_cm2`, `second_moment_y_cm4` and
+`second_moment_z_cm4` are what the source prints; a table without them has computed figures only.
+
+Rounding: a printed figure carries at least three significant digits (zeros at the end of a whole number above 999
+do not count), and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the rest
+for that of the source's intermediate steps. A row beyond that is refused.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, cast
+
+import numpy as np
+import yaml
+from platformdirs import user_config_dir
+
+from sections.build import build
+from sections.section import Section, SectionError
+from sections.shapes import SHAPES
+
+FORMAT_VERSION = 1
+"""The version of the table format that this code reads."""
+
+STOCK_VARIABLE = "LINKWRIGHT_SECTIONS"
+"""The environment variable that names the user's own tables in place of the default file."""
+
+PRINTED = MappingProxyType(
+    {
+        "area_cm2": ("area", 1e4),
+        "second_moment_y_cm4": ("second_moment_y", 1e8),
+        "second_moment_z_cm4": ("second_moment_z", 1e8),
+    }
+)
+"""Columns of printed figures: the property that each is compared with, and how many of its units make one in SI."""
+
+ROUNDING = 0.6
+"""How far a printed figure may be from the recomputed one, in units of its last digit."""
+
+LEAST_DIGITS = 3
+"""Significant digits that a printed figure carries at least."""
+
+
+@dataclass(frozen=True)
+class StockSize:
+    """A standard size.
+
+    Attributes:
+        name: as in its table, `IPE 80`.
+        family: `IPE`.
+        shape: name of the shape.
+        dimensions: by name, m.
+        printed: what the source prints, by column (cm^2, cm^4); empty where A and I are computed only.
+        source: the standard.
+        file: where the row stands.
+    """
+
+    name: str
+    family: str
+    shape: str
+    dimensions: Mapping[str, float]
+    printed: Mapping[str, float]
+    source: str
+    file: str
+
+    @cached_property
+    def section(self) -> Section:
+        """The section of this size."""
+        return build(self.shape, self.dimensions)
+
+
+@dataclass(frozen=True)
+class Stock:
+    """Standard sizes; of two with the same name the later one counts.
+
+    Attributes:
+        sizes: in the order of their tables, each name once.
+    """
+
+    sizes: tuple[StockSize, ...]
+
+    def __iter__(self) -> Iterator[StockSize]:
+        """Iterate over the sizes."""
+        return iter(self.sizes)
+
+    def __len__(self) -> int:
+        """Count the sizes."""
+        return len(self.sizes)
+
+    @cached_property
+    def _by_key(self) -> Mapping[str, StockSize]:
+        return MappingProxyType({plain_name(size.name): size for size in self.sizes})
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families, in order."""
+        return tuple(dict.fromkeys(size.family for size in self.sizes))
+
+    def of_family(self, family: str) -> tuple[StockSize, ...]:
+        """The sizes of a family, whatever its case and spaces; raises SectionError for one that there is not."""
+        wanted = plain_name(family)
+        found = tuple(size for size in self.sizes if plain_name(size.family) == wanted)
+        if not found:
+            raise SectionError("family", f"there is no family {family!r}; known: {', '.join(self.families)}")
+        return found
+
+    def find(self, name: str) -> StockSize:
+        """The size of this name, whatever its case and spaces; raises SectionError with the nearest name."""
+        found = self._by_key.get(plain_name(name))
+        if found is None:
+            raise SectionError("section", f"there is no stock size {name!r}{self._nearest(name)}")
+        return found
+
+    def _nearest(self, name: str) -> str:
+        close = difflib.get_close_matches(plain_name(name), list(self._by_key), n=1, cutoff=0.6)
+        if close:
+            return f"; did you mean {self._by_key[close[0]].name}?"
+        return f"; families: {', '.join(self.families)}"
+
+
+def plain_name(name: str) -> str:
+    """A size's name reduced to what counts: ``IPE 80`` and ``ipe80``, ``SHS 50 x 3,0`` and ``SHS 50x50x3``."""
+    text = re.sub(r"[\s_-]+", "", name.casefold()).replace("×", "x").replace("*", "x").replace(",", ".")
+    text = text.replace("aluminium", "alu").replace("aluminum", "alu")
+    text = re.sub(r"\d+(?:\.\d+)?", lambda number: f"{float(number[0]):g}", text)
+    text = re.sub(r"^he(\d+)([abm])$", r"he\2\1", text)
+    return re.sub(r"^(shs)([\d.]+)x\2x", r"\1\2x", text)
+
+
+def section_from_name(name: str, stock: Stock | None = None) -> Section:
+    """The section of a stock size, such as `IPE 80`; raises SectionError with the nearest name."""
+    return (stock or load_stock()).find(name).section
+
+
+def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
+    """The shipped sizes, over them the user's own (where the file exists and ``user`` is true), over that ``paths``.
+
+    A file named by the environment variable or in ``paths`` must exist. Raises SectionError, one line.
+    """
+    layers = [shipped_sizes()]
+    if user:
+        own = user_stock_path()
+        if own.exists() or os.environ.get(STOCK_VARIABLE, "").strip():
+            layers.append(read_file(own))
+    layers.extend(read_file(path) for path in paths)
+    if len(layers) == 1:
+        return _shipped_stock()
+    return _stock(layers)
+
+
+@lru_cache(maxsize=1)
+def _shipped_stock() -> Stock:
+    return _stock([shipped_sizes()])
+
+
+def _stock(layers: Sequence[Sequence[StockSize]]) -> Stock:
+    sizes: dict[str, StockSize] = {}
+    for layer in layers:
+        for size in layer:
+            sizes[plain_name(size.name)] = size
+    return Stock(tuple(sizes.values()))
+
+
+def user_stock_path() -> Path:
+    """Where the user's own tables are, or would be: `LINKWRIGHT_SECTIONS`, or the configuration folder."""
+    named = os.environ.get(STOCK_VARIABLE, "").strip()
+    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "sections.yaml"
+
+
+@lru_cache(maxsize=1)
+def shipped_sizes() -> tuple[StockSize, ...]:
+    """The sizes that come with the program, read from its package data and checked."""
+    folder = files("sections").joinpath("stock")
+    sizes: list[StockSize] = []
+    for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if item.name.endswith(".yaml"):
+            sizes.extend(read_text(item.read_text(encoding="utf-8"), f"stock/{item.name}"))
+    return tuple(sizes)
+
+
+def read_file(path: Path | str) -> tuple[StockSize, ...]:
+    """The checked sizes of a file; raises SectionError, one line that names the file."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
+        raise SectionError("section", f"{path}: {reason}") from None
+    return read_text(text, str(path))
+
+
+def read_text(text: str, file: str) -> tuple[StockSize, ...]:
+    """The checked sizes that a file's text holds; raises SectionError, one line that names the file."""
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise SectionError("section", f"{file}: is not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(content, dict) or not isinstance(content.get("tables"), list):
+        raise _wrong(file, "needs format_version and tables, a list")
+    version = content.get("format_version")
+    if isinstance(version, bool) or version != FORMAT_VERSION:
+        raise _wrong(file, f"format_version {version!r} is not known here; this program reads {FORMAT_VERSION}")
+    sizes: list[StockSize] = []
+    for number, table in enumerate(cast(list[Any], content["tables"]), start=1):
+        sizes.extend(_read_table(table, f"{file}: tables[{number}]"))
+    seen: set[str] = set()
+    for size in sizes:
+        if plain_name(size.name) in seen:
+            raise _wrong(file, f"{size.name} stands there twice")
+        seen.add(plain_name(size.name))
+    return tuple(sizes)
+
+
+def _wrong(where: str, message: str) -> SectionError:
+    return SectionError("section", f"{where}: {message}")
+
+
+def _read_table(table: Any, where: str) -> list[StockSize]:
+    needed = ("family", "shape", "source", "columns", "rows")
+    if not isinstance(table, dict) or set(table) != set(needed):
+        raise _wrong(where, f"needs exactly {', '.join(needed)}")
+    family, shape, source, columns, rows = (table[key] for key in needed)
+    if not all(isinstance(value, str) and value.strip() for value in (family, shape, source)):
+        raise _wrong(where, "family, shape and source are text")
+    kind = SHAPES.get(shape)
+    if kind is None:
+        near = difflib.get_close_matches(shape, SHAPES, n=1)
+        raise _wrong(where, f"there is no shape {shape!r}" + (f"; did you mean {near[0]}?" if near else ""))
+    known = {"name", *PRINTED, *(f"{each.name}_mm" for each in kind.dimensions if each.kind != "points")}
+    if not isinstance(columns, list) or "name" not in columns or len(set(map(str, columns))) != len(columns):
+        raise _wrong(where, "columns is a list without repeats, one of which is name")
+    for column in columns:
+        if column not in known:
+            near = difflib.get_close_matches(str(column), known, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise _wrong(where, f"a {shape} has no column {column!r}{hint}")
+    if not isinstance(rows, list) or not rows:
+        raise _wrong(where, "rows is a list of at least one row")
+    sizes = [_read_row(row, columns, family, shape, source, where) for row in rows]
+    _check_printed(sizes, shape, where)
+    return sizes
+
+
+def _read_row(row: Any, columns: list[str], family: str, shape: str, source: str, where: str) -> StockSize:
+    if not isinstance(row, list) or len(row) != len(columns):
+        raise _wrong(where, f"a row has {len(columns)} entries, unlike {row!r}")
+    entries = dict(zip(columns, row, strict=True))
+    name = entries.pop("name")
+    if not isinstance(name, str) or not name.strip():
+        raise _wrong(where, f"{name!r} cannot be a size's name")
+    for column, value in entries.items():
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not number or not math.isfinite(value) or value <= 0.0:
+            raise _wrong(where, f"{name}: {column} must be a positive number, not {value!r}")
+    dimensions = {
+        column.removesuffix("_mm"): float(f"{value * 1e-3:.12g}")
+        for column, value in entries.items()
+        if column.endswith("_mm")
+    }
+    try:
+        build(shape, dimensions)
+    except SectionError as error:
+        raise _wrong(where, f"{name}: {error}") from None
+    printed = {column: value for column, value in entries.items() if column in PRINTED}
+    return StockSize(
+        name, family, shape, MappingProxyType(dimensions), MappingProxyType(printed), source, where.split(": tables")[0]
+    )
+
+
+def _check_printed(sizes: list[StockSize], shape: str, where: str) -> None:
+    """Refuse a row whose printed figures are not those of its dimensions."""
+    if not sizes[0].printed:
+        return
+    # Arrays: one pass through the formulas for the whole table.
+    columns = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
+    properties = SHAPES[shape](**columns).properties(0.3)
+    for column, (name, factor) in PRINTED.items():
+        if column not in sizes[0].printed:
+            continue
+        computed = np.broadcast_to(getattr(properties, name) * factor, len(sizes))
+        for size, value in zip(sizes, computed, strict=True):
+            if abs(size.printed[column] - float(value)) > ROUNDING * last_unit(size.printed[column]):
+                raise _wrong(
+                    where, f"{size.name}: {column} is {size.printed[column]:g}, its dimensions give {float(value):.4g}"
+                )
+
+
+def last_unit(printed: float) -> float:
+    """One unit of the last digit that a printed figure carries."""
+    mantissa = (repr(printed) if isinstance(printed, float) else str(printed)).partition("e")[0]
+    whole, point, decimals = mantissa.partition(".")
+    carried = len((whole + decimals).lstrip("0")) if point else len(whole.rstrip("0"))
+    power = math.floor(math.log10(abs(printed)))
+    return 10.0 ** (power + 1 - max(carried, LEAST_DIGITS))

@@ -1,0 +1,128 @@
+"""Files that several writers change at once: nothing is lost, and no instant leaves half a file."""
+
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from materials import store
+from materials.catalogue import load_layer
+from materials.edit import set_key
+from materials.quantities import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
+HEAD = "# a comment\nformat_version: 1\nreferences: {s: some source}\nmaterials:\n"
+WRITERS, EDITS = 8, 100
+
+
+def entry(name, density=0.5):
+    return f"  {name}: {{source: s, elastic_modulus: 1 GPa, density: {density} kg/m^3}}  # of {name}\n"
+
+
+def write_many(path: str, name: str) -> None:
+    for number in range(1, EDITS + 1):
+        set_key(path, name, "density", f"{number} kg/m^3")
+        if number % 10 == 0:  # no other writer has brought an old value back
+            assert load_layer(path).materials[name].need("density") == number
+
+
+def test_eight_writers_of_a_hundred_edits_lose_none(tmp_path):
+    path = tmp_path / "c.yaml"
+    names = [f"m{index}" for index in range(WRITERS)]
+    path.write_text(HEAD + "".join(entry(name) for name in names), encoding="utf-8")
+    with ProcessPoolExecutor(WRITERS) as pool:
+        for done in [pool.submit(write_many, str(path), name) for name in names]:
+            done.result()
+    expected = HEAD + "".join(entry(name, EDITS) for name in names)
+    assert path.read_text(encoding="utf-8") == expected
+    entries = store.journal(path)
+    assert entries[-1].number == WRITERS * EDITS
+    assert len(entries) == store.MOST_UNDO
+    for one, following in pairwise(entries):  # each edit began where the one before it ended
+        assert following.before is not None
+        assert store._checksum(following.before) == one.after
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills by signal")
+def test_two_hundred_kills_leave_the_old_or_the_new_file(tmp_path):
+    path = tmp_path / "c.yaml"
+    path.write_text(HEAD + entry("x"), encoding="utf-8")
+    script = Path(__file__).with_name("killed_writer.py")
+    done = subprocess.run(
+        [sys.executable, str(script), str(path), "200"],
+        cwd=ROOT,
+        env={"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    landed, undone = (int(line.split()[1]) for line in done.stdout.splitlines())
+    assert 10 < landed < 190  # the kills fell before and after the moment of the rename
+    assert undone > 10
+    assert {item.name for item in tmp_path.iterdir()} <= {"c.yaml", ".c.yaml.lock", ".c.yaml.new", ".c.yaml.undo"}
+
+
+def test_undo_takes_edits_back_one_by_one(tmp_path):
+    path = tmp_path / "c.yaml"
+    texts = ["a", "b", "a", "c"]
+    for text in texts:
+        store.edit_text(path, lambda _, text=text: (text, f"wrote {text}"))
+    for text, left in zip(reversed(texts), [*reversed(texts[:-1]), None], strict=True):
+        assert store.undo(path) == f"wrote {text}"
+        assert (path.read_text() if path.exists() else None) == left
+    with pytest.raises(InputError, match="no edit to undo"):
+        store.undo(path)
+
+
+def test_undo_refuses_to_lose_what_others_wrote(tmp_path):
+    path = tmp_path / "c.yaml"
+    store.edit_text(path, lambda _: ("a", "wrote a"))
+    path.write_text("by hand")
+    with pytest.raises(InputError, match="changed by other means"):
+        store.undo(path)
+    assert path.read_text() == "by hand"
+
+
+def test_an_edit_that_never_landed_is_passed_over(tmp_path, monkeypatch):
+    path = tmp_path / "c.yaml"
+    store.edit_text(path, lambda _: ("a", "wrote a"))
+    store.edit_text(path, lambda _: ("b", "wrote b"))
+    whole = store.write_whole
+
+    def fails_at_the_file(target, text):
+        if target.name == "c.yaml":
+            raise KeyboardInterrupt
+        whole(target, text)
+
+    monkeypatch.setattr(store, "write_whole", fails_at_the_file)
+    with pytest.raises(KeyboardInterrupt):
+        store.edit_text(path, lambda _: ("c", "wrote c"))
+    monkeypatch.undo()
+    assert path.read_text() == "b"
+    assert store.undo(path) == "wrote b"
+    assert path.read_text() == "a"
+
+
+def test_links_and_permissions_stay(tmp_path):
+    real, link = tmp_path / "real.yaml", tmp_path / "link.yaml"
+    real.write_text("a")
+    real.chmod(0o640)
+    link.symlink_to(real)
+    store.edit_text(link, lambda _: ("b", "wrote b"))
+    assert link.is_symlink()
+    assert real.read_text() == "b"
+    assert real.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_folder_in_the_way_is_wrong_input(tmp_path):
+    (tmp_path / "c.yaml").mkdir()
+    with pytest.raises(InputError, match="directory"):
+        store.edit_text(tmp_path / "c.yaml", lambda _: ("a", "x"))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be"):
+        store.edit_text(tmp_path / "file" / "c.yaml", lambda _: ("a", "x"))

@@ -1,0 +1,127 @@
+"""Splices in YAML text: the change and nothing else, whatever comments, quotes and layout stand around it."""
+
+import random
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from materials.quantities import InputError
+from materials.reading import parse_yaml
+from materials.yaml_text import YamlText, flow_text
+
+TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cs",)), min_size=0, max_size=20)
+PLAIN = st.sampled_from(["1 GPa", "on", "1e3", "012", "~", "null", "- x", "a: b", "a #b", "12 um/(m*K)", "'q'", ""])
+
+
+@given(st.one_of(TEXTS, PLAIN))
+def test_any_text_is_written_so_that_it_reads_back(text):
+    assert parse_yaml(f"[{flow_text(text)}]", file="") == [text]
+    assert parse_yaml(f"{{{flow_text(text, key=True)}: 1}}", file="") == {text: 1}
+
+
+NAMES = ["alpha", "beta 2", "gamma.x", "delta", "on"]
+INNER = st.lists(st.sampled_from(["# in it", "      # in it, too", ""]), max_size=2)
+COMMENTS = st.lists(st.sampled_from(["# one", "#two: 2", "# three 'q", "", "  # four {"]), max_size=2)
+
+
+@st.composite
+def documents(draw):
+    """A catalogue-like file with comments wherever YAML lets them stand, block and flow entries mixed."""
+    lines = [*draw(COMMENTS), "format_version: 1  # head"]
+    names = draw(st.lists(st.sampled_from(NAMES), min_size=1, unique=True))
+    lines += [*draw(COMMENTS), "materials:" + draw(st.sampled_from(["", "   # list"]))]
+    for name in names:
+        lines += ["  " + line.strip() if line.strip() else "" for line in draw(COMMENTS)]
+        key = draw(st.sampled_from([name, f'"{name}"', f"'{name}'"]))
+        if draw(st.booleans()):
+            lines.append(f"  {key}: {{density: {{value: 1 kg/m^3, source: x}}, title: 'it''s'}}   # flow # {name}")
+            continue
+        lines.append(f"  {key}:  # block")
+        lines += ["    density:", "      value: 1 kg/m^3  # inner", *draw(INNER), "      source: x"]
+        lines += draw(
+            st.sampled_from([["    title: plain"], ["    title: >-  # folded", "      two", "      lines"], []])
+        )
+        lines += draw(st.sampled_from([[], ["    table: [[1, 2],", "      [3, 4]]  # rows"]]))
+    if draw(st.booleans()):
+        lines += ["family: x # tail", *draw(COMMENTS)]
+    newline = draw(st.sampled_from(["\n", "\r\n"]))
+    return newline.join(lines) + draw(st.sampled_from(["", newline])), names
+
+
+def comments_of(text):
+    return sorted(line[line.index("#") :].strip() for line in text.splitlines() if "#" in line)
+
+
+@settings(deadline=None, max_examples=80)
+@given(documents(), st.randoms(use_true_random=False))
+def test_an_edit_keeps_comments_and_order_and_changes_only_its_place(document, chance: random.Random):
+    text, names = document
+    name = chance.choice(names)
+    edited = YamlText(text, file="f")
+    before = parse_yaml(text, file="f")
+
+    edited.set(["materials", name, "density", "value"], "2 kg/m^3")
+    edited.set(["materials", name, "cost"], {"value": "1 EUR/kg", "source": "y"})
+    edited.set(["materials", "new one"], {"density": "3 kg/m^3"}, block=True)
+    after = parse_yaml(edited.text, file="f")
+    assert comments_of(edited.text) == comments_of(text)
+    assert list(after["materials"]) == [*names, "new one"]
+    before["materials"][name]["density"]["value"] = "2 kg/m^3"
+    before["materials"][name]["cost"] = {"value": "1 EUR/kg", "source": "y"}
+    before["materials"]["new one"] = {"density": "3 kg/m^3"}
+    assert after == before
+
+    edited.remove(["materials", "new one"])
+    edited.remove(["materials", name, "cost"])
+    edited.set(["materials", name, "density", "value"], "1 kg/m^3")
+    assert parse_yaml(edited.text, file="f") == parse_yaml(text, file="f")
+    assert comments_of(edited.text) == comments_of(text)
+
+
+@settings(deadline=None, max_examples=60)
+@given(documents(), st.randoms(use_true_random=False))
+def test_a_rename_keeps_the_place_and_a_removal_the_comments_around(document, chance: random.Random):
+    text, names = document
+    index = chance.randrange(len(names))
+    edited = YamlText(text, file="f")
+    edited.rename(["materials", names[index]], "other: {name}")
+    assert list(parse_yaml(edited.text, file="f")["materials"]) == [
+        "other: {name}" if i == index else name for i, name in enumerate(names)
+    ]
+    assert comments_of(edited.text) == comments_of(text)
+    edited.remove(["materials", "other: {name}"])
+    assert list(parse_yaml(edited.text, file="f")["materials"] or {}) == names[:index] + names[index + 1 :]
+    outside = [line.strip() for line in text.splitlines() if line.startswith(("#", "  #")) and "in it" not in line]
+    assert all(edited.text.count(line) >= outside.count(line) for line in outside)
+
+
+def test_a_plain_edit_changes_one_line_only():
+    text = "# a\nmaterials:\n  # of x\n  x:   {a: 1, b: 'two'}   # keep\n\n"
+    text += "  y:\n    a: >-\n      long\n      text\n# end\n"
+    edited = YamlText(text, file="f")
+    edited.set(["materials", "x", "a"], 2)
+    assert edited.text == text.replace("{a: 1,", "{a: 2,")
+    edited.set(["materials", "y", "a"], "short")
+    assert edited.text.endswith("  y:\n    a: short\n# end\n")
+
+
+def test_an_empty_mapping_opens_and_closes():
+    edited = YamlText("materials: {}  # none yet", file="f")
+    edited.set(["materials", "x"], {"a": "b"}, block=True)
+    assert edited.text == "materials:   # none yet\n  x:\n    a: b\n"
+    edited.remove(["materials", "x"])
+    assert yaml.safe_load(edited.text) == {"materials": {}}
+    assert "# none yet" in edited.text
+
+
+@pytest.mark.parametrize("path", [["materials", "no"], ["none", "x"]])
+def test_what_is_not_there_cannot_be_removed(path):
+    with pytest.raises(InputError, match=r"f: "):
+        YamlText("materials: {x: {a: 1}}", file="f").remove(path)
+
+
+def test_a_value_is_no_place_for_keys():
+    with pytest.raises(InputError, match="holds no keys"):
+        YamlText("materials: {x: 1}", file="f").set(["materials", "x", "a"], 1)

@@ -1,0 +1,131 @@
+"""`linkwright tables` and `linkwright figures` as people and scripts meet them."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from linkwright.cli import run
+from linkwright.paper.output import BEGIN, END, into, tables_markdown
+from linkwright.paper.verdicts import proofs, verdicts
+
+TABLES = ("clearance", "backlash", "backlash_direction", "material", "shape")
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """One run of `tables` with everything written."""
+    folder = tmp_path_factory.mktemp("tables")
+    arguments = ["tables", "--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
+    assert run([str(argument) for argument in arguments]) == 0
+    return folder
+
+
+def test_json_keeps_the_contract(written, book):
+    """Five lists of rows, each with label, paper, reproduced, corrected_mm and note, and `extended`."""
+    content = json.loads((written / "t.json").read_text(encoding="utf-8"))
+    assert isinstance(content["extended"], list)
+    for key in TABLES:
+        rows = content[key]
+        assert [row["label"] for row in rows] == [row.label for row in book.table(key).rows]
+        for row, printed in zip(rows, book.table(key).rows, strict=True):
+            assert row["paper"] == [float(text) for text in printed.printed]
+            assert len(row["paper"]) == len(row["reproduced"]) == len(row["corrected_mm"]) == len(row["agrees"])
+            assert row["agrees"] == [a == b for a, b in zip(row["paper"], row["reproduced"], strict=True)]
+            assert row["note"]
+    assert content["clearance"][7]["corrected_mm"] == pytest.approx([0.075, 0.25229], abs=1e-5)
+    assert content["figures_reproduced"] == {"met": 52, "printed": 61}
+    assert content["fitted_to_the_paper_mm"] == pytest.approx({"weight": 0.034684, "tool": 0.00349})
+    assert [each["judgement"] for each in content["verdicts"]][2] == "does not hold"
+    assert content["reach"][3]["seam"]["first_unreachable_mm"] == pytest.approx([400, 300])
+
+
+def test_csv_has_a_line_per_row(written, book):
+    """Printed figures as printed."""
+    for key in TABLES:
+        with (written / "csv" / f"{key}.csv").open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+        assert [row[0] for row in rows] == [row.label for row in book.table(key).rows]
+        columns = [index for index, name in enumerate(header) if name.startswith("paper_")]
+        assert [tuple(row[k] for k in columns) for row in rows] == [row.printed for row in book.table(key).rows]
+
+
+def test_markdown_holds_every_printed_figure(written, book):
+    """And marks those that are not met."""
+    text = (written / "t.md").read_text(encoding="utf-8")
+    for table in book.tables:
+        assert f"Table {table.number}" in text
+        for row in table.rows:
+            assert all(figure in text for figure in row.printed)
+    assert text.count("≠") == 9 + 1  # each of them, and the sentence that explains the sign
+
+
+def test_markdown_replaces_only_what_is_between_the_marks():
+    """The rest of a page stays."""
+    page = f"before\n{BEGIN}\nold \\1 text\n{END}\nafter\n"
+    assert into(page, "new \\g<0>\n") == f"before\n{BEGIN}\nnew \\g<0>\n{END}\nafter\n"
+    assert into("a page without marks", "new\n") == "new\n"
+
+
+def test_the_docs_page_holds_what_the_command_prints(book):
+    """`linkwright tables --markdown docs/paper.md` renews it."""
+    page = DOCS.read_text(encoding="utf-8")
+    assert into(page, tables_markdown(book, verdicts(book), proofs(book))) == page
+
+
+def test_tables_on_a_narrow_screen(written, capsys):  # noqa: ARG001 - only after the first run
+    """Everything is there without a terminal, within 100 columns."""
+    assert run(["tables"]) == 0
+    out = capsys.readouterr().out
+    for words in ("Table III", "Table VII", "≠ 0.0119", "52 of the 61", "does not hold", "(400, 300) mm"):
+        assert words in out
+    assert max(len(line) for line in out.splitlines()) <= 100
+
+
+def test_figures_are_written_and_written_again(tmp_path, capsys):
+    """A second run replaces its own files."""
+    for _ in range(2):
+        assert run(["figures", "--out", str(tmp_path / "f")]) == 0
+    names = {path.name for path in (tmp_path / "f").iterdir()}
+    assert names == {"report.html", "result.json", *(f"figure-{number}.csv" for number in "56789")}
+    assert "Figure 9" in capsys.readouterr().out
+    content = json.loads((tmp_path / "f" / "result.json").read_text(encoding="utf-8"))
+    assert [each["number"] for each in content["figures"]] == list("56789")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("tables", "--json", "."),
+        ("tables", "--json", "no/where.json"),
+        ("tables", "--csv", "file"),
+        ("tables", "--markdown", "same", "--json", "same"),
+        ("tables", "--colour"),
+        ("tables", "extra"),
+        ("figures", "--out", "file"),
+        ("figures", "--out", "file/below"),
+        ("figures", "--json", "."),
+        ("figures", "--out", "others"),
+    ],
+)
+def test_wrong_use_is_one_line_and_status_2(arguments, tmp_path, monkeypatch, capsys):
+    """Found before anything is computed, nothing written."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("kept", encoding="utf-8")
+    (tmp_path / "others").mkdir()
+    (tmp_path / "others" / "report.html").write_text("somebody's", encoding="utf-8")
+    assert run(list(arguments)) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert len(captured.err.strip().splitlines()) == 1
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "kept"
+    assert [path.name for path in (tmp_path / "others").iterdir()] == ["report.html"]
+
+
+@pytest.mark.parametrize("command", ["tables", "figures"])
+def test_help_shows_an_example(command, capsys):
+    """A line that could be typed as it stands."""
+    assert run([command, "--help"]) == 0
+    assert f"Example: linkwright {command}" in " ".join(capsys.readouterr().out.split())
