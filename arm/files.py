@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import cast
 
 from materials.catalogue import Catalogue, load_catalogue
-from materials.quantities import InputError, read_number, read_quantity, shown
+from materials.quantities import shown
 from materials.reading import Mapping, load_yaml, nearest
-from sections import SectionError, build, load_stock
-from sections.section import Section
 
 from .chain import (
     REFERENCE_TEMPERATURE,
@@ -20,29 +16,14 @@ from .chain import (
     AngleConvention,
     Arm,
     EffectEntry,
-    FloatVector,
     Joint,
-    JointType,
-    Link,
     LoadCase,
     PlayMode,
     Statistics,
 )
-from .effects import EFFECTS
-from .vectors import IDENTITY, ZERO, Rotation, about, compose, cross, from_roll_pitch_yaw, norm, snap_vector, unit
-
-_AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
-
-
-@dataclass(frozen=True)
-class _Entry:
-    """One entry of the chain as read, before neighbours are joined up."""
-
-    joint: Joint
-    link: Link
-    length_given: bool
-    origin: tuple[Rotation, FloatVector] | None
-    has_link: bool = False
+from .chain_files import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
+from .effects import EFFECTS, Effect, kind_at
+from .vectors import IDENTITY, ZERO, cross, norm
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
@@ -54,20 +35,20 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
     """The arm that a mapping describes; every key of it is accounted for."""
     with mapping.reading():
         name = mapping.text("name", "arm")
-        gravity = _vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
+        gravity = read_vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
         angles = cast(AngleConvention, mapping.choice("angles", ("relative", "absolute"), "relative"))
         temperature = mapping.quantity("temperature", "temperature", REFERENCE_TEMPERATURE)
-        entries = [_entry(each, catalogue) for each in mapping.mappings("chain")]
+        entries = [read_entry(each, catalogue) for each in mapping.mappings("chain")]
         if not entries:
             raise mapping.error("chain", "is empty; an arm has at least one joint with its link")
         if mapping.has("product_of_exponentials"):
-            entries, tool = _product_of_exponentials(mapping.mapping("product_of_exponentials"), entries)
+            entries, tool = product_of_exponentials(mapping.mapping("product_of_exponentials"), entries)
         else:
             tool = ZERO
-        joints, links = _joined(mapping, entries)
+        joints, links = joined(mapping, entries)
         if mapping.has("tool"):
             with mapping.mapping("tool").reading() as offset:
-                tool = _vector(offset, "xyz", "length", ZERO)
+                tool = read_vector(offset, "xyz", "length", ZERO)
         play, statistics = _play(mapping)
         left_out = _leave_out(mapping)
         for number, link in enumerate(links, start=1):
@@ -85,7 +66,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             play=play,
             statistics=statistics,
             leave_out=left_out,
-            effects=_effects(mapping, len(joints), left_out),
+            effects=_effects(mapping, joints, left_out),
             tool=tool,
         )
     _check_absolute(mapping, arm)
@@ -96,31 +77,10 @@ def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
     """What acts at the tip: mass, force and moment."""
     with mapping.reading():
         return LoadCase(
-            mass=_not_negative(mapping, "mass", "mass", mass),
-            force=_vector(mapping, "force", "force", ZERO),
-            moment=_vector(mapping, "moment", "moment", ZERO),
+            mass=not_negative(mapping, "mass", "mass", mass),
+            force=read_vector(mapping, "force", "force", ZERO),
+            moment=read_vector(mapping, "moment", "moment", ZERO),
         )
-
-
-def _vector(mapping: Mapping, name: str, kind: str, default: FloatVector) -> FloatVector:
-    if not mapping.has(name):
-        return default
-    values = mapping.items(name)
-    if len(values) not in (2, 3):
-        raise mapping.error(name, f"needs two components (x, y) or three, not {len(values)}")
-    path = mapping.path_of(name)
-    found = [
-        read_quantity(value, kind, file=mapping.file, key=f"{path}[{number}]")
-        for number, value in enumerate(values, start=1)
-    ]
-    return (found[0], found[1], found[2] if len(found) == 3 else 0.0)
-
-
-def _not_negative(mapping: Mapping, name: str, kind: str, default: float) -> float:
-    value = mapping.quantity(name, kind, default)
-    if value < 0.0:
-        raise mapping.error(name, f"cannot be negative, not {shown(mapping.content[name])}")
-    return value
 
 
 def _play(mapping: Mapping) -> tuple[PlayMode, Statistics]:
@@ -154,7 +114,7 @@ def _leave_out(mapping: Mapping) -> frozenset[str]:
     return frozenset(names)
 
 
-def _effects(mapping: Mapping, size: int, left_out: frozenset[str]) -> tuple[EffectEntry, ...]:
+def _effects(mapping: Mapping, joints: tuple[Joint, ...], left_out: frozenset[str]) -> tuple[EffectEntry, ...]:
     if not mapping.has("effects"):
         return ()
     found: list[EffectEntry] = []
@@ -163,11 +123,12 @@ def _effects(mapping: Mapping, size: int, left_out: frozenset[str]) -> tuple[Eff
             name = entry.text("effect")
             if name not in EFFECTS:
                 raise entry.error("effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
-            at = _places(entry, size)
+            at = _places(entry, len(joints))
+            slides = acts_on_slides(EFFECTS[name], at, joints)
             values: dict[str, float] = {}
             for parameter in EFFECTS[name].parameters:
                 if entry.has(parameter.name):
-                    value = values[parameter.name] = entry.quantity(parameter.name, parameter.kind)
+                    value = values[parameter.name] = entry.quantity(parameter.name, kind_at(parameter, slides=slides))
                     if value < 0.0 <= parameter.lower or value == 0.0 < parameter.lower:
                         bound = "must be positive" if parameter.lower > 0.0 else "cannot be negative"
                         raise entry.error(parameter.name, f"{bound}, not {shown(entry.content[parameter.name])}")
@@ -176,6 +137,12 @@ def _effects(mapping: Mapping, size: int, left_out: frozenset[str]) -> tuple[Eff
             message = f"{name} is in the model already; give what it adds, or leave it out of the rest (leave_out)"
             raise entry.error("effect", message)
     return tuple(found)
+
+
+def acts_on_slides(effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> bool:
+    """Whether an effect's parameters are those of slides: all joints that it names (from 1; none: all) slide."""
+    named = [joints[number - 1] for number in at] or list(joints)
+    return effect.place == "joint" and not any(joint.revolute for joint in named)
 
 
 def _places(entry: Mapping, size: int) -> tuple[int, ...]:
@@ -189,240 +156,6 @@ def _places(entry: Mapping, size: int) -> tuple[int, ...]:
     return tuple(cast(list[int], numbers))
 
 
-def _entry(mapping: Mapping, catalogue: Catalogue) -> _Entry:
-    with mapping.reading():
-        joint = _joint(mapping.mapping("joint"))
-        has_link = mapping.has("link")
-        body = mapping.mapping("link") if has_link else None
-        given = body is not None and body.has("length")
-        if mapping.has("dh"):
-            raw = mapping.content["joint"]
-            if isinstance(raw, dict) and "axis" in raw:
-                raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
-            for name in ("direction", "end_rotation"):
-                if body is not None and body.has(name):
-                    raise body.error(name, "is given by dh already; leave it out")
-            joint, link = _dh(mapping.mapping("dh"), joint)
-            given = True
-            if body is not None and body.has("length"):
-                length = body.quantity("length", "length")
-                if abs(length - link.length) > 1e-9:
-                    raise body.error("length", "is given by dh already (from a and d); leave it out")
-        else:
-            link = Link(_length(body) if body is not None and given else 0.0)
-        link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
-        origin = None
-        if mapping.has("origin"):
-            with mapping.mapping("origin").reading() as frame:
-                xyz = _vector(frame, "xyz", "length", ZERO)
-                rpy = _vector(frame, "rpy", "angle", ZERO)
-            origin = (from_roll_pitch_yaw(*rpy), xyz)
-    return _Entry(joint, link, given, origin, has_link)
-
-
-def _length(body: Mapping) -> float:
-    length = body.quantity("length", "length")
-    if length < 0.0:
-        raise body.error("length", f"cannot be negative, not {shown(body.content['length'])}")
-    return length
-
-
-def _joint(mapping: Mapping) -> Joint:
-    with mapping.reading():
-        kind = cast(JointType, mapping.choice("type", ("revolute", "prismatic"), "revolute"))
-        turns = kind == "revolute"
-        motion = "angle" if turns else "length"
-        if mapping.has("range"):
-            limits = mapping.range("range", motion)
-        elif turns:
-            limits = (-math.pi, math.pi)
-        else:
-            raise mapping.error("range", "is missing; a slide needs its range, e.g. [0 mm, 500 mm]")
-        stiffness = mapping.optional_quantity("stiffness", "torsional_stiffness" if turns else "linear_stiffness")
-        if stiffness is not None and stiffness <= 0.0:
-            raise mapping.error("stiffness", "must be positive; leave it out for a rigid drive")
-        return Joint(
-            type=kind,
-            axis=_axis(mapping, "z" if turns else "x"),
-            range=limits,
-            clearance=_not_negative(mapping, "clearance", "length", 0.0),
-            backlash=_not_negative(mapping, "backlash", motion, 0.0),
-            stiffness=stiffness,
-            mass=_not_negative(mapping, "mass", "mass", 0.0),
-            zero=mapping.quantity("zero", motion, 0.0),
-        )
-
-
-def _axis(mapping: Mapping, default: str) -> FloatVector:
-    raw = mapping.raw("axis") if mapping.has("axis") else default
-    if isinstance(raw, str) and raw.lstrip("+-") in _AXES:
-        x, y, z = _AXES[raw.lstrip("+-")]
-        sign = -1.0 if raw.startswith("-") else 1.0
-        return snap_vector((sign * x, sign * y, sign * z))
-    if isinstance(raw, list) and len(cast(list[object], raw)) == 3:
-        numbers = [
-            read_number(value, file=mapping.file, key=f"{mapping.path_of('axis')}[{number}]")
-            for number, value in enumerate(cast(list[object], raw), start=1)
-        ]
-        if norm((numbers[0], numbers[1], numbers[2])) > 0.0:
-            return unit((numbers[0], numbers[1], numbers[2]))
-    raise mapping.error("axis", f"is x, y, z (or -x ..), or three numbers such as [0, 0, 1], not {shown(raw)}")
-
-
-def _dh(mapping: Mapping, joint: Joint) -> tuple[Joint, Link]:
-    """Standard (distal) Denavit-Hartenberg parameters: Rz(theta + q) Tz(d) Tx(a) Rx(alpha)."""
-    with mapping.reading():
-        a, d = mapping.quantity("a", "length", 0.0), mapping.quantity("d", "length", 0.0)
-        alpha, theta = mapping.quantity("alpha", "angle", 0.0), mapping.quantity("theta", "angle", 0.0)
-    twist = from_roll_pitch_yaw(alpha, 0.0, 0.0)
-    if joint.revolute:
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), zero=joint.zero + theta)
-    else:
-        turn = about((0.0, 0.0, 1.0), math.cos(theta), math.sin(theta))
-        rotation = (snap_vector(turn[0]), snap_vector(turn[1]), snap_vector(turn[2]))
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), origin_rotation=rotation)
-    return joint, _along((a, 0.0, d), Link(0.0, end_rotation=twist))
-
-
-def _along(vector: FloatVector, link: Link) -> Link:
-    """The link along a vector (m) in its frame."""
-    length = norm(vector)
-    return replace(link, length=length, direction=unit(vector) if length > 0.0 else (1.0, 0.0, 0.0))
-
-
-def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
-    with mapping.reading("length"):
-        rigid = mapping.boolean("rigid", False)
-        height = _vector(mapping, "height_direction", "dimensionless", ZERO)
-        if any(height):
-            link = replace(link, height_direction=unit(height))
-        direction = _vector(mapping, "direction", "dimensionless", ZERO)
-        if any(direction):
-            link = replace(link, direction=unit(direction))
-        if mapping.has("end_rotation"):
-            turn = mapping.vector("end_rotation", "angle", 3)
-            link = replace(link, end_rotation=from_roll_pitch_yaw(turn[0], turn[1], turn[2]))
-        if mapping.has("section"):
-            if rigid:
-                raise mapping.error("rigid", "contradicts section: a link with a section gives")
-            section, name = _section(mapping)
-            raw = mapping.raw("material", "a material's name, e.g. steel-s355")
-            material = catalogue.read(raw, file=mapping.file, key=mapping.path_of("material"))
-            given = raw if isinstance(raw, dict) else None
-            return replace(link, section=section, section_name=name, material=material, material_given=given)
-        if mapping.has("material"):
-            raise mapping.error("section", "is missing; a link with a material needs its section")
-        if not rigid and not mapping.has("mass"):
-            raise mapping.error("section", "is missing; write section and material, or rigid: true and mass")
-        if mapping.content.get("mass") == "unknown":
-            mapping.has("mass")
-            mass = None
-        else:
-            mass = _not_negative(mapping, "mass", "mass", 0.0)
-        center = mapping.optional_quantity("center_of_mass", "length")
-        return replace(link, mass=mass, center_of_mass=center)
-
-
-def _section(mapping: Mapping) -> tuple[Section, str | None]:
-    raw = mapping.raw("section")
-    if isinstance(raw, str):
-        try:
-            size = load_stock().find(raw)
-        except SectionError as error:
-            raise mapping.error("section", error.message) from None
-        return size.section, size.name
-    if not isinstance(raw, dict):
-        raise mapping.error("section", f"needs a shape, e.g. {{shape: circle, diameter: 100 mm}}, not {shown(raw)}")
-    body = mapping.mapping("section")
-    return read_section(body), None
-
-
-def read_section(body: Mapping) -> Section:
-    """The section that a mapping describes: its shape and dimensions."""
-    shape = body.text("shape")
-    dimensions: dict[str, object] = {}
-    for name, value in body.content.items():
-        if name != "shape" and body.has(name):
-            dimensions[name] = _dimension(body, name, value)
-    try:
-        return build(shape, dimensions)
-    except SectionError as error:
-        raise InputError(body.file, body.path_of(error.key), error.message) from None
-
-
-def _dimension(body: Mapping, name: str, value: object) -> object:
-    """A length, or nested lists of lengths (the points of a polygon)."""
-    if isinstance(value, list):
-        return [
-            _nested(item, body.file, f"{body.path_of(name)}[{k}]")
-            for k, item in enumerate(cast(list[object], value), 1)
-        ]
-    return read_quantity(value, "length", file=body.file, key=body.path_of(name))
-
-
-def _nested(value: object, file: object, key: str) -> object:
-    if isinstance(value, list):
-        return [_nested(item, file, f"{key}[{k}]") for k, item in enumerate(cast(list[object], value), 1)]
-    return read_quantity(value, "length", file=file, key=key)
-
-
-def _product_of_exponentials(mapping: Mapping, entries: list[_Entry]) -> tuple[list[_Entry], FloatVector]:
-    """Axes H and offsets P of an arm at zero: P[0] from the base to joint 1, .., P[n] from joint n to the tip."""
-    with mapping.reading():
-        axes, offsets = mapping.items("axes"), mapping.items("offsets")
-        count = len(entries)
-        if len(axes) != count or len(offsets) != count + 1:
-            raise mapping.error("", f"needs {count} axes and {count + 1} offsets for {count} joints")
-        path = mapping.path_of("axes")
-        directions = [
-            _triple(axis, "dimensionless", mapping.file, f"{path}[{k}]") for k, axis in enumerate(axes, start=1)
-        ]
-        path = mapping.path_of("offsets")
-        steps = [_triple(step, "length", mapping.file, f"{path}[{k}]") for k, step in enumerate(offsets, start=1)]
-    found: list[_Entry] = []
-    for index, entry in enumerate(entries):
-        if entry.length_given or entry.origin is not None:
-            raise mapping.error("", f"contradicts chain[{index + 1}], which gives a length, dh or origin of its own")
-        if norm(directions[index]) == 0.0:
-            raise mapping.error("axes", "holds an axis without direction")
-        joint = replace(entry.joint, axis=unit(directions[index]))
-        if index == 0:
-            joint = replace(joint, origin_translation=steps[0])
-        found.append(_Entry(joint, _along(steps[index + 1], entry.link), True, None))
-    return found, ZERO
-
-
-def _triple(value: object, kind: str, file: object, key: str) -> FloatVector:
-    if not isinstance(value, list) or len(cast(list[object], value)) != 3:
-        raise InputError(file, key, f"needs three components, not {shown(value)}")
-    x, y, z = (read_quantity(part, kind, file=file, key=key) for part in cast(list[object], value))
-    return (x, y, z)
-
-
-def _joined(mapping: Mapping, entries: list[_Entry]) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
-    """Joints and links with origins shared out: a link without a length runs to the next joint's origin."""
-    joints: list[Joint] = []
-    links: list[Link] = []
-    for index, entry in enumerate(entries):
-        joint = entry.joint
-        runs_on = index + 1 < len(entries) and entries[index + 1].origin is not None
-        if entry.has_link and not entry.length_given and not runs_on:
-            would_do = "write length: 400 mm, say (0 mm for none)"
-            raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
-        if entry.origin is not None:
-            rotation, xyz = entry.origin
-            joint = replace(
-                joint, origin_rotation=compose(rotation, joint.origin_rotation)
-            )
-            if index > 0 and not entries[index - 1].length_given:
-                links[-1] = _along(xyz, links[-1])
-            else:
-                joint = replace(joint, origin_translation=snap_vector(xyz))
-        joints.append(joint)
-        links.append(entry.link)
-    return tuple(joints), tuple(links)
-
-
 def _check_absolute(mapping: Mapping, arm: Arm) -> None:
     if arm.angles == "relative":
         return
@@ -432,3 +165,6 @@ def _check_absolute(mapping: Mapping, arm: Arm) -> None:
     )
     if not (parallel and straight):
         raise mapping.error("angles", "can be absolute only where all revolute axes are parallel to z; write relative")
+
+
+__all__ = ["arm_from", "read_arm", "read_load", "read_section"]

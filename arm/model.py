@@ -75,7 +75,8 @@ def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
 
 
 def beam_values(beams: Sequence[Beam]) -> Array:
-    """The rigidities and lengths of all links as one row (in the order of `BEAM_FIELDS`, link after link); 0 where rigid."""
+    """The rigidities and lengths of all links as one row (in the order of `BEAM_FIELDS`, link after link); 0 where
+    rigid."""
     return np.array([float(getattr(beam, name) or 0.0) for beam in beams for name in BEAM_FIELDS])
 
 

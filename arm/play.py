@@ -24,7 +24,9 @@ Array = NDArray[np.float64]
 _MOST_ENUMERATED = 4
 _MOST_VERTICES_TRIED = 8
 """Intervals whose vertices are tried as starts of climbs in space."""
-_CLIMBS = 25
+_CLIMBS = 20
+_LAST_CLIMBS = 200
+"""The best of the climbs goes on: where the set is nearly a ball around zero, they are slow."""
 _CHUNK = 8192
 _NO_LOAD = 1e-12
 """A load below this share of what the arm carries is rounding, and seats nothing."""
@@ -129,9 +131,10 @@ def _plane_vertices(intervals: Array) -> Array:
 
 
 def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: Array) -> PlayedError:
-    """Climbs from the axes' directions, the error's own and the farthest vertices; all starts of all poses at once."""
+    """Climbs from the axes' and diagonals' directions, the error's own and the farthest vertices, all at once."""
     count, plays = intervals.shape[:2]
-    starts = [np.broadcast_to(row, (count, 3)) for row in np.vstack([np.eye(3), -np.eye(3)])]
+    corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    starts = [np.broadcast_to(row, (count, 3)) for row in np.vstack([np.eye(3), -np.eye(3), corners])]
     starts.append(vector)
     if plays:
         vertices = sign_vertices(min(plays, _MOST_VERTICES_TRIED))
@@ -141,14 +144,16 @@ def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: A
     repeated = [np.tile(array, (len(starts), *[1] * (array.ndim - 1))) for array in (vector, intervals, normals, radii)]
     climbed = _climb(repeated[0], repeated[1], repeated[2], repeated[3], np.concatenate(starts))
     best = climbed.error.reshape(len(starts), count).argmax(axis=0) * count + np.arange(count)
-    return PlayedError(climbed.error[best], climbed.vector[best], climbed.signs[best], climbed.shifts[best])
+    return _climb(vector, intervals, normals, radii, climbed.vector[best], _LAST_CLIMBS)
 
 
-def _climb(vector: Array, intervals: Array, normals: Array, radii: Array, direction: Array) -> PlayedError:
+def _climb(
+    vector: Array, intervals: Array, normals: Array, radii: Array, direction: Array, climbs: int = _CLIMBS
+) -> PlayedError:
     signs = np.zeros(intervals.shape[:2])
     shifts = np.zeros((*normals.shape[:2], 3))
     reached = vector
-    for _ in range(_CLIMBS):
+    for _ in range(climbs):
         signs = np.where(np.einsum("nki,ni->nk", intervals, direction) >= 0.0, 1.0, -1.0)
         across = direction[:, None, :] - np.einsum("ndi,ni->nd", normals, direction)[:, :, None] * normals
         size = _length(across)[:, :, None]

@@ -13,7 +13,8 @@ from materials.quantities import format_quantity
 from sections.section import Section
 
 from .chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
-from .effects import EFFECTS
+from .effects import EFFECTS, kind_at
+from .files import acts_on_slides
 from .vectors import IDENTITY, Rotation, to_roll_pitch_yaw
 
 
@@ -47,7 +48,7 @@ def arm_to_yaml(arm: Arm) -> str:
         lines.append(f"leave_out: {_flow(sorted(arm.leave_out))}")
     if arm.effects:
         lines.append("effects:")
-        lines += [f"  - {_flow(_effect(entry))}" for entry in arm.effects]
+        lines += [f"  - {_flow(_effect(arm, entry))}" for entry in arm.effects]
     return "\n".join(lines) + "\n"
 
 
@@ -164,11 +165,13 @@ def material_to_value(link: Link) -> Any:
     return link.material.name
 
 
-def _effect(entry: EffectEntry) -> dict[str, Any]:
+def _effect(arm: Arm, entry: EffectEntry) -> dict[str, Any]:
     out: dict[str, Any] = {"effect": entry.effect}
     if entry.at:
         out["at"] = list(entry.at)
-    kinds = {parameter.name: parameter.kind for parameter in EFFECTS[entry.effect].parameters}
+    effect = EFFECTS[entry.effect]
+    slides = acts_on_slides(effect, entry.at, arm.joints)
+    kinds = {parameter.name: kind_at(parameter, slides=slides) for parameter in effect.parameters}
     for name, value in entry.parameters.items():
         out[name] = format_quantity(value, kinds[name])
     return out

@@ -1,7 +1,7 @@
 """All benchmarks in one run: python -m benchmarks [--quick]
 
-Every figure is a ratio against code that does the same work; results are compared before anything is timed. Exit status 1
-where a target is missed. `--quick` takes fewer rounds; then timings are only printed, and only sizes can fail.
+Every figure is a ratio against code that does the same work; results are compared before anything is timed. Exit status
+1 where a target is missed. `--quick` takes fewer rounds; then timings are only printed, and only sizes can fail.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The exchange against one program over a full grid of poses, for the same design problem.
 
 Three diameters, three lengths and the epigraph's variable; 13^3 = 2,197 poses. Both sides are given the same physics
-function, the same start and the same IPOPT options, build their program and solve it; derivatives are exact on both. The
-grid's program maps the pose function over all poses (CasADi's `map`), which builds and runs far faster than 2,197
+function, the same start and the same IPOPT options, build their program and solve it; derivatives are exact on both.
+The grid's program maps the pose function over all poses (CasADi's `map`), which builds and runs far faster than 2,197
 copies written out. The exchange's answer is certified over all poses between; the grid's holds at its own poses only.
 """
 
@@ -18,8 +18,8 @@ import casadi as ca
 import numpy as np
 
 from optimize.choice import combinations
-from optimize.design import design_space, expressions, material_row, numeric_beams, starting_points
 from optimize.design import arm_of as design_arm
+from optimize.design import design_space, expressions, material_row, numeric_beams, starting_points
 from optimize.exchange import Context, Exchange, context_of, first_pool
 from optimize.problem import Problem, read_problem
 from optimize.program import _ipopt_options
@@ -75,7 +75,8 @@ def exchange_against_grid(*, quick: bool) -> list[str]:
     ratio = other.seconds / best.seconds
     print(f"exchange against one IPOPT program over a grid of {EACH}^3 = {EACH**3} poses, 7 variables")
     for name, side in (("exchange, certified", best), ("grid", other)):
-        print(f"  {name:20} {1e3 * side.true:.6f} mm (claims {1e3 * side.claimed:.6f}) in {side.seconds:.3f} s; {side.note}")
+        figures = f"{1e3 * side.true:.6f} mm (claims {1e3 * side.claimed:.6f})"
+        print(f"  {name:20} {figures} in {side.seconds:.3f} s; {side.note}")
     print(f"  the grid's answer is {100.0 * (other.true / other.claimed - 1.0):.2f} % worse than it claims")
     print(f"  ratio: {ratio:.0f} times faster, at least {TARGET:.0f} is asked for")
     return [] if ratio >= TARGET else [f"exchange against grid: {ratio:.0f} times instead of {TARGET:.0f}"]

@@ -1,6 +1,7 @@
 """Fits for shapes beyond the doubly symmetric ones, against boundary element samples.
 
-``python benchmarks/open_section_fits.py FOLDER > sections/coefficients_open.py``, where FOLDER holds what
+``python benchmarks/open_section_fits.py FOLDER > new.py`` and then `new.py` to
+`sections/coefficients_open.py` (which must stay whole while this runs), where FOLDER holds what
 `benchmarks/open_section_samples.py` left; the errors that remain go to standard error.
 """
 
@@ -74,6 +75,38 @@ def octagons(folder: Path) -> Fits:
     return out
 
 
+def triangular_tubes(folder: Path) -> Fits:
+    """Isosceles triangular tubes: features are width / (width + height) and the hollow's share of the outer size."""
+    from sections.closed_forms import triangle_torsion_constant
+
+    width, inner, j, ay, cy, az, cz = np.load(folder / "triangular_tube.npy").T
+    features = (width / (width + 1.0), inner)
+    solid = triangle_torsion_constant(width, np.ones_like(width))
+    out = [fit_log("TRIANGULAR_TUBE_TORSION", features, j / (solid * (1 - inner**4)), np.ones_like(j), 6)]
+    for name, a, c, degree in (("Y", ay, cy, 6), ("Z", az, cz, 4)):
+        total = a + WORST_POISSON * c
+        least = np.maximum(WORST_POISSON * c / total, 0.01)
+        out.append(fit_log(f"TRIANGULAR_TUBE_SHEAR_{name}", features, a, a / total, 7))
+        out.append(fit_log(f"TRIANGULAR_TUBE_POISSON_{name}", features, c / (1 - inner) ** 2, least, degree))
+    return out
+
+
+def angles(folder: Path) -> Fits:
+    """Angles of one thickness: features are (width - height) / (width + height) and t (1 / width + 1 / height)."""
+    from sections.shapes.angle import angle_torsion_base
+
+    width, t, j, ay, cy, az, cz = np.load(folder / "angle.npy").T
+    height = np.ones_like(width)
+    features = ((width - height) / (width + height), t / width + t / height)
+    out = [fit_log("ANGLE_TORSION", features, j / angle_torsion_base(width, height, t), np.ones_like(j), 3)]
+    for name, a, c in (("Y", ay, cy), ("Z", az, cz)):
+        total = a + WORST_POISSON * c
+        least = np.maximum(WORST_POISSON * c / total, 0.01)
+        out.append(fit_log(f"ANGLE_SHEAR_{name}", features, a, a / total, 6))
+        out.append(fit_log(f"ANGLE_POISSON_{name}", features, c / t**2, least, 4))
+    return out
+
+
 def fit_log(name: str, features: tuple, ratio: np.ndarray, weight: np.ndarray, degree: int) -> tuple[str, tuple]:
     matrix, exponents = powers(features, degree)
     found = minimax(matrix, np.log(ratio), weight)
@@ -87,7 +120,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     print('"""Coefficients of fits, written by benchmarks/open_section_fits.py; not to be edited by hand."""\n')
     print("# fmt: off")
-    for make in (fillets, octagons):
+    for make in (fillets, octagons, triangular_tubes, angles):
         for name, value in make(folder):
             print(f"{name} = {layout(value)}")
 

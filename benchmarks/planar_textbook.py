@@ -7,6 +7,7 @@ slope (F L^2/2 + M L + w L^3/6)/EI turns what follows; per joint, tau/K turns al
 from __future__ import annotations
 
 import casadi as ca
+
 from benchmarks.planar_by_hand import PlanarArm
 
 

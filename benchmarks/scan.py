@@ -1,4 +1,4 @@
-"""How fast a scan over random poses runs: python benchmarks/scan.py [poses]
+"""How fast a scan over random poses runs: python -m benchmarks.scan [poses]
 
 The size of a planar 3R arm's tip error (bending, slopes, axial strain, drives; distributed gravity and a
 payload) at random poses, computed by NumPy written by hand for this arm and by what `arm.compile` makes of
@@ -18,9 +18,9 @@ from functools import partial
 
 import casadi as ca
 import numpy as np
-from planar_by_hand import EXAMPLE, Array, planar_error_numpy, planar_error_sx, planar_symbols
 
 from arm.compile import CompilerError, TrigQuadratic, VectorFunction, vectorise
+from benchmarks.planar_by_hand import EXAMPLE, Array, planar_error_numpy, planar_error_sx, planar_symbols
 
 ROUNDS = 7
 AGREEMENT = 1e-12

@@ -1,13 +1,10 @@
 """How many instructions the planar 3R error takes: our general spatial code against code written for the plane.
 
-All sides have the same inputs (joint angles; per link EI, EA, weight per length, length and drive stiffness; the payload's
-weight), the same two outputs and the same physics. Gravity is 1 along -y here, so that a mass is a weight.
+All sides have the same inputs (joint angles; per link EI, EA, weight per length, length and drive stiffness; the
+payload's weight), the same two outputs and the same physics. Gravity is 1 along -y here, so that a mass is a weight.
 """
 
 from __future__ import annotations
-
-import sys
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -17,11 +14,8 @@ from arm.chain import Arm, Joint, Link
 from arm.error import active_effects, tip_error
 from arm.kinematics import parts
 from arm.statics import solve
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from planar_by_hand import PlanarArm, planar_error_sx, planar_symbols
-from planar_textbook import planar_error_textbook
+from benchmarks.planar_by_hand import PlanarArm, planar_error_sx, planar_symbols
+from benchmarks.planar_textbook import planar_error_textbook
 
 TARGET = 0.9
 AGREEMENT = 1e-12

@@ -14,7 +14,7 @@ from typing import Any, cast
 
 from materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
 from materials.reading import load_yaml, parse_yaml, read_text
-from materials.yaml_text import YamlText
+from materials.yaml_text import YamlText, block_lines, flow_text
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\nreferences: {{}}\nmaterials: {{}}\n"
 """What a catalogue file begins as."""
@@ -31,10 +31,16 @@ class Entry:
 
 def entries_text(entries: Iterable[Entry]) -> str:
     """Return the entries as the text of a catalogue file of their own."""
-    document = YamlText(NEW_FILE, file="")
+    references: dict[str, str] = {}
+    materials: list[str] = []
     for entry in entries:
-        put(document, entry)
-    return document.text
+        renamed = {key: _free_key(references, key, text) for key, text in entry.references.items()}
+        references |= {renamed[key]: text for key, text in entry.references.items()}
+        materials.append(f"  {flow_text(entry.name, key=True)}:")
+        materials += block_lines(_with_sources(dict(entry.content), renamed), 4)
+    head = [f"format_version: {FORMAT_VERSION}", "references:" if references else "references: {}"]
+    body = ["materials:" if materials else "materials: {}", *materials]
+    return "\n".join([*head, *block_lines(references, 2), *body, ""])
 
 
 def find_entry(catalogue: Catalogue, name: str) -> Entry:
@@ -88,18 +94,27 @@ def _with_sources(content: dict[str, Any], renamed: MappingLike[str, str]) -> di
 def reference(document: YamlText, key: str, text: str) -> str:
     """Return the key under which the file cites `text`, adding it where it is not there yet."""
     known: dict[str, str] = document.get(["references"]) or {}
-    for other, written in known.items():
-        if written == text:
-            return other
-    base, number = key or "source", 1
-    while key in known or not key:
-        number += 1
-        key = f"{base}-{number}"
+    key = _free_key(known, key, text)
+    if key in known:
+        return key
     if known:
         document.set(["references", key], text)
     else:
         document.set(["references"], {key: text}, block=True)
     return key
+
+
+def _free_key(known: MappingLike[str, str], key: str, text: str) -> str:
+    """Return the key that has `text` already, or else one like `key` that has none yet."""
+    for other, written in known.items():
+        if written == text:
+            return other
+    base = found = key or "source"
+    number = 1
+    while found in known:
+        number += 1
+        found = f"{base}-{number}"
+    return found
 
 
 def _entry_in(data: MappingLike[str, Any], name: str) -> Entry | None:

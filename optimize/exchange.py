@@ -101,7 +101,7 @@ class Exchange:
 
     def __init__(self, context: Context, space: DesignSpace) -> None:
         self.context, self.space = context, space
-        self._anchors = anchored(space) and context.uses_error
+        self._anchors = anchored(space)
         self._program: Program | None = None
 
     def program(self, pool: Pool, *, spare: bool = True) -> Program:
@@ -195,7 +195,8 @@ class Exchange:
         arm = arm_of(self.space, x, chosen)
         p = numeric_beams(arm, context.problem.load_cases)
         violation, certified, worst = -math.inf, True, None
-        grown, kept = pool, pool.size
+        grown = _anchored_again(context, pool, p) if self._anchors else pool
+        kept = grown.size
         if context.uses_error:
             known = np.array([cut.q for cut in pool.errors])
             allowed = solution.error
@@ -209,8 +210,6 @@ class Exchange:
             violation = worst.error / allowed - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
             cuts = tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED])
-            grown = _anchored_again(context, grown, p) if anchored(self.space) else grown
-            kept = grown.size
             grown = grown.with_errors(cuts)
         violation, grown = self._judge_strength(arm, p, violation, grown)
         violation, grown = self._judge_modes(arm, p, violation, grown)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from arm.model import ErrorModel
 from arm.strength import StrengthCase
+from arm.workspace import climbing_bounds, joint_box
 
 from .design import MATERIAL_FIELDS, DesignSpace, expressions
 from .pool import ErrorCut, ModeCut, Pool, Room, StrengthCut
@@ -111,8 +112,7 @@ class Program:
         self.space, self.model, self.room = space, model, room
         problem = space.problem
         limits = problem.limits
-        self._uses_error = problem.minimize == "max_error" or bool(problem.limit("max_error"))
-        self._anchored = anchored(space) and self._uses_error
+        self._anchored = anchored(space)
         x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
         materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
         design = expressions(space, x, materials)
@@ -196,11 +196,12 @@ class Program:
         equal = np.array([-give if limit.relation == "==" else 0.0 for limit in self.space.problem.limits])
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
+        least, most = self._turns(np.array(unknowns), turn)
         result = self._solver(
             x0=[*inside, y, *([0.5 * give / 10.0] * count), *unknowns],
             p=[*materials, *((0.0, 1.0) if relax else (1.0, 0.0)), *values],
-            lbx=[*lower, -40.0, *equal, *(u - turn for u in unknowns)],
-            ubx=[*upper, 40.0, *([give] * count), *(u + turn for u in unknowns)],
+            lbx=[*lower, -40.0, *equal, *least],
+            ubx=[*upper, 40.0, *([give] * count), *most],
             lbg=self._lower,
             ubg=np.zeros(len(self._lower)),
         )
@@ -221,6 +222,16 @@ class Program:
             message=str(stats["return_status"]),
             turned=bool(np.any(np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn)),
         )
+
+    def _turns(self, q: Array, turn: float) -> tuple[Array, Array]:
+        """Bounds of the anchored poses. Without a joint to spare a place is reached within the joints' ranges or not at
+        all; an arm that has one may reach it in another way, which the next round finds."""
+        arm = self.model.arm
+        if arm.size > (2 if self.model.planar else 3):
+            return q - turn, q + turn
+        low, high = climbing_bounds(arm, *joint_box(arm, self.space.problem.workspace))
+        times = len(q) // arm.size
+        return np.maximum(q - turn, np.tile(low, times)), np.minimum(q + turn, np.tile(high, times))
 
     def _active(
         self, multipliers: Array, errors: list[ErrorCut], strengths: list[StrengthCut], modes: list[ModeCut]

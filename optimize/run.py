@@ -40,6 +40,8 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
+    # Poses of a box or a path are found one by one, some ten times as slowly.
+    poses = 200_000 if problem.workspace.kind == "joints" else 20_000
     return OptimizationResult(
         problem_file=problem.file,
         minimize=problem.minimize,
@@ -57,8 +59,8 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
-        before_map=error_map(context.search, numeric_beams(problem.arm, problem.load_cases)),
-        after_map=error_map(context.search, numeric_beams(arm, problem.load_cases)),
+        before_map=error_map(context.search, numeric_beams(problem.arm, problem.load_cases), poses=poses),
+        after_map=error_map(context.search, numeric_beams(arm, problem.load_cases), poses=poses),
     )
 
 

@@ -17,29 +17,39 @@ from sections.section import (
 )
 from sections.shapes import (
     SHAPES,
+    Angle,
     Circle,
     Ellipse,
+    EllipticalTube,
     FreeFlangeISection,
     ISection,
+    Octagon,
+    OctagonalTube,
     Polygon,
     Rectangle,
     RectangularTube,
     Triangle,
+    TriangularTube,
     Tube,
 )
 from sections.stock import Stock, StockSize, load_stock, section_from_name
+from sections.walls import Wall, WallLimit, local_buckling, walls
 
 __all__ = [
     "SHAPES",
+    "Angle",
     "Bounds",
     "Circle",
     "Constraint",
     "DesignVariable",
     "Dimension",
     "Ellipse",
+    "EllipticalTube",
     "FreeFlangeISection",
     "ISection",
     "Number",
+    "Octagon",
+    "OctagonalTube",
     "Outline",
     "Polygon",
     "Rectangle",
@@ -50,8 +60,13 @@ __all__ = [
     "Stock",
     "StockSize",
     "Triangle",
+    "TriangularTube",
     "Tube",
+    "Wall",
+    "WallLimit",
     "build",
     "load_stock",
+    "local_buckling",
     "section_from_name",
+    "walls",
 ]

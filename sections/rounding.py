@@ -113,7 +113,7 @@ def rounded_tube_shear(
 def rounded_box(width: float, height: float, radius: float) -> NDArray[np.float64]:
     """A closed rectangle about the origin with rounded corners, anticlockwise, m."""
     points: list[tuple[float, float]] = []
-    turn = np.linspace(0.0, 0.5 * math.pi, ARC_CHORDS + 1)
+    turn = np.linspace(0.0, 0.5 * math.pi, ARC_CHORDS + 1) if radius > 0.0 else np.zeros(1)
     for corner, (y, z) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         angle = turn + 0.5 * math.pi * corner
         for c, s in zip(np.cos(angle), np.sin(angle), strict=True):

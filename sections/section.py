@@ -107,6 +107,8 @@ class Section(ABC):
     """What describes the shape."""
     variables: ClassVar[tuple[DesignVariable, ...]]
     """What an optimiser chooses; empty where the shape is fixed."""
+    most_wall: ClassVar[float] = 0.5
+    """The wall at which nothing is left open, as a fraction of the outer size where all outer sizes are equal."""
 
     @abstractmethod
     def properties(self, poisson_ratio: Number) -> SectionProperties:
@@ -174,9 +176,10 @@ class Section(ABC):
             used = label == "section_size" or any(d.kind == "wall" for d in cls.dimensions)
             if used and not 0.0 < low <= high:
                 return f"{label}: {low * 1e3:g} mm must be positive and not above {high * 1e3:g} mm"
-        if any(d.kind == "wall" for d in cls.dimensions) and 2.0 * wall[0] > (1.0 - LEAST_OPENING) * outer[1]:
+        has_walls = any(d.kind == "wall" for d in cls.dimensions)
+        if has_walls and wall[0] > cls.most_wall * (1.0 - LEAST_OPENING) * outer[1]:
             return (
-                f"{cls.shape}: two walls of at least {wall[0] * 1e3:g} mm do not fit into an outer size of "
+                f"{cls.shape}: walls of at least {wall[0] * 1e3:g} mm do not fit into an outer size of "
                 f"at most {outer[1] * 1e3:g} mm"
             )
         return None
@@ -195,9 +198,10 @@ class Section(ABC):
         def at(fraction: float) -> Self:
             """Sections from the smallest to the largest, geometrically; walls kept inside."""
             size = outer[0] * (outer[1] / outer[0]) ** fraction
-            size = max(size, 2.0 * wall[0] / (1.0 - 2.0 * LEAST_OPENING)) if has_walls else size
+            size = max(size, wall[0] / (cls.most_wall * (1.0 - 2.0 * LEAST_OPENING))) if has_walls else size
             size = min(size, outer[1])
-            thickness = min(wall[0] * (wall[1] / wall[0]) ** fraction, 0.5 * (1.0 - LEAST_OPENING) * size)
+            most = cls.most_wall * (1.0 - LEAST_OPENING) * size
+            thickness = min(wall[0] * (wall[1] / wall[0]) ** fraction, most)
             return cls.uniform(size, thickness)
 
         has_walls = any(d.kind == "wall" for d in cls.dimensions)
@@ -238,6 +242,15 @@ def common_properties(*, shear: tuple[Number, Number], **values: Number) -> Sect
         shear_area_z=values["area"] / shear[1],
         **values,
     )
+
+
+def hollow_torsion_modulus(enclosed: Number, thickness: Number, torsion_constant: Number) -> Number:
+    """W_t of a closed wall, m^3: Bredt's stress T / (2 A_m t), and that of the wall's own twist, T t / (2 J).
+
+    ``enclosed`` is the area A_m within the wall's middle line (m^2). Stress concentrations at inner corners are left
+    out.
+    """
+    return 1.0 / (1.0 / (2.0 * enclosed * thickness) + 0.5 * thickness / torsion_constant)
 
 
 def poisson_square(poisson_ratio: Number) -> Number:

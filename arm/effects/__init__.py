@@ -8,7 +8,8 @@ from types import MappingProxyType
 from .axial import AXIAL
 from .backlash import BACKLASH
 from .clearance import CLEARANCE
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, kind_at
+from .encoder_offset import ENCODER_OFFSET
 from .joint_compliance import JOINT_COMPLIANCE
 from .link_bending import LINK_BENDING
 from .shear_deformation import SHEAR_DEFORMATION
@@ -29,8 +30,9 @@ EFFECTS: Mapping[str, Effect] = MappingProxyType(
             CLEARANCE,
             BACKLASH,
             THERMAL_EXPANSION,
+            ENCODER_OFFSET,
         )
     }
 )
 
-__all__ = ["EFFECTS", "Disc", "Effect", "Interval", "Parameter", "Settings", "Twist"]
+__all__ = ["EFFECTS", "Disc", "Effect", "Interval", "Parameter", "Settings", "Twist", "kind_at"]

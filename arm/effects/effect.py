@@ -73,6 +73,12 @@ class Settings:
         return not self.at or index in self.at
 
 
+def kind_at(parameter: Parameter, *, slides: bool) -> str:
+    """A parameter's kind of quantity where the effect acts on slides: a length for an angle, N/m for N*m/rad."""
+    linear = {"angle": "length", "torsional_stiffness": "linear_stiffness"}
+    return linear.get(parameter.kind, parameter.kind) if slides else parameter.kind
+
+
 def no_twists(state: PoseState, settings: Settings) -> Iterable[Twist]:
     """Nothing: for effects that are pure play."""
     del state, settings

@@ -28,7 +28,8 @@ def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scala
 
 
 def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
-    """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w L^4/8)/EI."""
+    """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w
+    L^4/8)/EI."""
     length = link.beam.length
     force = add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight))
 

@@ -74,7 +74,7 @@ def show_section(
     try:
         size = stock.find(name)
     except SectionError as error:
-        near = difflib.get_close_matches(name, SHAPES, n=1, cutoff=0.5)
+        near = difflib.get_close_matches(name, SHAPES, n=1, cutoff=0.7)
         message = f"there is no shape or stock size {name!r}; did you mean {near[0]}?" if near else error.message
         raise InputError("", "section", message) from None
     _write(json, _stock_json(size))

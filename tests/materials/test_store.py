@@ -94,10 +94,10 @@ def test_an_edit_that_never_landed_is_passed_over(tmp_path, monkeypatch):
     store.edit_text(path, lambda _: ("b", "wrote b"))
     whole = store.write_whole
 
-    def fails_at_the_file(target, text):
+    def fails_at_the_file(target, text, *, flush=True):
         if target.name == "c.yaml":
             raise KeyboardInterrupt
-        whole(target, text)
+        whole(target, text, flush=flush)
 
     monkeypatch.setattr(store, "write_whole", fails_at_the_file)
     with pytest.raises(KeyboardInterrupt):

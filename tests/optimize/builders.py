@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from arm.chain import Arm, LoadCase
 from arm.model import beam_values, beams_of, error_model
 from arm.play import played
-from optimize.choice import choose
-from optimize.exchange import context_of
+from optimize.choice import choose, combinations
+from optimize.design import arm_of, design_space, material_row, starting_points
+from optimize.exchange import Exchange, Exchanged, context_of, first_pool
 from optimize.problem import Problem, read_problem
 from optimize.result import BindingLimit
 from tests.arm.builders import PAPER_MATERIAL, rod_lines
@@ -74,6 +75,19 @@ def best_value(problem: Problem) -> float:
     found = choose(context_of(problem))
     assert found is not None
     return found.objective * (1e3 if problem.minimize == "max_error" else 1.0)
+
+
+def one_exchange(problem: Problem) -> tuple[Arm, Exchanged]:
+    """The design and the exchange of a problem's first combination, from a single start."""
+    context, pick = context_of(problem), combinations(problem)[0]
+    space = design_space(problem, pick.shapes)
+    materials = material_row(pick.materials, problem)
+    start = starting_points(space, materials, 1)[0]
+    pool = first_pool(context, space, start, pick.materials)
+    done = Exchange(context, space).run(materials, pick.materials, pool, start)
+    assert done is not None
+    assert done.worst is not None
+    return arm_of(space, done.x, pick.materials), done
 
 
 def loosened(problem: Problem, limit: BindingLimit, step: float) -> Problem:

@@ -34,7 +34,9 @@ def sag(diameters: Array, lengths: Array) -> float:
         for node, weight in zip(nodes, weights, strict=True):
             x = ends[k] + 0.5 * lengths[k] * (1.0 + node)
             moment = PAYLOAD * G * (ends[-1] - x) + 0.5 * line[k] * (ends[k + 1] - x) ** 2
-            moment += sum(line[j] * lengths[j] * (0.5 * (ends[j] + ends[j + 1]) - x) for j in range(k + 1, len(lengths)))
+            moment += sum(
+                line[j] * lengths[j] * (0.5 * (ends[j] + ends[j + 1]) - x) for j in range(k + 1, len(lengths))
+            )
             total += 0.5 * lengths[k] * weight * moment * (ends[-1] - x) / rigidity
     return total
 

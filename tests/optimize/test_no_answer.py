@@ -22,7 +22,10 @@ IMPOSSIBLE = {
     "mass too large": (f"subject_to: {{mass: '== 400 kg', {SIZES}}}\n", ["mass"]),
     "total mass too small": (f"subject_to: {{total_mass: '<= 9 kg', {SIZES}}}\n", ["total_mass"]),
     "error too small": ("minimize: mass\nsubject_to: {max_error: '<= 1 mm'}\n", ["max_error"]),
-    "frequency too high": (f"minimize: mass\nsubject_to: {{first_frequency: '>= 200 Hz', {SIZES}}}\n", ["first_frequency"]),
+    "frequency too high": (
+        f"minimize: mass\nsubject_to: {{first_frequency: '>= 200 Hz', {SIZES}}}\n",
+        ["first_frequency"],
+    ),
     "safety too high": (f"minimize: mass\nsubject_to: {{safety_factor: '>= 200', {SIZES}}}\n", ["safety_factor"]),
     "buckling too high": (f"minimize: mass\nsubject_to: {{buckling: '>= 100000', {SIZES}}}\n", ["buckling"]),
     "light and strong": (

@@ -1,0 +1,158 @@
+"""Isosceles triangular tube of constant wall."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from sections.closed_forms import triangle_torsion_constant
+from sections.coefficients_open import (
+    TRIANGULAR_TUBE_POISSON_Y,
+    TRIANGULAR_TUBE_POISSON_Z,
+    TRIANGULAR_TUBE_SHEAR_Y,
+    TRIANGULAR_TUBE_SHEAR_Z,
+    TRIANGULAR_TUBE_TORSION,
+)
+from sections.numeric import Number, absolute, exp, maximum, minimum, polynomial, sqrt
+from sections.properties import SectionProperties
+from sections.section import (
+    LEAST_OPENING,
+    Constraint,
+    DesignVariable,
+    Dimension,
+    Outline,
+    Section,
+    closed,
+    common_properties,
+    hollow_torsion_modulus,
+    poisson_square,
+)
+
+
+@dataclass(frozen=True)
+class TriangularTube(Section):
+    """A tube whose outer edge is an isosceles triangle, base down, with a constant wall and sharp corners.
+
+    Attributes:
+        width: outer base along y, m.
+        height: outer height along z, m.
+        thickness: of the wall, square to it, m.
+    """
+
+    width: Number
+    height: Number
+    thickness: Number
+
+    shape: ClassVar[str] = "triangular_tube"
+    most_wall: ClassVar[float] = 1.0 / (1.0 + math.sqrt(5.0))
+    dimensions: ClassVar[tuple[Dimension, ...]] = (
+        Dimension("width", "outer base, across the bending plane", "outer"),
+        Dimension("height", "outer height, in the bending plane", "outer"),
+        Dimension("thickness", "wall thickness", "wall"),
+    )
+    variables: ClassVar[tuple[DesignVariable, ...]] = (
+        DesignVariable("width", "outer base, across the bending plane", "outer"),
+        DesignVariable("height", "outer height, in the bending plane", "outer"),
+        DesignVariable("thickness", "wall thickness", "wall"),
+    )
+
+    @property
+    def inscribed_radius(self) -> Number:
+        """Radius of the circle inscribed in the outer triangle, m: the wall that would fill it."""
+        return self.width * self.height / (self.width + sqrt(self.width**2 + 4.0 * self.height**2))
+
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        """Properties (SI), exact but for J and shear areas.
+
+        These are fits to boundary element solutions, within 0.5 % for width / height from 0.3 to 3.5 and a wall of
+        0.05 to 0.75 of the inscribed radius. The hollow is the outer triangle shrunk about the centre of the
+        inscribed circle. The torsion modulus leaves out the inner corners' stress concentration, as design
+        codes do (`hollow_torsion_modulus`).
+        """
+        b, h, t = self.width, self.height, self.thickness
+        radius = self.inscribed_radius
+        inner = 1.0 - t / radius
+        square = inner**2
+        outer_area = 0.5 * b * h
+        solid, hollow = h / 3.0, radius + inner * (h / 3.0 - radius)
+        centroid = (solid - square * hollow) / (1.0 - square)
+        second_moment_y = b * h**3 / 36.0 * (1.0 - square**2) + outer_area * (
+            (solid - centroid) ** 2 - square * (hollow - centroid) ** 2
+        )
+        features = (b / (b + h), inner)
+        solid_torsion = triangle_torsion_constant(b, h)
+        torsion = solid_torsion * (1.0 - square**2) * exp(polynomial(TRIANGULAR_TUBE_TORSION, features))
+        return common_properties(
+            shear=_shear_factors(features, poisson_ratio),
+            area=outer_area * (1.0 - square),
+            second_moment_y=second_moment_y,
+            second_moment_z=h * b**3 / 48.0 * (1.0 - square**2),
+            torsion_constant=torsion,
+            plastic_modulus_y=self._plastic_modulus_y(),
+            plastic_modulus_z=h * b**2 / 12.0 * (1.0 - inner**3),
+            extreme_fibre_y=maximum(h - centroid, centroid),
+            extreme_fibre_z=0.5 * b,
+            torsion_modulus=hollow_torsion_modulus(outer_area * (1.0 - 0.5 * t / radius) ** 2, t, torsion),
+            width=b,
+            height=h,
+            centroid_y=0.5 * b,
+            centroid_z=centroid,
+        )
+
+    def _plastic_modulus_y(self) -> Number:
+        """By the line that halves the area, found where it crosses base, hollow or point of the tube."""
+        b, h, t = self.width, self.height, self.thickness
+        inner = 1.0 - t / self.inscribed_radius
+        slope, top = b / h, t + inner * h
+        half = 0.25 * b * h * (1.0 - inner**2)
+        in_base = minimum(h - sqrt(maximum(h**2 - 2.0 * half / slope, 0.0)), t)
+        # Between: both outer triangle and hollow narrow at the same rate, so the walls' width stays.
+        walls = slope * (h - top)
+        below = 0.5 * slope * (h**2 - (h - t) ** 2)
+        in_walls = minimum(maximum(t + (half - below) / walls, t), top)
+        in_point = maximum(h - sqrt(2.0 * half / slope), top)
+        least: Number = None
+        for line in (in_base, in_walls, in_point):
+            total = _distance_integral(b, h, 0.0, line) - _distance_integral(inner * b, inner * h, t, line)
+            least = total if least is None else minimum(least, total)
+        return least
+
+    def outline(self) -> Outline:
+        """Both triangles."""
+        found = self.properties(0.0)
+        inner = 1.0 - self.thickness / self.inscribed_radius
+        y, low, high = 0.5 * self.width, -found.centroid_z, self.height - found.centroid_z
+        floor = low + self.thickness
+        hole = [(0.0, floor + inner * self.height), (inner * y, floor), (-inner * y, floor)]
+        return [closed([(-y, low), (y, low), (0.0, high)]), closed(hole)]
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """The wall must leave a hollow."""
+        return (
+            Constraint(
+                "hollow",
+                f"the wall must stay below {1.0 - LEAST_OPENING:.0%} of the inscribed circle's radius",
+                self.thickness / self.inscribed_radius - 1.0 + LEAST_OPENING,
+            ),
+        )
+
+
+def _distance_integral(base: Number, height: Number, floor: Number, line: Number) -> Number:
+    """Integral of the distance from a horizontal line over a triangle that stands on its base at ``floor``, m^3."""
+    slope, low, apex = base / height, floor - line, floor + height - line
+    # |u| times the width slope (apex - u), from low to apex: primitive u |u| (apex / 2 - u / 3).
+    return slope * (
+        apex * absolute(apex) * apex / 6.0 - low * absolute(low) * (0.5 * apex - low / 3.0)
+    )
+
+
+def _shear_factors(features: tuple[Number, Number], poisson_ratio: Number) -> tuple[Number, Number]:
+    poisson = poisson_square(poisson_ratio) * (1.0 - features[1]) ** 2
+    along_y = exp(polynomial(TRIANGULAR_TUBE_SHEAR_Y, features)) + poisson * exp(
+        polynomial(TRIANGULAR_TUBE_POISSON_Y, features)
+    )
+    along_z = exp(polynomial(TRIANGULAR_TUBE_SHEAR_Z, features)) + poisson * exp(
+        polynomial(TRIANGULAR_TUBE_POISSON_Z, features)
+    )
+    return along_y, along_z

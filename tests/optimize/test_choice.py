@@ -1,0 +1,81 @@
+"""Shapes and materials: the choice against every combination finished by hand, and what `same` makes links agree in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from optimize.choice import choose, combinations, count
+from optimize.design import design_space, material_row, starting_points
+from optimize.exchange import Exchange, context_of, first_pool
+from optimize.run import optimise
+from tests.optimize.builders import jointed, problem_of, ranged
+
+ARM = jointed((500, 400), ranged("-100 100", "30 140"))
+CASES = "load_cases:\n  - {payload: {mass: 3 kg}}\n  - {payload: {mass: 1 kg}, force: [90 N, 0 N, 0 N]}\n"
+LIMITS = "subject_to: {mass: '<= 5 kg', section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]}\n"
+
+
+def test_bounded_out_combinations_would_not_have_won(tmp_path: Path) -> None:
+    text = "choose: {section: [circle, tube, rectangle], material: [aluminium-6061-t6, steel-s355]}\n" + CASES + LIMITS
+    problem = problem_of(tmp_path, ARM, text)
+    context = context_of(problem)
+    choice = choose(context)
+    assert choice is not None
+    assert choice.exhaustive
+    picks = combinations(problem)
+    assert len(picks) == count(problem) == 36 == len(choice.candidates)
+    finished: dict[tuple[object, ...], float] = {}
+    for pick in picks:
+        space = design_space(problem, pick.shapes)
+        materials = material_row(pick.materials, problem)
+        start = starting_points(space, materials, 1)[0]
+        pool = first_pool(context, space, start, pick.materials)
+        done = Exchange(context, space).run(materials, pick.materials, pool, start)
+        if done is not None and done.converged:
+            assert done.worst is not None
+            finished[pick.shapes, tuple(m.name for m in pick.materials if m is not None)] = done.worst.error
+    assert min(finished.values()) >= choice.objective * (1.0 - 1e-4)
+    for candidate in choice.candidates:
+        by_hand = finished.get((candidate.shapes, candidate.materials))
+        if candidate.outcome == "infeasible":
+            assert by_hand is None
+        elif by_hand is not None:
+            assert candidate.objective is not None
+            assert candidate.objective <= by_hand * (1.0 + 1e-4)  # solved, or a bound from below
+    assert {candidate.outcome for candidate in choice.candidates} >= {"best", "bounded out"}
+
+
+@pytest.mark.parametrize(
+    ("same", "expected"), [("", 16), ("section", 8), ("material", 8), ("section, material", 4), ("size", 8)]
+)
+def test_how_many_combinations_agree(same: str, expected: int, tmp_path: Path) -> None:
+    text = f"choose: {{section: [circle, tube], material: [aluminium-6061-t6, steel-s355], same: [{same}]}}\n" + LIMITS
+    problem = problem_of(tmp_path, ARM, text)
+    picks = combinations(problem)
+    assert len(picks) == count(problem) == expected
+    for pick in picks:
+        if "section" in same or same == "size":
+            assert len(set(pick.shapes)) == 1
+        if "material" in same:
+            assert len({material.name for material in pick.materials if material is not None}) == 1
+
+
+def test_same_size_gives_all_links_one_section(tmp_path: Path) -> None:
+    chosen = "choose: {section: [tube, rectangle], same: [size]}\n"
+    alike = optimise(problem_of(tmp_path, ARM, chosen + CASES + LIMITS))
+    assert alike.links[0].shape == alike.links[1].shape
+    assert dict(alike.links[0].dimensions) == pytest.approx(dict(alike.links[1].dimensions), rel=1e-12)
+    free = optimise(problem_of(tmp_path, ARM, chosen.replace("size", "section") + CASES + LIMITS))
+    assert dict(free.links[0].dimensions) != pytest.approx(dict(free.links[1].dimensions), rel=1e-2)
+    assert free.objective < alike.objective
+
+
+def test_walls_and_sizes_of_the_winner_keep_their_bounds(tmp_path: Path) -> None:
+    result = optimise(problem_of(tmp_path, ARM, "choose: {section: [rectangular_tube, i_section]}\n" + CASES + LIMITS))
+    for link in result.links:
+        for name, value in link.dimensions.items():
+            low, high = (0.002, 0.008) if "thickness" in name else (0.02, 0.09)
+            assert low * (1 - 1e-9) <= value <= high * (1 + 1e-9), name
+    assert result.after.mass <= 5.0 * (1.0 + 1e-6)
