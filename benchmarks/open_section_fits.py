@@ -55,7 +55,9 @@ def fillets(folder: Path) -> Fits:
         print(f"{name:26s} {error.max():.2%}", file=sys.stderr)
         n = lead.shape[1]
         parts = (found[:n], found[n : 2 * n], found[2 * n :])
-        out.append((name, tuple(nest(e, c) for e, c in zip((exponents, exponents, last_exponents), parts, strict=True))))
+        out.append(
+            (name, tuple(nest(e, c) for e, c in zip((exponents, exponents, last_exponents), parts, strict=True)))
+        )
     return out
 
 

@@ -63,9 +63,7 @@ def octagonal_tube(inner: float) -> Loops:
 
 def filleted_i_section(width: float, flange: float, web: float, radius: float) -> Loops:
     turn = np.linspace(0.0, math.pi / 2, FILLET_CHORDS + 1)
-    rise = [
-        (web / 2 + radius * (1 - math.cos(a)), 0.5 - flange - radius * (1 - math.sin(a))) for a in turn
-    ]
+    rise = [(web / 2 + radius * (1 - math.cos(a)), 0.5 - flange - radius * (1 - math.sin(a))) for a in turn]
     quarter = [*rise, (width / 2, 0.5 - flange), (width / 2, 0.5)]
     right = [(y, -z) for y, z in quarter[::-1]] + quarter
     return [np.array(right + [(-y, -z) for y, z in right])]

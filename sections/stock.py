@@ -17,8 +17,8 @@ A column that ends in ``_mm`` is a dimension of the shape. `area_cm2`, `second_m
 `second_moment_z_cm4` are what the source prints; a table without them has computed figures only.
 
 Rounding: a printed figure carries at least three significant digits (zeros at the end of a whole number above 999
-do not count), and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the rest
-for that of the source's intermediate steps. A row beyond that is refused.
+do not count), and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the
+rest for that of the source's intermediate steps. A row beyond that is refused.
 """
 
 from __future__ import annotations

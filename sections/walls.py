@@ -22,13 +22,20 @@ from sections.shapes import (
     Tube,
 )
 
-WallKind: TypeAlias = Literal["internal", "bent", "outstand", "angle", "round"]
+WallKind: TypeAlias = Literal["internal", "bent", "outstand", "angle", "legs", "round"]
 
 LIMITS: Mapping[WallKind, tuple[float, int]] = MappingProxyType(
-    {"internal": (42.0, 1), "bent": (124.0, 1), "outstand": (14.0, 1), "angle": (15.0, 1), "round": (90.0, 2)}
+    {
+        "internal": (42.0, 1),
+        "bent": (124.0, 1),
+        "outstand": (14.0, 1),
+        "angle": (15.0, 1),
+        "legs": (11.5, 1),
+        "round": (90.0, 2),
+    }
 )
 """Greatest slenderness over a power of epsilon, class 3: held at both edges and compressed evenly; the same and bent
-about the middle; held at one edge; leg of an angle; diameter over wall of a round tube."""
+about the middle; held at one edge; leg of an angle; mean of its legs; diameter over wall of a round tube."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +135,8 @@ def _i_section(section: ISection, web: WallKind) -> tuple[Wall, ...]:
     clear = section.height - section.top.thickness - section.bottom.thickness - 2.0 * root
     flanges = [("flange", "the flanges", section.top)]
     if not section.symmetric:
-        flanges = [("top_flange", "the top flange", section.top), ("bottom_flange", "the bottom flange", section.bottom)]
+        flanges = [("top_flange", "the top flange", section.top)]
+        flanges.append(("bottom_flange", "the bottom flange", section.bottom))
         web = "internal"
     return (
         *(
@@ -144,6 +152,7 @@ def _angle(section: Angle, web: WallKind) -> tuple[Wall, ...]:
     return (
         Wall("leg_width", "the lying leg", "angle", section.width / section.thickness),
         Wall("leg_height", "the standing leg", "angle", section.height / section.thickness),
+        Wall("legs", "both legs", "legs", 0.5 * (section.width + section.height) / section.thickness),
     )
 
 

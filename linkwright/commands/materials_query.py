@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import cast
 
 from materials.material import REFERENCE_TEMPERATURE, Material, PropertyName, property_kinds
@@ -13,28 +14,32 @@ from materials.reading import nearest
 
 USUAL: tuple[PropertyName, ...] = ("elastic_modulus", "density", "yield_strength", "cost")
 """The columns of a list that nobody chose columns for."""
-SHORT: dict[PropertyName, str] = {
-    "elastic_modulus": "E",
-    "poisson_ratio": "nu",
-    "shear_modulus": "G",
-    "yield_strength": "yield",
-    "tensile_strength": "tensile",
-    "fatigue_strength": "fatigue",
-    "thermal_expansion": "expansion",
-    "thermal_conductivity": "conductivity",
-    "highest_service_temperature": "usable to",
-}
+SHORT: Mapping[PropertyName, str] = MappingProxyType(
+    {
+        "elastic_modulus": "E",
+        "poisson_ratio": "nu",
+        "shear_modulus": "G",
+        "yield_strength": "yield",
+        "tensile_strength": "tensile",
+        "fatigue_strength": "fatigue",
+        "thermal_expansion": "expansion",
+        "thermal_conductivity": "conductivity",
+        "highest_service_temperature": "usable to",
+    }
+)
 """Headings shorter than the properties' names."""
 DIGITS = 6
 _CONDITION = re.compile(r"\s*(\w+)\s*(<=|>=|==|=|<|>)\s*(.+)")
-_RELATIONS: dict[str, Callable[[float, float], bool]] = {
-    "<": lambda one, other: one < other,
-    "<=": lambda one, other: one <= other * (1 + 1e-12) if other >= 0 else one <= other,
-    ">": lambda one, other: one > other,
-    ">=": lambda one, other: one >= other * (1 - 1e-12) if other >= 0 else one >= other,
-    "=": lambda one, other: abs(one - other) <= 1e-9 * abs(other),
-    "==": lambda one, other: abs(one - other) <= 1e-9 * abs(other),
-}
+_RELATIONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+    {
+        "<": lambda one, other: one < other,
+        "<=": lambda one, other: one <= other * (1 + 1e-12) if other >= 0 else one <= other,
+        ">": lambda one, other: one > other,
+        ">=": lambda one, other: one >= other * (1 - 1e-12) if other >= 0 else one >= other,
+        "=": lambda one, other: abs(one - other) <= 1e-9 * abs(other),
+        "==": lambda one, other: abs(one - other) <= 1e-9 * abs(other),
+    }
+)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,12 +12,25 @@ from materials.quantities import InputError
 
 from .options import JsonFile
 
+if TYPE_CHECKING:
+    from linkwright.paper.rows import ExtendedTable
+
 HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
+
+After them the extended tables, which the paper lacks; they take about a minute, and --quick leaves them out.
 
 Example: linkwright tables --markdown tables.md --json tables.json
 """
 KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
 """The tables' names in JSON and of the CSV files."""
+EXTENDED_KEYS = (
+    "shapes_at_their_best",
+    "materials_fairly",
+    "step_by_step",
+    "tolerances",
+    "seam",
+)
+"""The same of the extended tables."""
 
 
 def tables(
@@ -29,9 +42,10 @@ def tables(
             "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
         ),
     ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Leave the extended tables out.")] = False,
 ) -> None:
     """Run the command."""
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import Tries, console, waiting
 
     check_target(json)
     check_target(markdown)
@@ -40,28 +54,41 @@ def tables(
     if csv is not None:
         from linkwright.paper.folders import claim
 
-        claim(csv, [f"{key}.csv" for key in KEYS], f"{KEYS[0]}.csv", "label,paper_")
+        claim(csv, [f"{key}.csv" for key in (*KEYS, *EXTENDED_KEYS)], f"{KEYS[0]}.csv", "label,paper_")
     with waiting("computing the paper's tables"):
-        from linkwright.paper.output import into, table_csv, tables_json, tables_markdown
-        from linkwright.paper.screen import show_tables
+        from linkwright.paper.output import all_into, extended_csv, table_csv, tables_json, tables_markdown
+        from linkwright.paper.screen import show_extended, show_tables
         from linkwright.paper.tables import make_tables
         from linkwright.paper.verdicts import proofs, verdicts
 
         book = make_tables()
         judged, shown = verdicts(book), proofs(book)
+    screen = console()
+    extended: tuple[ExtendedTable, ...] = ()
+    if not quick:
+        from linkwright.paper.extended import make_extended
+
+        tries = Tries(console(errors=True))
+        try:
+            extended = make_extended(tries)
+        finally:
+            tries.close()
     written: list[Path] = []
     if json is not None:
-        write_json(json, tables_json(book, judged, shown))
+        write_json(json, tables_json(book, judged, shown, extended))
         written.append(json)
     if csv is not None:
         for table in book.tables:
             write_file(csv / f"{table.key}.csv", table_csv(table))
             written.append(csv / f"{table.key}.csv")
+        for each in extended:
+            write_file(csv / f"{each.key}.csv", extended_csv(each))
+            written.append(csv / f"{each.key}.csv")
     if markdown is not None:
-        write_file(markdown, into(_text_of(markdown), tables_markdown(book, judged, shown)))
+        write_file(markdown, all_into(_text_of(markdown), tables_markdown(book, judged, shown), extended))
         written.append(markdown)
-    screen = console()
     show_tables(screen, book, judged, shown)
+    show_extended(screen, extended)
     for path in written:
         screen.print(f"written: {path}", soft_wrap=True)
 

@@ -9,23 +9,28 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from linkwright.as_json import program_version
+from linkwright.words import figure
 
 from .figures import Figure
-from .rows import Row, Table, tally
+from .rows import Cell, ExtendedTable, Row, Table, tally
 from .tables import Book
 from .verdicts import Proof, Verdict
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
+EXTENDED_BEGIN, EXTENDED_END = "<!-- begin: linkwright tables, extended -->", "<!-- end: linkwright tables, extended -->"
+"""The same for the extended tables."""
 _MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
 
 
-def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> dict[str, Any]:
+def tables_json(
+    book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof], extended: Sequence[ExtendedTable] = ()
+) -> dict[str, Any]:
     """All tables by their keys, with what was judged and what was fitted."""
     counted = tally(book.tables)
     content: dict[str, Any] = {"made_by": f"linkwright tables {program_version()}"}
     content.update({table.key: [_row_json(row) for row in table.rows] for table in book.tables})
-    content["extended"] = []
+    content["extended"] = [_extended_json(table) for table in extended]
     content["columns"] = {table.key: list(table.columns) for table in book.tables}
     content["remarks"] = {table.key: list(table.remarks) for table in book.tables}
     content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
@@ -48,6 +53,16 @@ def _row_json(row: Row) -> dict[str, Any]:
         "as_equations_read_mm": [1e3 * value for value in row.as_read],
         "corrected_mm": [1e3 * value for value in row.corrected],
         "note": row.note,
+    }
+
+
+def _extended_json(table: ExtendedTable) -> dict[str, Any]:
+    return {
+        "key": table.key,
+        "title": table.title,
+        "columns": [{"name": column.name, "unit": column.unit} for column in table.columns],
+        "rows": [[plain(cell) if isinstance(cell, float) else cell for cell in row] for row in table.rows],
+        "note": table.note,
     }
 
 
@@ -101,6 +116,12 @@ def table_csv(table: Table) -> str:
         figures += [plain(1e3 * value) for value in (*row.as_read, *row.corrected)]
         lines.append([row.label, *figures, row.note])
     return _csv(lines)
+
+
+def extended_csv(table: ExtendedTable) -> str:
+    """An extended table as CSV: units in the headings, an empty field where there is no figure."""
+    rows = [[plain(cell) if isinstance(cell, float) else cell for cell in row] for row in table.rows]
+    return _csv([[column.heading for column in table.columns], *rows])
 
 
 def figure_csv(figure: Figure) -> str:
@@ -175,9 +196,38 @@ def tables_markdown(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Pr
     return "\n".join(lines) + "\n"
 
 
-def into(document: str, block: str) -> str:
+def extended_markdown(tables: Sequence[ExtendedTable]) -> str:
+    """The extended tables as Markdown."""
+    lines: list[str] = []
+    for table in tables:
+        lines += ["", f"### {table.title}", "", table.note, ""]
+        lines.append(f"| {' | '.join(column.heading for column in table.columns)} |")
+        lines.append("|" + "---|" * len(table.columns))
+        lines += [f"| {' | '.join(map(cell_words, row))} |" for row in table.rows]
+    return "\n".join(lines[1:]) + "\n"
+
+
+def cell_words(cell: Cell) -> str:
+    """A cell as people read it: four digits, a dash where there is nothing."""
+    return cell if isinstance(cell, str) else figure(cell)
+
+
+def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
     """The document with what stands between its two marks replaced; the block alone where there are none."""
-    if BEGIN not in document or END not in document:
+    if begin not in document or end not in document:
         return block
-    between = re.compile(re.escape(BEGIN) + ".*?" + re.escape(END), re.DOTALL)
-    return between.sub(lambda _: f"{BEGIN}\n{block}{END}", document, count=1)
+    between = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
+    return between.sub(lambda _: f"{begin}\n{block}{end}", document, count=1)
+
+
+def all_into(document: str, block: str, extended: Sequence[ExtendedTable]) -> str:
+    """The document with the tables between their marks, and the extended ones between theirs where there are any.
+
+    Without marks both follow each other; marks of extended tables keep what they hold where none were computed.
+    """
+    if BEGIN not in document or END not in document:
+        return block + ("\n## Extended tables\n\n" + extended_markdown(extended) if extended else "")
+    renewed = into(document, block)
+    if not extended or EXTENDED_BEGIN not in renewed or EXTENDED_END not in renewed:
+        return renewed
+    return into(renewed, extended_markdown(extended), EXTENDED_BEGIN, EXTENDED_END)

@@ -8,8 +8,8 @@ from rich.console import Console
 
 from linkwright.screen.console import table as empty_table
 
-from .output import cells, heading, notes, tally_words
-from .rows import Table
+from .output import cell_words, cells, heading, notes, tally_words
+from .rows import ExtendedTable, Table
 from .tables import Book
 from .verdicts import Proof, Verdict
 
@@ -45,3 +45,17 @@ def _show(out: Console, table: Table) -> None:
     for labels, note in notes(table):
         out.print(f"- {labels}: {note}")
     out.print()
+
+
+def show_extended(out: Console, tables: Sequence[ExtendedTable]) -> None:
+    """Print the tables that the paper lacks."""
+    for each in tables:
+        out.print()
+        numbers = tuple(
+            index for index in range(len(each.columns)) if any(isinstance(row[index], float) for row in each.rows)
+        )
+        shown = empty_table(*(column.heading for column in each.columns), numbers=numbers, title=each.title)
+        for row in each.rows:
+            shown.add_row(*map(cell_words, row))
+        out.print(shown)
+        out.print(each.note)

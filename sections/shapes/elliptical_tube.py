@@ -81,7 +81,8 @@ class EllipticalTube(Section):
         J is Bredt's plus L t^3 / 4 (L the wall's middle line), which is exact for a thin circle and within 0.8 % for
         width / height from 0.3 to 3 and walls up to 0.8 of the greatest; shear areas there are within 0.5 %: they
         come from the shear flow with the first moment of the thick wall, while Poisson's part (below 0.1 %) is left
-        out. The torsion modulus is `hollow_torsion_modulus`.
+        out. The torsion modulus is `hollow_torsion_modulus`, up to 20 % above
+        that of the stress inside a sharply curved end.
         """
         del poisson_ratio
         b, h, t = self.width, self.height, self.thickness

@@ -139,5 +139,6 @@ def _properties(width: Number, inner: Number, poisson_ratio: Number, torsion_mod
 
 
 def _corners(width: float) -> NDArray[np.float64]:
-    angle = math.pi / 8.0 + np.arange(9) * math.pi / 4.0
-    return 0.5 * width / math.cos(math.pi / 8.0) * np.column_stack((np.cos(angle), np.sin(angle)))
+    angle = math.pi / 8.0 + np.arange(8) * math.pi / 4.0
+    points = 0.5 * width / math.cos(math.pi / 8.0) * np.column_stack((np.cos(angle), np.sin(angle)))
+    return np.vstack((points, points[:1]))

@@ -142,9 +142,7 @@ def _distance_integral(base: Number, height: Number, floor: Number, line: Number
     """Integral of the distance from a horizontal line over a triangle that stands on its base at ``floor``, m^3."""
     slope, low, apex = base / height, floor - line, floor + height - line
     # |u| times the width slope (apex - u), from low to apex: primitive u |u| (apex / 2 - u / 3).
-    return slope * (
-        apex * absolute(apex) * apex / 6.0 - low * absolute(low) * (0.5 * apex - low / 3.0)
-    )
+    return slope * (apex * absolute(apex) * apex / 6.0 - low * absolute(low) * (0.5 * apex - low / 3.0))
 
 
 def _shear_factors(features: tuple[Number, Number], poisson_ratio: Number) -> tuple[Number, Number]:

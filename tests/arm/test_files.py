@@ -140,7 +140,6 @@ def test_unknown_mass_is_kept_and_asked_for_only_when_needed(tmp_path: Path) -> 
         beams_of(arm)
 
 
-@pytest.mark.xfail(strict=True, reason="stock sizes are not read yet")
 def test_stock_sizes_are_named_and_written_as_named(tmp_path: Path) -> None:
     arm = arm_of("chain:\n  - joint: {}\n    link: {length: 1 m, section: IPE 80, material: steel-s355}\n", tmp_path)
     section = arm.links[0].section

@@ -8,7 +8,7 @@ import pytest
 
 from materials.quantities import InputError
 from optimize.run import optimise
-from tests.optimize.builders import DRIVE, PAPER_ARM, jointed, problem_of
+from tests.optimize.builders import PAPER_ARM, problem_of
 
 LIMITS = "subject_to: {{{}}}\n"
 
@@ -85,9 +85,8 @@ def test_arm_of_rigid_links_has_nothing_to_design(tmp_path: Path) -> None:
 
 
 def test_missing_price_of_a_material_is_wrong_input(tmp_path: Path) -> None:
-    arm = jointed([400, 420], [DRIVE, DRIVE])
     with pytest.raises(InputError, match="cost"):
-        optimise(problem_of(tmp_path, arm, "subject_to: {cost: '<= 40 EUR'}\n"))
+        optimise(problem_of(tmp_path, PAPER_ARM, "subject_to: {cost: '<= 40 EUR'}\n"))
 
 
 def test_three_components_serve_a_planar_arm_in_its_plane(tmp_path: Path) -> None:

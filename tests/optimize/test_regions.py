@@ -90,17 +90,14 @@ def test_nearly_stretched_arm_keeps_its_elbow(tmp_path: Path) -> None:
 
 
 def test_arm_in_space(tmp_path: Path) -> None:
-    """Base about z, shoulder and elbow about y, a sideways load case, play in every joint."""
-    axes = (("z", "-180 180"), ("y", "-120 60"), ("y", "20 140"))
-    joints = [
-        DRIVE
-        + f", backlash: 1 arcmin, clearance: 0.01 mm, axis: {axis}, range: [{pair.split()[0]} deg, {pair.split()[1]} deg]"
-        for axis, pair in axes
-    ]
+    """Base about z, shoulder and elbow about y, a sideways force, play in every joint."""
+    axes = (("z", -180, 180), ("y", -120, 60), ("y", 20, 140))
+    play = DRIVE + ", backlash: 1 arcmin, clearance: 0.01 mm"
+    joints = [f"{play}, axis: {axis}, range: [{low} deg, {high} deg]" for axis, low, high in axes]
     arm = "gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]\n" + jointed((150, 450, 400), joints, material=ALUMINIUM)
     text = (
         "choose: {section: ellipse}\n"
-        "load_cases: [{payload: {mass: 3 kg}}, {payload: {mass: 0 kg}, force: [40 N, 30 N, 0 N]}]\n"
+        "load_cases: [{payload: {mass: 2 kg}, force: [40 N, 30 N, 0 N]}]\n"
         "subject_to: {mass: '<= 8 kg', section_size: [20 mm, 200 mm]}\n"
     )
     problem = problem_of(tmp_path, arm, text)

@@ -1,4 +1,4 @@
-"""Designs that several poses hold at once: no claim is below the truth, no limit is broken, no other method does better."""
+"""Designs that several poses hold: no claim is below the truth, no limit is broken, no other method does better."""
 
 from __future__ import annotations
 

@@ -12,14 +12,19 @@ import numpy as np
 import pytest
 
 from sections import (
+    Angle,
     Circle,
     Ellipse,
+    EllipticalTube,
     ISection,
+    Octagon,
+    OctagonalTube,
     Polygon,
     Rectangle,
     RectangularTube,
     Section,
     Triangle,
+    TriangularTube,
     Tube,
 )
 
@@ -53,7 +58,11 @@ def random_sections() -> list[tuple[Section, float, float]]:
             (Triangle(b, h), nu, 0.005),
             (RectangularTube(b, h, flange_thickness=flange, web_thickness=web), nu, 0.011),
             (ISection(b, h, flange, web), nu, I_TOLERANCE),
+            (Angle(b, h, min(b, h) * spread(0.02, 0.25)), nu, 0.011),
+            (TriangularTube(b, h, b * h / (b + math.hypot(b, 2.0 * h)) * spread(0.07, 0.7)), nu, 0.008),
         ]
+        if k % 3 == 0:
+            cases += [(Octagon(h), nu, 0.002), (OctagonalTube(h, h * spread(0.02, 0.3)), nu, 0.005)]
         other = b * spread(0.7, 1.4)
         cases.append(
             (
@@ -87,7 +96,16 @@ def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) ->
 
 @pytest.mark.parametrize("nu", POISSON)
 @pytest.mark.parametrize(
-    "section", [Circle(0.1), Tube(0.1, 0.004), Tube(0.1, 0.03), Ellipse(0.05, 0.1), Ellipse(0.1, 0.04)]
+    "section",
+    [
+        Circle(0.1),
+        Tube(0.1, 0.004),
+        Tube(0.1, 0.03),
+        Ellipse(0.05, 0.1),
+        Ellipse(0.1, 0.04),
+        EllipticalTube(0.05, 0.1, 0.004),
+        EllipticalTube(0.12, 0.05, 0.006),
+    ],
 )
 def test_round_shapes(section: Section, nu: float) -> None:
     # The outline is a 96-gon inside the curve: its area is smaller by (2 pi / 96)^2 / 6 = 0.07 %.
@@ -97,6 +115,28 @@ def test_round_shapes(section: Section, nu: float) -> None:
     assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
     assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
     assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        RectangularTube(0.05, 0.1, 0.004, corner_radius=0.008),
+        RectangularTube(0.1, 0.1, 0.008, corner_radius=0.02),
+        ISection(0.046, 0.08, 0.0052, 0.0038, root_radius=0.005),
+        ISection(0.1, 0.096, 0.008, 0.005, root_radius=0.012),
+        ISection(0.15, 0.3, 0.0107, 0.0071, root_radius=0.015),
+    ],
+    ids=["RHS", "SHS", "IPE80", "HEA100", "IPE300"],
+)
+def test_rounded_corners_and_root_fillets(section: Section) -> None:
+    # Chords stand for the arcs of the outline: 8 of them leave 0.2 % of a fillet.
+    expected, found = reference(section, 0.3, 2500), section.properties(0.3)
+    assert found.area == pytest.approx(expected.area, rel=2e-3)
+    assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=2e-3)
+    assert found.second_moment_z == pytest.approx(expected.second_moment_z, rel=2e-3)
+    assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=0.014)
+    assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=0.011)
+    assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=0.011)
 
 
 ANGLE = ((0.0, 0.0), (0.1, 0.0), (0.1, 0.02), (0.015, 0.02), (0.015, 0.08), (0.0, 0.08))

@@ -14,17 +14,23 @@ from hypothesis import strategies as st
 
 from sections import (
     SHAPES,
+    Angle,
     Circle,
     Ellipse,
+    EllipticalTube,
     FreeFlangeISection,
     ISection,
+    Octagon,
+    OctagonalTube,
     Polygon,
     Rectangle,
     RectangularTube,
     Section,
+    TriangularTube,
     Tube,
 )
 from sections.numeric import Number
+from sections.plastic import polygon_modulus
 
 sizes = st.floats(0.02, 0.3)
 ratios = st.floats(0.35, 2.8)
@@ -34,10 +40,15 @@ CHOSEN = [kind for name, kind in SHAPES.items() if name != "polygon"] + [FreeFla
 ORDERS = {
     "area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4, "shear_area_y": 2,
     "shear_area_z": 2,
+    "plastic_modulus_y": 3, "plastic_modulus_z": 3,
     "section_modulus_y": 3, "section_modulus_z": 3, "extreme_fibre_y": 1, "extreme_fibre_z": 1,
     "torsion_modulus": 3,
     "width": 1, "height": 1, "centroid_y": 1, "centroid_z": 1, "product_moment_yz": 4,
 }  # fmt: skip
+
+
+def inscribed_radius(width: float, height: float) -> float:
+    return width * height / (width + 2.0 * math.hypot(0.5 * width, height))
 
 
 @st.composite
@@ -46,8 +57,16 @@ def sections(draw: st.DrawFn) -> Section:
     height = draw(sizes)
     width = height * draw(ratios)
     flange, web = height * draw(walls), width * draw(walls)
-    if kind is Circle:
-        return Circle(width)
+    if kind in (Circle, Octagon):
+        return kind(width)
+    if kind is OctagonalTube:
+        return OctagonalTube(width, web)
+    if kind is EllipticalTube:
+        return EllipticalTube(width, height, 1.8 * web / width * min(width, height) ** 2 / max(width, height))
+    if kind is TriangularTube:
+        return TriangularTube(width, height, 3.0 * web / width * inscribed_radius(width, height))
+    if kind is Angle:
+        return Angle(width, height, web / width * min(width, height))
     if kind is Tube:
         return Tube(width, web)
     if kind is RectangularTube:
@@ -99,6 +118,18 @@ def test_bounds_of_physics(section: Section, nu: float) -> None:
     assert 0.0 < p.shear_area_y < p.area
     assert 0.0 < p.shear_area_z < p.area
     assert p.shear_area_z <= section.properties(0.0).shear_area_z * (1 + 1e-12)
+
+
+@given(sections())
+def test_plastic_moduli_agree_with_the_outline_and_exceed_the_elastic_ones(section: Section) -> None:
+    p = section.properties(0.3)
+    loops = [loop[:-1] for loop in section.outline()]
+    for axis, found, elastic in (
+        (1, p.plastic_modulus_y, p.section_modulus_y),
+        (0, p.plastic_modulus_z, p.section_modulus_z),
+    ):
+        assert found == pytest.approx(polygon_modulus(loops, axis), rel=3e-3)
+        assert found > elastic
 
 
 @given(sections())

@@ -7,7 +7,21 @@ import math
 import numpy as np
 import pytest
 
-from sections import Circle, Ellipse, ISection, Polygon, Rectangle, RectangularTube, Triangle, Tube
+from sections import (
+    Angle,
+    Circle,
+    Ellipse,
+    EllipticalTube,
+    ISection,
+    Octagon,
+    Polygon,
+    Rectangle,
+    RectangularTube,
+    Triangle,
+    Tube,
+    local_buckling,
+    section_from_name,
+)
 
 
 @pytest.mark.parametrize(
@@ -112,3 +126,92 @@ def test_unequal_flanges_by_hand() -> None:
     assert found.second_moment_y == pytest.approx(inertia * 1e-12)
     assert found.extreme_fibre_y == pytest.approx((100 - centroid) * 1e-3)
     assert found.section_modulus_y == pytest.approx(inertia / (100 - centroid) * 1e-9)
+
+
+def test_ipe_80_with_fillets() -> None:
+    # EN 10365 and the profile tables: A = 7.64 cm^2, I_y = 80.1, I_z = 8.49 cm^4, W_pl,y = 23.2, W_pl,z = 5.82 cm^3.
+    found = ISection(0.046, 0.080, 0.0052, 0.0038, root_radius=0.005).properties(0.3)
+    assert found.area == pytest.approx(7.64e-4, abs=0.005e-4)
+    assert found.second_moment_y == pytest.approx(80.1e-8, abs=0.05e-8)
+    assert found.second_moment_z == pytest.approx(8.49e-8, abs=0.005e-8)
+    assert found.plastic_modulus_y == pytest.approx(23.2e-6, abs=0.05e-6)
+    assert found.plastic_modulus_z == pytest.approx(5.82e-6, abs=0.005e-6)
+
+
+def test_square_hollow_section_of_en_10219() -> None:
+    # SHS 100x100x5: I_t = 441 cm^4, W_pl = 64.6 cm^3 beside A = 18.4 cm^2 and I = 271 cm^4.
+    found = section_from_name("SHS 100x5").properties(0.3)
+    assert found.torsion_constant == pytest.approx(441e-8, rel=5e-3)
+    assert found.plastic_modulus_y == pytest.approx(64.6e-6, abs=0.05e-6)
+
+
+def test_octagon_from_first_principles() -> None:
+    # Side a = width (sqrt(2) - 1), A = 2 (1 + sqrt(2)) a^2, I = (11 + 8 sqrt(2)) a^4 / 12 about any axis.
+    width = 0.08
+    side = width * (math.sqrt(2) - 1)
+    found = Octagon(width).properties(0.3)
+    assert found.area == pytest.approx(2 * (1 + math.sqrt(2)) * side**2, rel=1e-12)
+    assert found.second_moment_y == pytest.approx((11 + 8 * math.sqrt(2)) / 12 * side**4, rel=1e-12)
+    assert found.second_moment_z == found.second_moment_y
+
+
+def test_angle_by_hand() -> None:
+    # 100 x 60 x 10 mm without fillets: the centroid by moments, the product moment of each leg about it.
+    found = Angle(0.06, 0.1, 0.01).properties(0.3)
+    y, z = (600 * 30 + 900 * 5) / 1500, (600 * 5 + 900 * 55) / 1500
+    product = 600 * (30 - y) * (5 - z) + 900 * (5 - y) * (55 - z)
+    assert (found.centroid_y, found.centroid_z) == pytest.approx((y * 1e-3, z * 1e-3))
+    assert found.product_moment_yz == pytest.approx(product * 1e-12)
+    greatest, least = found.principal_moments
+    assert greatest + least == pytest.approx(found.second_moment_y + found.second_moment_z)
+    turn = found.principal_angle
+    c, s = math.cos(turn), math.sin(turn)
+    about = c**2 * found.second_moment_y + s**2 * found.second_moment_z - 2 * s * c * found.product_moment_yz
+    assert about == pytest.approx(greatest)
+
+
+def test_an_elliptical_tube_of_equal_axes_is_a_round_one() -> None:
+    for wall in (0.002, 0.01, 0.02):
+        found, expected = EllipticalTube(0.1, 0.1, wall).properties(0.3), Tube(0.1, wall).properties(0.3)
+        assert found.area == pytest.approx(expected.area, rel=1e-9)
+        assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-9)
+        assert found.plastic_modulus_z == pytest.approx(expected.plastic_modulus_z, rel=1e-6)
+        assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=1e-3)
+        assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
+
+
+def test_area_of_a_wall_along_an_ellipse_is_its_middle_line_times_its_thickness() -> None:
+    # Steiner: A = L t - pi t^2; perimeter of the ellipse with semi-axes 2 and 1 is 9.688448220547676.
+    found = EllipticalTube(0.04, 0.02, 0.002).properties(0.3)
+    assert found.area == pytest.approx(0.09688448220547676 * 0.002 - math.pi * 0.002**2, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("section", "modulus"),
+    [
+        # First principles: twice the first moment of half the area.
+        (Rectangle(0.03, 0.05), 0.03 * 0.05**2 / 4),
+        (Circle(0.05), 0.05**3 / 6),
+        (Ellipse(0.03, 0.05), 0.03 * 0.05**2 / 6),
+        (Triangle(0.03, 0.05), (2 - math.sqrt(2)) / 6 * 0.03 * 0.05**2),
+        (Tube(0.05, 0.005), (0.05**3 - 0.04**3) / 6),
+        (RectangularTube(0.03, 0.05, 0.004), (0.03 * 0.05**2 - 0.022 * 0.042**2) / 4),
+    ],
+)
+def test_plastic_moduli(section: Circle, modulus: float) -> None:
+    assert section.properties(0.3).plastic_modulus_y == pytest.approx(modulus, rel=1e-9)
+
+
+def test_wall_limits_of_class_3() -> None:
+    # EN 1993-1-1:2005, table 5.2: at f_y = 235 MPa epsilon is 1; at 355 MPa it is 0.814 (0.81 as printed there).
+    (round_wall,) = local_buckling(Tube(0.0905, 0.001), 235e6, 210e9)
+    assert round_wall.greatest == pytest.approx(90.0)
+    assert round_wall.utilisation > 1.0
+    assert round_wall.constraint.value > 0.0
+    flange, web = local_buckling(section_from_name("IPE 300"), 355e6, 210e9, bending_only=True)
+    assert flange.wall.slenderness == pytest.approx((75 - 3.55 - 15) / 10.7)
+    assert flange.greatest == pytest.approx(14 * 0.81, rel=5e-3)
+    assert web.wall.slenderness == pytest.approx(248.6 / 7.1)
+    assert web.greatest == pytest.approx(124 * 0.81, rel=5e-3)
+    assert local_buckling(section_from_name("IPE 300"), 355e6, 210e9)[1].greatest == pytest.approx(42 * 0.81, rel=5e-3)
+    assert local_buckling(Rectangle(0.1, 0.1), 235e6, 210e9) == ()

@@ -1,0 +1,189 @@
+"""`linkwright materials` from the outside: what it prints, what it writes, and how it ends."""
+
+import csv
+import json
+
+import pytest
+
+from linkwright.cli import run
+from materials.catalogue import load_catalogue, load_layer
+
+COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
+
+
+@pytest.fixture
+def materials(tmp_path, monkeypatch, capsys):
+    """Run `linkwright materials` in a folder of its own with a catalogue of its own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "configuration"))
+    for name in ("LINKWRIGHT_CATALOGUE", "VISUAL", "EDITOR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("materials.catalogue.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
+
+    def command(*arguments):
+        status = run(["materials", *(str(argument) for argument in arguments)])
+        printed = capsys.readouterr()
+        return status, printed.out, printed.err
+
+    return command
+
+
+def ok(result):
+    status, out, err = result
+    assert (status, err) == (0, "")
+    return out
+
+
+def wrong(result, words):
+    status, out, err = result
+    assert status == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert out == ""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_has_an_example(materials, command):
+    assert f"Example: linkwright materials {command}" in " ".join(ok(materials(command, "--help")).split())
+
+
+def test_list_filters_sorts_and_chooses_columns(materials, tmp_path):
+    arguments = ("--family", "aluminium", "--family", "steel", "--where", "density < 3 g/cm^3", "--sort=-yield")
+    out = ok(materials("list", *arguments, "--columns", "density,tensile", "--json", "l.json"))
+    names = [line.split()[0] for line in out.splitlines()[2:] if line.strip()]
+    assert names[:2] == ["aluminium-7075-t6", "aluminium-2024-t3"]
+    assert names[-1] == "aluminium-5083-h111"
+    assert "tensile" in out
+    assert "expansion" not in out
+    assert [m["name"] for m in json.loads((tmp_path / "l.json").read_text())["materials"]] == names
+    cheap = ok(materials("list", "--where", "cost <= 1 EUR/kg", "--where", "E > 100 GPa", "--sort", "cost"))
+    assert "steel-s355" in cheap
+    assert "stainless-304" not in cheap
+    assert "no material" in ok(materials("list", "--where", "density > 30 g/cm^3"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("list", "--where", "density"), "is no condition"),
+        (("list", "--where", "density < 3"), "needs a unit"),
+        (("list", "--where", "densty < 3 kg/m^3"), "did you mean 'density'"),
+        (("list", "--sort", "price"), "there is no property 'price'"),
+        (("list", "--columns", "E,colour"), "there is no property 'colour'"),
+        (("list", "--family", "alumnium"), "did you mean 'aluminium'"),
+        (("list", "--catalogue", "none.yaml"), "no such file"),
+        (("show", "steel-s356"), "did you mean"),
+        (("show", "brass-c26000", "--plot", "p.html"), "no property of brass-c26000 is given over temperature"),
+        (("compare", "steel-s355"), "two materials"),
+        (("add", "x", "density"), "is not KEY=VALUE"),
+        (("add", "x", "density=1 kg/m^3"), "elastic_modulus: is missing"),
+        (("add", "x", "density=1 kg/m^3", "elastic_modulus=1 GPa"), "has no source"),
+        (("edit", "steel-s355"), "$EDITOR: is not set"),
+        (("edit", "steel-s355", "density"), "VALUE: is missing"),
+        (("edit", "steel-s355", "density", "1"), "needs a unit"),
+        (("edit", "steel-s999", "density", "1 kg/m^3"), "there is no such material"),
+        (("remove", "steel-s355"), "shipped with the program"),
+        (("rename", "x", "y"), "there is no such material"),
+        (("undo",), "has no edit to undo"),
+        (("check", "none.yaml"), "no such file"),
+        (("import", "none.csv"), "no such file"),
+        (("import", "arm.stl"), "is of no known kind"),
+        (("export", "steel-s355", "--out", "x.pdf"), "is of no known kind"),
+        (("export", "steel-s355", "steel-s235", "--out", "x.FCMat"), "holds one material"),
+        (("export", "cfrp-fabric", "--out", "x.FCMat"), "is not isotropic"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(materials, tmp_path, arguments, words):
+    before = sorted(path.name for path in tmp_path.iterdir())
+    wrong(materials(*arguments), words)
+    after = sorted(path.name for path in tmp_path.iterdir() if path.name != "configuration")
+    assert [name for name in before if name != "configuration"] == after
+    assert not (tmp_path / "configuration" / "linkwright" / "materials.yaml").exists()
+
+
+def test_show_has_sources_and_the_modulus_over_temperature(materials, tmp_path):
+    out = " ".join(ok(materials("show", "steel-s355", "--plot", "s.html")).split())
+    assert "EN 10025-2:2019" in out
+    assert "400 degC ████" in out
+    assert "147 GPa" in out
+    page = (tmp_path / "s.html").read_text(encoding="utf-8")
+    assert "steel-s355" in page
+    assert "cdn.plot.ly/plotly" not in page.split("</script>")[-1]
+
+
+def test_compare_shows_what_any_has(materials):
+    out = ok(materials("compare", "steel-s355", "cfrp-unidirectional"))
+    assert "135 GPa" in out
+    assert "–" in out
+
+
+def test_a_life_of_a_material(materials, tmp_path):
+    own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
+    ok(materials("add", "alloy", "elastic_modulus=80 GPa", "density=3000 kg/m^3", "title=a, b", "--source", "Sheet 12"))
+    assert load_layer(own).materials["alloy"].title == "a, b"
+    own.write_text(own.read_text().replace("  alloy:\n", "  # mine\n  alloy:   # keep me\n"))
+    ok(materials("edit", "alloy", "cost", "{value: 3 EUR/kg, spread: [2 EUR/kg, 4 EUR/kg]}", "--source", "Offer 7"))
+    ok(materials("edit", "alloy", "cost", "3.5 EUR/kg"))
+    ok(materials("edit", "alloy", "poisson_ratio", "0.3"))
+    ok(materials("edit", "alloy", "poisson_ratio", "--unset"))
+    ok(materials("edit", "steel-s355", "yield_strength", "345 MPa", "--source", "Certificate"))
+    assert "3.5 EUR/kg" in ok(materials("show", "alloy"))
+    assert "345 MPa" in ok(materials("compare", "steel-s355", "alloy"))
+    (tmp_path / "arm.yaml").write_text("chain:\n  - link: {material: alloy}\n")
+    (tmp_path / "other.yaml").write_text("chain:\n  - link: {material: steel-s355}\n")
+    status, _, err = materials("rename", "alloy", "alloy-80", "--used-in", "arm.yaml", "--used-in", "other.yaml")
+    assert (status, err) == (0, "WARNING: arm.yaml uses alloy\n")
+    text = own.read_text()
+    assert "  # mine\n  alloy-80:   # keep me\n" in text
+    status, out, err = materials("remove", "steel-s355", "--used-in", "arm.yaml", "--used-in", "other.yaml")
+    assert (status, err) == (0, "WARNING: other.yaml uses steel-s355\n")
+    assert "the shipped one shows again" in out
+    ok(materials("undo"))
+    assert own.read_text() == text
+    assert "materials, all sound" in ok(materials("check"))
+
+
+def test_a_catalogue_of_ones_choice(materials, tmp_path):
+    ok(materials("add", "x", "elastic_modulus=1 GPa", "density=1 g/cm^3", "--source", "s", "--catalogue", "c.yaml"))
+    assert "1 GPa" in ok(materials("show", "x", "--catalogue", "c.yaml"))
+    wrong(materials("show", "x"), "there is no material 'x'")
+    assert ok(materials("check", "c.yaml")) == "c.yaml: 1 material, all sound\n"
+    ok(materials("undo", "--catalogue", "c.yaml"))
+    assert not (tmp_path / "c.yaml").exists()
+
+
+def test_the_editor_gets_the_file_and_only_sound_text_lands(materials, tmp_path, monkeypatch):
+    own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
+    ok(materials("add", "alloy", "elastic_modulus=80 GPa", "density=3000 kg/m^3", "--source", "s"))
+    monkeypatch.setenv("EDITOR", "sed -i s/3000/3100/")
+    ok(materials("edit", "alloy"))
+    assert load_layer(own).materials["alloy"].need("density") == 3100
+    monkeypatch.setenv("EDITOR", "sed -i 's/3100 kg/3100 m/'")
+    wrong(materials("edit", "alloy"), "nothing was changed, your text is in")
+    monkeypatch.setenv("EDITOR", "false")
+    wrong(materials("edit", "alloy"), "ended with status 1")
+    monkeypatch.setenv("EDITOR", "no-such-editor-here")
+    wrong(materials("edit", "alloy"), "cannot be run")
+    monkeypatch.setenv("EDITOR", "true")
+    assert "nothing was changed" in ok(materials("edit", "alloy"))
+    assert load_layer(own).materials["alloy"].need("density") == 3100
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.yaml", "t.FCMat", "old.FCMat"])
+def test_what_is_exported_can_be_imported(materials, name):
+    more = ["--freecad-0.21"] if name.startswith("old") else []
+    ok(materials("export", "titanium-ti-6al-4v", "--out", name, *more))
+    ok(materials("import", name, "--name", "mine"))
+    mine = load_catalogue().find("mine")
+    original = load_catalogue(user=False).find("titanium-ti-6al-4v")
+    for key in ("elastic_modulus", "density", "yield_strength", "tensile_strength", "thermal_conductivity"):
+        assert mine.need(key) == pytest.approx(original.need(key), rel=1e-9)
+    wrong(materials("import", name, "--name", "mine"), "is there already")
+    ok(materials("import", name, "--name", "mine", "--replace"))
+
+
+def test_the_whole_catalogue_goes_into_a_table(materials, tmp_path):
+    ok(materials("export", "--out", "all.csv"))
+    with (tmp_path / "all.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["name"] for row in rows] == list(load_catalogue(user=False).names)

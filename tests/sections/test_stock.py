@@ -1,0 +1,150 @@
+"""Standard sizes: names, layers, and the check of every row."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sections import SectionError, load_stock, section_from_name
+from sections.stock import last_unit, plain_name, read_text
+
+TABLE = """
+format_version: 1
+tables:
+  - family: CHS
+    shape: tube
+    source: "EN 10210-2:2006"
+    columns: [name, diameter_mm, thickness_mm, area_cm2, second_moment_y_cm4]
+    rows:
+      - [CHS 60.3x3.2, 60.3, 3.2, 5.74, 23.5]
+"""
+
+
+def shipped() -> list[tuple[str, dict]]:
+    folder = files("sections").joinpath("stock")
+    return [
+        (item.name, yaml.safe_load(item.read_text(encoding="utf-8")))
+        for item in folder.iterdir()
+        if item.name.endswith(".yaml")
+    ]
+
+
+def test_there_are_many_and_each_says_its_source() -> None:
+    stock = load_stock(user=False)
+    assert len(stock) >= 200
+    assert all(size.source.startswith("EN ") for size in stock)
+    assert {"IPE", "HEA", "HEB", "CHS", "SHS", "RHS", "ALU TUBE", "ALU BAR"} <= set(stock.families)
+    assert sum(bool(size.printed) for size in stock) >= 200
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ("IPE 80", "IPE 80"),
+        ("ipe80", "IPE 80"),
+        (" Ipe  80 ", "IPE 80"),
+        ("CHS 60.3 x 3.2", "CHS 60.3x3.2"),
+        ("chs 60,3×3,20", "CHS 60.3x3.2"),
+        ("SHS 50x3", "SHS 50x3"),
+        ("SHS 50x50x3.0", "SHS 50x3"),
+        ("rhs100x50x4", "RHS 100x50x4"),
+        ("HE 200 B", "HEB 200"),
+        ("aluminium tube 50x3", "ALU TUBE 50x3"),
+    ],
+)
+def test_names_are_read_whatever_their_case_and_spaces(given: str, found: str) -> None:
+    assert load_stock(user=False).find(given).name == found
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("IPE 85", "IPE 80"), ("CHS 60.3x3.3", "CHS 60.3x3"), ("nonsense", "IPE, RHS")]
+)
+def test_an_unknown_name_is_answered_with_the_nearest(name: str, hint: str) -> None:
+    with pytest.raises(SectionError, match=hint) as caught:
+        section_from_name(name)
+    assert "\n" not in str(caught.value)
+
+
+def test_names_of_shipped_sizes_stay_apart() -> None:
+    names = [row[0] for _, content in shipped() for table in content["tables"] for row in table["rows"]]
+    assert len({plain_name(name) for name in names}) == len(names) == len(load_stock(user=False))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (("5.74", "5.47"), "area_cm2 is 5.47, its dimensions give 5.74"),
+        (("23.5", "23.7"), "second_moment_y_cm4 is 23.7"),
+        (("60.3, 3.2", "60.3, 3.6"), "CHS 60.3x3.2: area_cm2"),
+        (("shape: tube", "shape: tub"), "did you mean tube"),
+        (("diameter_mm", "diametre_mm"), "did you mean diameter_mm"),
+        (("60.3, 3.2", "60.3, 60"), "CHS 60.3x3.2: shape: two walls"),
+        (("60.3, 3.2", "60.3, -3.2"), "thickness_mm must be a positive number"),
+        (("60.3, 3.2", "60.3, 3.2 mm"), "thickness_mm must be a positive number"),
+        (("format_version: 1", "format_version: 2"), "format_version 2"),
+        (("5.74, 23.5]", "5.74]"), "5 entries"),
+        (("tables:", "tables: ["), "is not YAML"),
+    ],
+)
+def test_a_wrong_row_is_refused_with_one_line(wrong: tuple[str, str], words: str) -> None:
+    assert len(read_text(TABLE, "own.yaml")) == 1
+    with pytest.raises(SectionError) as caught:
+        read_text(TABLE.replace(*wrong), "own.yaml")
+    assert words in str(caught.value)
+    assert "own.yaml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "content"), shipped(), ids=lambda value: value if isinstance(value, str) else "")
+def test_columns_that_slipped_by_a_row_are_noticed(name: str, content: dict) -> None:
+    for table in content["tables"]:
+        for column in ("area_cm2", "second_moment_y_cm4"):
+            if column not in table["columns"]:
+                continue
+            at = table["columns"].index(column)
+            slipped = [row[at] for row in table["rows"]]
+            slipped = slipped[1:] + slipped[:1]
+            pairs = zip(table["rows"], slipped, strict=True)
+            rows = [[*row[:at], other, *row[at + 1 :]] for row, other in pairs]
+            text = yaml.safe_dump({"format_version": 1, "tables": [{**table, "rows": rows}]})
+            with pytest.raises(SectionError, match=column):
+                read_text(text, name)
+
+
+@given(st.floats(0.01, 1e6), st.integers(3, 5))
+def test_what_is_rounded_to_some_digits_is_within_a_unit_of_them(value: float, digits: int) -> None:
+    printed = float(f"{value:.{digits}g}")
+    assert abs(printed - value) <= 0.5001 * last_unit(printed)
+    assert last_unit(printed) <= 0.0101 * printed
+
+
+def test_digits_of_printed_figures() -> None:
+    assert last_unit(7.64) == pytest.approx(0.01)
+    assert last_unit(27.0) == pytest.approx(0.1)
+    assert last_unit(0.7) == pytest.approx(0.001)
+    assert last_unit(450) == pytest.approx(1.0)
+    assert last_unit(10450) == pytest.approx(10.0)
+
+
+def test_own_tables_lie_over_the_shipped_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text(TABLE.replace("CHS 60.3x3.2, 60.3, 3.2, 5.74, 23.5", "ipe 80, 60.3, 3.2, 5.74, 23.5"))
+    monkeypatch.setenv("LINKWRIGHT_SECTIONS", str(own))
+    assert load_stock().find("IPE 80").shape == "tube"
+    assert load_stock(user=False).find("IPE 80").shape == "i_section"
+    assert len(load_stock()) == len(load_stock(user=False))
+    monkeypatch.setenv("LINKWRIGHT_SECTIONS", str(tmp_path / "none.yaml"))
+    with pytest.raises(SectionError, match=r"none\.yaml"):
+        load_stock()
+    assert load_stock([own], user=False).find("ipe80").file == str(own)
+
+
+def test_sizes_cannot_be_changed() -> None:
+    size = load_stock(user=False).find("IPE 80")
+    with pytest.raises(TypeError):
+        size.dimensions["height"] = 1.0  # type: ignore[index]
