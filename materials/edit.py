@@ -43,10 +43,13 @@ def add_all(path: Path | str, entries: Sequence[Entry], *, replace: bool = False
     """Add several materials in one edit: all of them or none. Raises `InputError` as `add` does."""
 
     def change(document: YamlText) -> str:
+        names = [entry.name for entry in entries]
         for entry in entries:
+            if names.count(entry.name) > 1:
+                raise InputError(path, f"materials.{entry.name}", "comes twice")
             if _has(document, entry.name) and not replace:
                 raise InputError(path, f"materials.{entry.name}", "is there already; use another name, or replace it")
-            put(document, entry)
+        put(document, *entries)
         return f"added {', '.join(entry.name for entry in entries)}"
 
     return _edit(path, change)

@@ -240,6 +240,4 @@ def _check_shear_modulus(material: Material, mapping: Mapping) -> None:
     if abs(shear_modulus - expected) > CONSISTENT_WITHIN * expected:
         written = format_quantity(shear_modulus, "elastic_modulus", digits=4)
         due = format_quantity(expected, "elastic_modulus", digits=4)
-        raise mapping.error(
-            "shear_modulus", f"{written} does not fit E/(2(1+nu)) = {due}; or write isotropic: false"
-        )
+        raise mapping.error("shear_modulus", f"{written} does not fit E/(2(1+nu)) = {due}; or write isotropic: false")

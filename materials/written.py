@@ -72,13 +72,22 @@ def read_entries(path: Path | str) -> tuple[Entry, ...]:
     return tuple(Entry(each.name, {"family": family, **each.content}, each.references) for each in entries)
 
 
-def put(document: YamlText, entry: Entry) -> None:
-    """Write an entry; a source key that the file has for another text gets a new name."""
-    content: dict[str, Any] = dict(entry.content)
-    renamed: dict[str, str] = {}
-    for key, text in entry.references.items():
-        renamed[key] = reference(document, key, text)
-    document.set(["materials", entry.name], _with_sources(content, renamed), block=True)
+def put(document: YamlText, *entries: Entry) -> None:
+    """Write entries; a source key that the file has for another text gets a new name."""
+    known: dict[str, str] = dict(document.get(["references"]) or {})
+    fresh: dict[str, str] = {}
+    contents: dict[str, dict[str, Any]] = {}
+    for entry in entries:
+        renamed: dict[str, str] = {}
+        for key, text in entry.references.items():
+            renamed[key] = _free_key(known, key, text)
+            if renamed[key] not in known:
+                known[renamed[key]] = fresh[renamed[key]] = text
+        contents[entry.name] = _with_sources(dict(entry.content), renamed)
+    document.extend(["references"], fresh)
+    for name in [name for name in contents if document.get(["materials", name]) is not None]:
+        document.set(["materials", name], contents.pop(name), block=True)
+    document.extend(["materials"], contents)
 
 
 def _with_sources(content: dict[str, Any], renamed: MappingLike[str, str]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ again and must hold what it held before with just that change, or it is refused.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 from ruamel.yaml import YAML
@@ -64,6 +64,24 @@ class YamlText:
             self._insert(where, mapping, key, value, block)
         target = self._mapping_at(where)
         target[key] = value
+        self._confirm(path)
+
+    def extend(self, path: Sequence[str], more: Mapping[str, Any]) -> None:
+        """Put keys that are not there yet at the end of a mapping, in one go: what `set` would do one by one."""
+        rest = dict(more)
+        while rest:
+            held = self.get(path)
+            mapping = self._node(path) if isinstance(held, dict) and held else None
+            if mapping is None or mapping.flow_style:
+                key = next(iter(rest))
+                self.set([*path, key], rest.pop(key), block=True)
+                continue
+            last_key, last_value = cast(list[Pair], mapping.value)[-1]
+            at, column = self._line_end(self._end(last_value, last_key.start_mark.column)), last_key.start_mark.column
+            lines = (self._pair_lines(flow_text(key, key=True), value, column, True) for key, value in rest.items())
+            self._splice_at(at, ("" if self.text[:at].endswith("\n") else self._newline) + "".join(lines))
+            self._mapping_at(path).update(rest)
+            rest = {}
         self._confirm(path)
 
     def remove(self, path: Sequence[str]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
-from arm.chain import Arm, LoadCase
+from arm.chain import Arm, LoadCase, askew
 from arm.files import read_arm, read_load
 from arm.vectors import ZERO
 from arm.workspace import Workspace
@@ -246,7 +246,7 @@ def _choose(
         materials: tuple[Material, ...] | None = None
         if body.has("section"):
             names = _names(body, "section")
-            free = [name for name, kind in SHAPES.items() if kind.variables]
+            free = [name for name in SHAPES if _can_be_chosen(name)]
             for number, name in enumerate(names, start=1):
                 if name not in free:
                     raise body.error(f"section[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
@@ -267,6 +267,12 @@ def _choose(
             if name not in ("section", "material", "size"):
                 raise body.error("same", f"takes section, material and size, not {shown(name)}")
         return shapes, materials, frozenset(str(name) for name in same)
+
+
+def _can_be_chosen(shape: str) -> bool:
+    """Whether a shape has dimensions to optimise and bends in the plane of its load, as the optimiser takes it to."""
+    kind = SHAPES[shape]
+    return bool(kind.variables) and not askew(kind.start(1e-3, (0.02, 0.2), (0.002, 0.02)))
 
 
 def _names(body: Mapping, key: str) -> list[str]:
@@ -298,10 +304,11 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
         if reason is not None:
             raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
-    for shape in {"polygon"} & {link.section.shape for link in problem.arm.links if link.section is not None}:
-        if problem.shapes is None:
-            would_do = "choose other shapes: choose: {section: [...]}"
-            raise mapping.error("choose", f"a {shape} has no dimensions to optimise; {would_do}")
+    own = {link.section.shape for link in problem.arm.links if link.section is not None}
+    for shape in sorted(own):
+        if problem.shapes is None and not _can_be_chosen(shape):
+            would_do = "name other shapes: choose: {section: [...]}"
+            raise mapping.error("choose", f"the dimensions of a {shape} cannot be optimised; {would_do}")
 
 
 def _check_reach(body: Mapping, problem: Problem) -> None:

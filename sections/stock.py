@@ -16,9 +16,9 @@ tables:
 A column that ends in ``_mm`` is a dimension of the shape. `area_cm2`, `second_moment_y_cm4` and
 `second_moment_z_cm4` are what the source prints; a table without them has computed figures only.
 
-Rounding: a printed figure carries at least three significant digits (zeros at the end of a whole number above 999
-do not count), and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the
-rest for that of the source's intermediate steps. A row beyond that is refused.
+Rounding: a printed figure carries at least three significant digits (zeros at the end do not count beyond them),
+and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the rest for that
+of the source's intermediate steps. A row beyond that is refused.
 """
 
 from __future__ import annotations
@@ -311,7 +311,8 @@ def _check_printed(sizes: list[StockSize], shape: str, where: str) -> None:
 def last_unit(printed: float) -> float:
     """One unit of the last digit that a printed figure carries."""
     mantissa = (repr(printed) if isinstance(printed, float) else str(printed)).partition("e")[0]
-    whole, point, decimals = mantissa.partition(".")
-    carried = len((whole + decimals).lstrip("0")) if point else len(whole.rstrip("0"))
+    whole, _, decimals = mantissa.partition(".")
+    digits = whole + decimals.rstrip("0")
+    carried = len(digits.lstrip("0").rstrip("0"))
     power = math.floor(math.log10(abs(printed)))
     return 10.0 ** (power + 1 - max(carried, LEAST_DIGITS))

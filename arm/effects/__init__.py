@@ -12,6 +12,8 @@ from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, kind_at
 from .encoder_offset import ENCODER_OFFSET
 from .joint_compliance import JOINT_COMPLIANCE
 from .link_bending import LINK_BENDING
+from .rail_pitch import RAIL_PITCH
+from .rail_straightness import RAIL_STRAIGHTNESS
 from .shear_deformation import SHEAR_DEFORMATION
 from .slope_propagation import SLOPE_PROPAGATION
 from .thermal_expansion import THERMAL_EXPANSION
@@ -31,6 +33,8 @@ EFFECTS: Mapping[str, Effect] = MappingProxyType(
             BACKLASH,
             THERMAL_EXPANSION,
             ENCODER_OFFSET,
+            RAIL_STRAIGHTNESS,
+            RAIL_PITCH,
         )
     }
 )

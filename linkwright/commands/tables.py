@@ -29,6 +29,9 @@ EXTENDED_KEYS = (
     "step_by_step",
     "tolerances",
     "seam",
+    "heat_and_field",
+    "rail",
+    "dual_arm",
 )
 """The same of the extended tables."""
 

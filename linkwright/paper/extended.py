@@ -5,16 +5,14 @@ All for the paper's arm: Table II's lengths and mass, rigid drives, no tool, eve
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from arm.chain import Arm, EffectEntry
-from arm.model import beam_values, beams_of
-from linkwright.words import figure, mm, shape_words
+from arm.chain import Arm
+from linkwright.words import figure, mm
 from materials.catalogue import load_catalogue
-from materials.material import Material, OutOfRange
+from materials.material import Material
 from materials.quantities import format_quantity
 from optimize.choice import Choice, Progress, choose
 from optimize.design import arm_of
@@ -23,14 +21,13 @@ from optimize.problem import Limit, NoAnswer, Problem, Relation
 from sections import build
 from sections.section import Section
 
-from .corrected import PaperArm, material, search_of, worst_error
+from .corrected import PaperArm, search_of, worst_error
 from .printed import read_paper
 from .rows import Cell, Column, ExtendedTable
 from .sensitivity import seam_table, tolerance_table
+from .warmth import mass_of, material_table
+from .workplace import dual_table, heat_table, rail_table
 
-WARM = 323.15
-"""50 degC in kelvin: the workshop, as the paper has it."""
-COLD = 293.15
 SHAPES = ("circle", "ellipse", "rectangle", "triangle", "i_section", "tube", "rectangular_tube")
 """The paper's five shapes, and the two tubes that arms are made of."""
 STUFFS = ("steel-s355", "cfrp-quasi-isotropic", "titanium-ti-6al-4v")
@@ -43,6 +40,7 @@ LENGTHS = (0.2, 0.62)
 """Bounds of a link's length, m: none longer than half the reach, so that the arm reaches a whole disc as before."""
 STIFFNESS = 60e3
 """An assumed drive, N*m/rad: the paper prints none, and rigid drives have no sensitivity."""
+DIMENSIONS = "Dimensions stand as width × height × walls (flange before web), or diameter × wall."
 SEAM = ((0.6, 0.5), (-0.6, 0.5))
 """The seam of the table, m."""
 
@@ -62,15 +60,24 @@ class Extended:
     @cached_property
     def mass(self) -> float:
         """The mass of the paper's links, kg: what every design may have."""
-        return _mass(self.played)
+        return mass_of(self.played)
 
     def tables(self) -> tuple[ExtendedTable, ...]:
         """All of them, in the order of the page. Takes about half a minute."""
-        makers = (self.shapes, self.materials, self.steps, self.tolerances, self.seam)
+        makers = (
+            self.shapes,
+            self.materials,
+            self.steps,
+            self.tolerances,
+            self.seam,
+            self.heat,
+            self.rail,
+            self.dual_arm,
+        )
         made: list[ExtendedTable] = []
         for number, maker in enumerate(makers):
             if self.progress is not None:
-                self.progress(number, len(makers), f"extended tables: {maker.__name__}")
+                self.progress(number, len(makers), f"the extended table of {maker.__name__.replace('_', ' ')}")
             made.append(maker())
         return tuple(made)
 
@@ -95,7 +102,7 @@ class Extended:
                     1e3 * worst_error(alike),
                     "–" if section is None else _dimensions(section),
                     1e3 * worst_error(own),
-                    _mass(own),
+                    mass_of(own),
                 )
             )
         rows.sort(key=lambda row: float(row[2] or 0.0))
@@ -104,9 +111,9 @@ class Extended:
             f"Deformation alone, links of {lengths} mm. First the paper's proportions (Table VII); then the best ones "
             f"with the same section in all links that weigh {figure(self.mass)} kg together, as the paper's do (outer "
             f"dimensions {_span(SIZES)}, walls {_span(THICK_WALLS)}); then the best with a section of its own for each "
-            f"link that weigh no more (walls {_span(WALLS)}). Without a tool a link carries only links: its sag depends "
-            "on how far from the middle its material lies and not on how much of it there is, so that the last may "
-            "end far below the mass allowed."
+            f"link that weigh no more (walls {_span(WALLS)}). Without a tool a link carries only links: its sag "
+            "depends on how far from the middle its material lies and not on how much of it there is, so that the "
+            f"last may end far below the mass allowed. {DIMENSIONS}"
         )
         columns = (
             Column("shape"),
@@ -151,73 +158,9 @@ class Extended:
             raise NoAnswer(f"{arm.name}: no design keeps the bounds of the extended tables")
         return found
 
-    # ---- materials
-
-    def materials(self, names: Sequence[str] | None = None) -> ExtendedTable:
-        """The paper's and the catalogue's materials at equal size and equal mass, at 20 and at 50 degC.
-
-        `names` takes only these of the catalogue, all but the paper's own entries by default.
-        """
-        rows = [self._material(name, made_of, moves=False) for name, made_of in self._printed_materials()]
-        catalogue = load_catalogue(user=False)
-        wanted = [each.name for each in catalogue if each.family != "paper"] if names is None else names
-        found = [catalogue.find(name) for name in wanted]
-        shown = [self._material(each.name, each, moves=True) for each in found if each.has("shear_modulus")]
-        rows += sorted(shown, key=lambda row: float(row[6] or math.inf))
-        without = ", ".join(each.name for each in found if not each.has("shear_modulus"))
-        note = (
-            f"Deformation alone. Equal size: round bars of {mm(self.arms.paper.parameters.diameter)}; equal mass: bars "
-            f"of {figure(self.mass)} kg together, their diameter given. The modulus at 50 °C is the catalogue's; the "
-            "paper's materials (at both ends of their ranges) have none. Best at equal mass first. "
-            "Growth is what the whole arm lengthens by from 20 to 50 °C; it is no part of the other figures. Rubber is "
-            "shown as the model gives it: linear bending means nothing there."
-        )
-        if without:
-            note += f" Left out for want of a shear modulus: {without}."
-        columns = (
-            Column("material"),
-            Column("E", "GPa"),
-            Column("density", "kg/m³"),
-            Column("equal size, 20 °C", "mm"),
-            Column("equal size, 50 °C", "mm"),
-            Column("diameter", "mm"),
-            Column("equal mass, 20 °C", "mm"),
-            Column("equal mass, 50 °C", "mm"),
-            Column("growth", "mm"),
-        )
-        return ExtendedTable("materials_fairly", "Materials at equal size and mass", columns, tuple(rows), note)
-
-    def _printed_materials(self) -> list[tuple[str, Material]]:
-        found: list[tuple[str, Material]] = []
-        for row in self.arms.paper.material:
-            ends = list(dict.fromkeys(zip(row.elastic_modulus, row.density, strict=True)))
-            for number, (modulus, density) in enumerate(ends):
-                end = "" if len(ends) == 1 else (", lower", ", upper")[number]
-                found.append((f"{row.name} (paper{end})", material(modulus, density, row.poisson_ratio)))
-        return found
-
-    def _material(self, name: str, made_of: Material, *, moves: bool) -> tuple[Cell, ...]:
-        parameters = self.arms.paper.parameters
-        density = made_of.need("density", COLD)
-        diameter = parameters.diameter * math.sqrt(parameters.density / density)
-        same_mass = build("circle", {"diameter": diameter})
-        size, mass = ([self._sag(made_of, section, at) for at in (COLD, WARM)] for section in (None, same_mass))
-        growth = growth_of(made_of, sum(parameters.lengths))
-        warm_size, warm_mass = (size[1], mass[1]) if moves else (None, None)
-        modulus = made_of.need("elastic_modulus", COLD) / 1e9
-        return (name, modulus, density, size[0], warm_size, 1e3 * diameter, mass[0], warm_mass, None if growth is None else 1e3 * growth)
-
-    @cached_property
-    def _search(self):  # noqa: ANN202 - one model for all: only rigidities and masses differ
-        return search_of(self.arms.arm())[0]
-
-    def _sag(self, made_of: Material, section: Section | None, temperature: float) -> float | None:
-        arm = replace(self.arms.arm(made_of=made_of, section=section), temperature=temperature)
-        try:
-            beams = beams_of(arm)
-        except OutOfRange:
-            return None  # the material's source does not go as far
-        return 1e3 * self._search.worst(beam_values(beams)).error
+    def materials(self) -> ExtendedTable:
+        """The paper's and the catalogue's materials at equal size and equal mass, at 20 and at 50 degC."""
+        return material_table(self.arms)
 
     # ---- step by step
 
@@ -248,8 +191,9 @@ class Extended:
         before: float | None = None
         for step, arm in ladder:
             worst, still = worst_error(arm), worst_error(_without_play(arm))
-            gain = None if before is None else round(1e3 * (before - worst), 6) + 0.0  # the rest is the certificate's gap
-            rows.append((step, 1e3 * worst, gain, 1e3 * still, _mass(arm), _links(arm, self.arms.material)))
+            # What lies below a nanometre is the certificate's gap.
+            gain = None if before is None else round(1e3 * (before - worst), 6) + 0.0
+            rows.append((step, 1e3 * worst, gain, 1e3 * still, mass_of(arm), _links(arm, self.arms.material)))
             before = worst
         tried = ", ".join(shape.replace("_", " ") for shape in shapes)
         note = (
@@ -258,9 +202,9 @@ class Extended:
             f"{figure(self.mass)} kg together or less and reach {mm(sum(given.lengths))}. Lengths {_span(LENGTHS)}: no "
             "link is longer than half the reach, so that the arm still reaches a whole disc. Outer dimensions "
             f"{_span(SIZES)}, walls {_span(WALLS)}. Shapes tried for all links: {tried}; for each link: "
-            f"{', '.join(shape.replace('_', ' ') for shape in best)}, the best of them. Materials tried: aluminium as in "
-            f"Table II, {', '.join(stuffs)}. No section changes what play does: "
-            "the lost motion of joint 1 swings the whole reach."
+            f"{', '.join(shape.replace('_', ' ') for shape in best)}, the best of them. Materials tried: aluminium "
+            f"as in Table II, {', '.join(stuffs)}. No section changes what play does: "
+            f"the lost motion of joint 1 swings the whole reach. {DIMENSIONS}"
         )
         columns = (
             Column("step"),
@@ -272,7 +216,7 @@ class Extended:
         )
         return ExtendedTable("step_by_step", "What each step of a design is worth", columns, tuple(rows), note)
 
-    # ---- tolerances and seam
+    # ---- tolerances, seam and workplace
 
     def tolerances(self) -> ExtendedTable:
         """The sensitivity of the worst error to every clearance, backlash, stiffness and length."""
@@ -284,6 +228,18 @@ class Extended:
         )
         return tolerance_table(arm, note)
 
+    def heat(self) -> ExtendedTable:
+        """Growth at 50 degC beside the elastic error, and what 125 gauss leaves."""
+        return heat_table(self.arms)
+
+    def rail(self) -> ExtendedTable:
+        """What the sliding rail adds."""
+        return rail_table(self.arms)
+
+    def dual_arm(self) -> ExtendedTable:
+        """How far the tips of two arms on one rail can part."""
+        return dual_table(self.arms)
+
     def seam(self, *, points: int = 9, postures: int = 1024) -> ExtendedTable:
         """The error along a seam and across it, with play in every joint."""
         return seam_table(self.played, *SEAM, points=points, postures=postures)
@@ -294,20 +250,6 @@ def make_extended(progress: Progress | None = None) -> tuple[ExtendedTable, ...]
     return Extended(PaperArm(read_paper()), progress).tables()
 
 
-def growth_of(made_of: Material, length: float, temperature: float = WARM) -> float | None:
-    """By how much a length (m) of the material grows from 20 degC to a temperature (K), m; None where not known."""
-    try:
-        expansion = made_of.at(temperature).thermal_expansion
-    except OutOfRange:
-        return None
-    return None if expansion is None else expansion * (temperature - COLD) * length
-
-
-def warmed(arm: Arm, temperature: float = WARM) -> Arm:
-    """The arm at a temperature (K), with the growth of its links as an error."""
-    return replace(arm, temperature=temperature, effects=(*arm.effects, EffectEntry("thermal_expansion")))
-
-
 def _arm_of(choice: Choice) -> Arm:
     return arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
 
@@ -316,22 +258,20 @@ def _without_play(arm: Arm) -> Arm:
     return replace(arm, joints=tuple(replace(joint, clearance=0.0, backlash=0.0) for joint in arm.joints))
 
 
-def _mass(arm: Arm) -> float:
-    return sum(float(beam.mass_per_length * beam.length) for beam in beams_of(arm))
-
-
 def _span(bounds: tuple[float, float]) -> str:
     return " to ".join(format_quantity(value, "length") for value in bounds)
 
 
 def _dimensions(section: Section) -> str:
-    return shape_words("", {name: round(float(value), 4) for name, value in section.given().items()}).lstrip(": ")
+    """A section's dimensions in the order of its arm file, to a tenth of a millimetre."""
+    return f"{' × '.join(f'{1e3 * float(value):.4g}' for value in section.given().values())} mm"
 
 
 def _links(arm: Arm, usual: Material) -> str:
     words: list[str] = []
     for link in arm.links:
-        name = "rigid" if link.section is None else f"{link.section.shape.replace('_', ' ')} {_dimensions(link.section)}"
+        section = link.section
+        name = "rigid" if section is None else f"{section.shape.replace('_', ' ')} {_dimensions(section)}"
         stuff = "" if link.material is None or link.material.name == usual.name else f", {link.material.name}"
         words.append(f"{figure(1e3 * link.length, 3)} mm of {name}{stuff}")
     return "; ".join(words)

@@ -18,7 +18,8 @@ from .verdicts import Proof, Verdict
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
-EXTENDED_BEGIN, EXTENDED_END = "<!-- begin: linkwright tables, extended -->", "<!-- end: linkwright tables, extended -->"
+EXTENDED_BEGIN = "<!-- begin: linkwright tables, extended -->"
+EXTENDED_END = "<!-- end: linkwright tables, extended -->"
 """The same for the extended tables."""
 _MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
 

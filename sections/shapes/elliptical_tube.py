@@ -44,6 +44,12 @@ FLOW = tuple(
 )
 """Integral from a node to the end of the quarter of what has odd sine harmonics only, from its values at the nodes."""
 
+WHOLE = tuple(
+    2.0 / NODES * sum(math.sin((2 * k + 1) * (j + 0.5) * STEP) / (2 * k + 1) for k in range(NODES))
+    for j in range(NODES)
+)
+"""The same over the whole quarter."""
+
 
 @dataclass(frozen=True)
 class EllipticalTube(Section):
@@ -99,8 +105,8 @@ class EllipticalTube(Section):
             second_moment_y=second_moment_y,
             second_moment_z=second_moment_z,
             torsion_constant=torsion,
-            plastic_modulus_y=4.0 * up.sum(up.first),
-            plastic_modulus_z=4.0 * right.sum(right.first),
+            plastic_modulus_y=4.0 * weighted(WHOLE, up.first),
+            plastic_modulus_z=4.0 * weighted(WHOLE, right.first),
             extreme_fibre_y=0.5 * h,
             extreme_fibre_z=0.5 * b,
             torsion_modulus=hollow_torsion_modulus(enclosed, t, torsion),
@@ -127,6 +133,14 @@ class EllipticalTube(Section):
             Constraint(name, text, 2.0 * self.thickness * one / other**2 - 1.0 + LEAST_OPENING)
             for name, one, other in sides
         )
+
+
+def weighted(weights: Sequence[float], values: Sequence[Number]) -> Number:
+    """Sum of products."""
+    total: Number = 0.0
+    for weight, value in zip(weights, values, strict=True):
+        total = total + weight * value
+    return total
 
 
 @dataclass(frozen=True)
@@ -190,9 +204,7 @@ class _Quarter:
         t = self.thickness
         energies: list[Number] = []
         for row, v, c in zip(FLOW, self.speed, self.turn, strict=True):
-            flow: Number = 0.0
-            for weight, first in zip(row, self.first, strict=True):
-                flow = flow + weight * first
+            flow = weighted(row, self.first)
             energies.append(flow**2 * (v - 0.5 * c * t) / t)
         evened = 1.0 - 0.9 * (t / self.along) ** 2 * self.across / (self.across + self.along)
         return 4.0 * area / second_moment**2 * self.sum(energies) * evened

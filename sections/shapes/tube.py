@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from sections.numeric import Number, is_symbol, sqrt
+from sections.numeric import Number, is_symbol, maximum, sqrt
 from sections.properties import SectionProperties
 from sections.section import (
     LEAST_OPENING,
@@ -150,7 +150,10 @@ class Tube(Section):
         return (outer, (area(outer[0], wall[0]), area(outer[1], wall[1])))
 
     def bound_constraints(self, outer: Bounds, wall: Bounds) -> tuple[Constraint, ...]:
-        """Bounds on the wall, as inequalities that are linear in (diameter, area)."""
+        """Bounds on the wall; linear in (diameter, area), the upper one as far as two such walls fit inside.
+
+        A tube too slender for two of the thickest walls is not bounded by them at all.
+        """
         low, high = wall
         _, area = self.variable_values()
         scale = math.pi * low * outer[1]
@@ -159,11 +162,11 @@ class Tube(Section):
             f"thickness >= {low * 1e3:g} mm",
             (math.pi * low * (self.diameter - low) - area) / scale,
         )
-        scale = math.pi * high * outer[1]
+        least_bore = maximum(self.diameter - 2.0 * high, 0.0)
         upper = Constraint(
             "thickness_max",
             f"thickness <= {high * 1e3:g} mm",
-            (area - math.pi * high * (self.diameter - high)) / scale,
+            (least_bore**2 - self.bore_squared) / (4.0 * high * outer[1]),
         )
         return (lower, upper)
 

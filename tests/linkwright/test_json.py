@@ -37,6 +37,19 @@ def test_evaluate_writes_the_fields_of_the_contract(linkwright, bench):
     assert len(content["load_cases"]) == 2
     assert content["workspace"]["points_mm"] == [[500.0, 200.0], [400.0, 300.0]]
     assert content["workspace"]["joints"]["lower"]["q_deg"] == pytest.approx([-90.0, -100.0])
+    assert content["cost_EUR"] > 0
+    assert "cost" not in content["unknown"]
+    assert "EUR" in out
+
+
+def test_a_cost_that_cannot_be_known_is_null_with_its_reason(linkwright, bench):
+    """The arm's own material in place has no cost."""
+    text = (bench / "arm.yaml").read_text(encoding="utf-8")
+    bare = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3}"
+    (bench / "arm.yaml").write_text(text.replace("aluminium-6061-t6", bare), encoding="utf-8")
+    status, out, _ = linkwright("evaluate", "arm.yaml", "--json", "result.json")
+    assert status == 0
+    content = strictly((bench / "result.json").read_text(encoding="utf-8"))
     assert content["cost_EUR"] is None
     assert "cost" in content["unknown"]
     assert "cost is not known" in out

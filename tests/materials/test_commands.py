@@ -12,9 +12,10 @@ COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo"
 
 
 @pytest.fixture
-def materials(tmp_path, monkeypatch, capsys):
+def materials(tmp_path, tmp_path_factory, monkeypatch, capsys):
     """Run `linkwright materials` in a folder of its own with a catalogue of its own."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "configuration"))
     for name in ("LINKWRIGHT_CATALOGUE", "VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)

@@ -112,6 +112,14 @@ def test_removing_and_renaming(own):
     assert not own.exists()
 
 
+def test_several_come_all_or_none(own):
+    with pytest.raises(InputError, match="comes twice"):
+        add_all(own, [ALLOY, ALLOY])
+    with pytest.raises(InputError, match="density: is missing"):
+        add_all(own, [ALLOY, Entry("bad", {"elastic_modulus": "1 GPa", "source": "s"}, ALLOY.references)])
+    assert not own.exists()
+
+
 def test_the_same_source_key_for_another_text_gets_a_new_name(own):
     add(own, ALLOY)
     add(own, Entry("second", ALLOY.content, {"s": "Another data sheet"}))

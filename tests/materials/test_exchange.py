@@ -152,8 +152,8 @@ def test_every_isotropic_shipped_material_survives_a_card(tmp_path):
             continue
         path = tmp_path / f"{material.name}.FCMat"
         path.write_text(write_card(material), encoding="utf-8")
-        add(tmp_path / "own.yaml", read_card(path))
-        found = load_catalogue([tmp_path / "own.yaml"], user=False).find(material.name)
+        path.with_suffix(".yaml").write_text(entries_text([read_card(path)]), encoding="utf-8")
+        found = load_catalogue([path.with_suffix(".yaml")], user=False).find(material.name)
         for name in pairs.values():
             assert found.has(name) == material.has(name)
             if material.has(name):

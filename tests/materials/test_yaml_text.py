@@ -64,7 +64,8 @@ def test_an_edit_keeps_comments_and_order_and_changes_only_its_place(document, c
 
     edited.set(["materials", name, "density", "value"], "2 kg/m^3")
     edited.set(["materials", name, "cost"], {"value": "1 EUR/kg", "source": "y"})
-    edited.set(["materials", "new one"], {"density": "3 kg/m^3"}, block=True)
+    edited.extend(["materials"], {"new one": {"density": "3 kg/m^3"}, "another": {"density": "4 kg/m^3"}})
+    edited.remove(["materials", "another"])
     after = parse_yaml(edited.text, file="f")
     assert comments_of(edited.text) == comments_of(text)
     assert list(after["materials"]) == [*names, "new one"]

@@ -79,3 +79,14 @@ def test_walls_and_sizes_of_the_winner_keep_their_bounds(tmp_path: Path) -> None
             low, high = (0.002, 0.008) if "thickness" in name else (0.02, 0.09)
             assert low * (1 - 1e-9) <= value <= high * (1 + 1e-9), name
     assert result.after.mass <= 5.0 * (1.0 + 1e-6)
+
+
+def test_thickest_wall_does_not_forbid_slender_tubes(tmp_path: Path) -> None:
+    """A wall of at most 50 mm says nothing about a tube of 30 mm; with it or without, the design is the same."""
+    text = "minimize: mass\nchoose: {section: tube}\nsubject_to: {max_error: '<= 8 mm', section_size: [10 mm, 90 mm], "
+    arm = jointed((500, 400), ranged("-100 100", "-100 100"))
+    loose, fitting = (
+        optimise(problem_of(tmp_path, arm, text + f"thickness: [1 mm, {most} mm]}}\n")) for most in (50, 4)
+    )
+    assert min(link.dimensions["diameter"] for link in loose.links) < 0.05
+    assert loose.objective == pytest.approx(fitting.objective, rel=1e-5)

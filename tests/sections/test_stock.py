@@ -83,7 +83,7 @@ def test_names_of_shipped_sizes_stay_apart() -> None:
         (("60.3, 3.2", "60.3, 3.6"), "CHS 60.3x3.2: area_cm2"),
         (("shape: tube", "shape: tub"), "did you mean tube"),
         (("diameter_mm", "diametre_mm"), "did you mean diameter_mm"),
-        (("60.3, 3.2", "60.3, 60"), "CHS 60.3x3.2: shape: two walls"),
+        (("60.3, 3.2", "60.3, 60"), "CHS 60.3x3.2: thickness: two walls"),
         (("60.3, 3.2", "60.3, -3.2"), "thickness_mm must be a positive number"),
         (("60.3, 3.2", "60.3, 3.2 mm"), "thickness_mm must be a positive number"),
         (("format_version: 1", "format_version: 2"), "format_version 2"),

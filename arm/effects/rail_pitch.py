@@ -1,0 +1,48 @@
+"""A carriage tilts as it travels along its rail, and turns all that it carries.
+
+In the plane that is pitch, about the plane's normal. In space it is a tilt about each axis of the base frame, every one
+as large: pitch, yaw and roll.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import IDENTITY, scale
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+
+
+def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
+    angle = settings.values.get("angle", 0.0)
+    for index, joint in enumerate(state.joints):
+        if angle == 0.0 or joint.revolute or not settings.acts_at(index):
+            continue
+        # The shape of the rail is not moved by a load, so that nothing seats it: in every mode it counts as worst.
+        for axis in IDENTITY[2:] if state.planar else IDENTITY:
+            yield Interval((Twist("joint", index, rotation=scale(angle, axis)),), 0.0)
+
+
+RAIL_PITCH = Effect(
+    id="rail_pitch",
+    title="tilt of a rail's carriage",
+    formula="sum psi_i x (p - p_i), |psi_i| <= angle, p_i the carriage of slide i",
+    # The carriage is the link that the slide carries; an angle at a joint that slides would be read as a length.
+    place="link",
+    automatic=False,
+    needs="a level or an autocollimator on the carriage, at many places along the rail",
+    aliases=("encoder_offset", "backlash"),
+    source="ISO 230-1:2012: angular error motions of a linear axis, here as half of their range",
+    parameters=(
+        Parameter(
+            "angle",
+            "angle",
+            "how far the carriage tilts to either side",
+            0.0,
+            5e-3,
+            (10e-6, 200e-6),
+            "straightness of rail guides over the length of a carriage: 10 um over 0.1 to 1 m",
+        ),
+    ),
+    play=_play,
+)
