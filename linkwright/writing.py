@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -75,13 +75,8 @@ def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
         write_file(path, json_text(content))
 
 
-def claim_folder(folder: Path | None, command: str) -> None:
-    """Make the output folder of a command, or take an earlier one of the same command again.
-
-    A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
-    """
-    if folder is None:
-        return
+def made_folder(folder: Path) -> set[str]:
+    """Make an output folder where there is none; the names of what it holds. Raises `InputError`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         names = {entry.name for entry in folder.iterdir()}
@@ -91,12 +86,26 @@ def claim_folder(folder: Path | None, command: str) -> None:
         raise InputError(folder, "", f"cannot be made: {error.strerror or error}") from None
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(folder, "", "cannot be written: permission denied")
-    if not names:
-        return
-    strangers = sorted(names - {RESULT, REPORT, DESIGN})
+    return names
+
+
+def refuse_strangers(folder: Path, there: set[str], own: Collection[str]) -> None:
+    """Refuse a folder that holds anything but a command's own files, so that nobody's are written over."""
+    strangers = sorted(there - set(own))
     if strangers:
         raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
-    if _made_by(folder / RESULT) != command:
+
+
+def claim_folder(folder: Path | None, command: str) -> None:
+    """Make the output folder of a command, or take an earlier one of the same command again.
+
+    A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
+    """
+    if folder is None:
+        return
+    names = made_folder(folder)
+    refuse_strangers(folder, names, (RESULT, REPORT, DESIGN))
+    if names and _made_by(folder / RESULT) != command:
         raise InputError(folder, "", f"holds files that are not of `linkwright {command}`; name a new or empty folder")
 
 

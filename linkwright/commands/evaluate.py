@@ -102,7 +102,8 @@ def _error_map(evaluation: Evaluation) -> ErrorMap:
     from arm.worst import WorstSearch
 
     model = error_model(evaluation.arm, evaluation.load_cases)
-    return error_map(WorstSearch(model, evaluation.workspace), beam_values(beams_of(evaluation.arm, evaluation.load_cases)))
+    beams = beams_of(evaluation.arm, evaluation.load_cases)
+    return error_map(WorstSearch(model, evaluation.workspace), beam_values(beams))
 
 
 def _written(evaluation: Evaluation, json: Path | None) -> dict[str, object]:

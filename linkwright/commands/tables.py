@@ -48,7 +48,7 @@ def tables(
     quick: Annotated[bool, typer.Option("--quick", help="Leave the extended tables out.")] = False,
 ) -> None:
     """Run the command."""
-    from linkwright.screen.console import Tries, console, waiting
+    from linkwright.screen.console import console, waiting
 
     check_target(json)
     check_target(markdown)
@@ -71,11 +71,7 @@ def tables(
     if not quick:
         from linkwright.paper.extended import make_extended
 
-        tries = Tries(console(errors=True))
-        try:
-            extended = make_extended(tries)
-        finally:
-            tries.close()
+        extended = make_extended(_say)
     written: list[Path] = []
     if json is not None:
         write_json(json, tables_json(book, judged, shown, extended))
@@ -94,6 +90,13 @@ def tables(
     show_extended(screen, extended)
     for path in written:
         screen.print(f"written: {path}", soft_wrap=True)
+
+
+def _say(done: int, total: int, text: str) -> None:
+    """A line for each extended table begun, beside the output."""
+    from linkwright.screen.console import console
+
+    console(errors=True).print(f"{text} ({done + 1} of {total})")
 
 
 def _text_of(path: Path) -> str:

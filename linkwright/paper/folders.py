@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection
 from pathlib import Path
 
+from linkwright.writing import made_folder, refuse_strangers
 from materials.quantities import InputError
 
 
@@ -14,18 +14,8 @@ def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> 
 
     A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        there = {entry.name for entry in folder.iterdir()}
-    except FileExistsError:
-        raise InputError(folder, "", "is a file; name a folder to write to") from None
-    except OSError as error:
-        raise InputError(folder, "", f"cannot be made: {error.strerror or error}") from None
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(folder, "", "cannot be written: permission denied")
-    strangers = sorted(there - set(names))
-    if strangers:
-        raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
+    there = made_folder(folder)
+    refuse_strangers(folder, there, names)
     if there and not _opens_with(folder / signed, signature):
         message = f"holds files that are not of this command ({min(there)}); name a new or empty folder"
         raise InputError(folder, "", message)

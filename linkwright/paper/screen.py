@@ -13,9 +13,6 @@ from .rows import ExtendedTable, Table
 from .tables import Book
 from .verdicts import Proof, Verdict
 
-_LABEL = 22
-"""Columns that an extended table's labels have, where they need them, however narrow the screen."""
-
 
 def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> None:
     """Print all tables, what they rest on, and the verdicts."""
@@ -58,7 +55,6 @@ def show_extended(out: Console, tables: Sequence[ExtendedTable]) -> None:
             index for index in range(len(each.columns)) if any(isinstance(row[index], float) for row in each.rows)
         )
         shown = empty_table(*(column.heading for column in each.columns), numbers=numbers, title=each.title)
-        shown.columns[0].min_width = min(_LABEL, max(len(cell_words(row[0])) for row in each.rows))
         for row in each.rows:
             shown.add_row(*map(cell_words, row))
         out.print(shown)

@@ -58,7 +58,7 @@ def material_table(arms: PaperArm, names: Sequence[str] | None = None) -> Extend
     note = (
         f"Deformation alone. Equal size: round bars of {mm(arms.paper.parameters.diameter)}; equal mass: bars of "
         f"{figure(mass_of(arms.arm()))} kg together, of the diameter given. The modulus at 50 °C is the "
-        "catalogue's; the paper's materials (at both ends of their ranges) have none. Best at equal mass first. "
+        "catalogue's (the same where it has no law), the paper's materials have none. Best at equal mass first. "
         "Growth is what the whole arm lengthens by from 20 to 50 °C; it is no part of the other figures. Rubber and "
         "soft plastics are shown as the model gives them: linear bending means nothing there."
     )
@@ -68,11 +68,11 @@ def material_table(arms: PaperArm, names: Sequence[str] | None = None) -> Extend
         Column("material"),
         Column("E", "GPa"),
         Column("density", "kg/m³"),
-        Column("size, 20 °C", "mm"),
-        Column("size, 50 °C", "mm"),
+        Column("equal size, 20 °C", "mm"),
+        Column("equal size, 50 °C", "mm"),
         Column("diameter", "mm"),
-        Column("mass, 20 °C", "mm"),
-        Column("mass, 50 °C", "mm"),
+        Column("equal mass, 20 °C", "mm"),
+        Column("equal mass, 50 °C", "mm"),
         Column("growth", "mm"),
     )
     return ExtendedTable("materials_fairly", "Materials at equal size and at equal mass", columns, tuple(rows), note)

@@ -146,8 +146,10 @@ def check_random_expression(steps, constants, seed, compiler):
     with np.errstate(invalid="ignore", over="ignore"):
         allowed = 5e-15 * (bound + np.abs(expected)) + 1e-290
         off = np.abs(found - expected)
-    # First-order bounds say little where they are huge, that is next to poles and edges of domains.
-    clear = np.isfinite(allowed) & np.isfinite(expected) & (bound < 1e9)
+    # First-order bounds say little where they, or those of a term before, are huge: next to poles and edges of domains.
+    # The sine of 1e41, say, is noise, and the quadrant of an angle made of it a jump that no slope announces.
+    widest = np.maximum.accumulate(np.where(np.isfinite(bound), bound, np.inf), axis=1)
+    clear = np.isfinite(allowed) & np.isfinite(expected) & (widest < 1e9)
     assert np.all(off[clear] <= allowed[clear])
 
 

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +18,10 @@ from linkwright.paper.output import BEGIN, END, EXTENDED_BEGIN, EXTENDED_END, al
 from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import Column, ExtendedTable
+from linkwright.paper.screen import show_extended
 from linkwright.paper.sensitivity import seam_table, sensitivities
 from linkwright.paper.warmth import growth_of, mass_of, material_table, warmed
+from linkwright.screen.console import console
 from materials.catalogue import load_catalogue
 
 SMALL = ExtendedTable("small", "A small one", (Column("who"), Column("how far", "mm")), (("a", 1.5), ("b", None)), "so")
@@ -240,6 +243,47 @@ def test_the_command_writes_extended_tables_and_quick_leaves_them_out(tmp_path, 
         assert ("A small one" in (tmp_path / "t.md").read_text(encoding="utf-8")) != bool(arguments)
 
 
+def test_progress_is_told_before_each_table(arms, monkeypatch):
+    """In the order of the page; every key is one that the command may write."""
+    from linkwright.commands.tables import EXTENDED_KEYS
+
+    makers = ("shapes", "materials", "steps", "tolerances", "seam", "heat", "rail", "dual_arm")
+    for name, key in zip(makers, EXTENDED_KEYS, strict=True):
+        monkeypatch.setattr(Extended, name, _named(name, key))
+    said: list[tuple[int, int, str]] = []
+    tables = Extended(arms, lambda done, total, text: said.append((done, total, text))).tables()
+    assert tuple(table.key for table in tables) == EXTENDED_KEYS
+    assert [each[:2] for each in said] == [(k, 8) for k in range(8)]
+    assert said[2][2].endswith("steps")
+
+
+def _named(name, key):
+    def maker(_self):
+        return replace(SMALL, key=key)
+
+    maker.__name__ = name
+    return maker
+
+
+def test_the_docs_page_has_every_extended_table():
+    """`linkwright tables --markdown docs/paper.md` renews them; here that each stands there with its columns."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
+    block = page[page.index(EXTENDED_BEGIN) : page.index(EXTENDED_END)]
+    assert block.count("\n### ") == 8
+    assert "| as given | 1.502 | – | 0.1773 | 26.3 |" in block
+    assert "| worst along it | 0.98" in block
+    assert "| 10 | clearance of joint 1 | 0.025 | mm | 1 | 0.0025 |" in block
+
+
 def test_masses_are_the_links(arms):
     """pi/4 d^2 rho L of the paper's bars."""
     assert mass_of(arms.arm()) == pytest.approx(math.pi / 4 * 0.1**2 * 2700.0 * 1.24)
+
+
+def test_no_column_is_lost_where_there_is_no_terminal(arms, capsys):
+    """Nine columns within a hundred, the last with its heading."""
+    long_names = ("cfrp-high-modulus-unidirectional", "aluminium-6061-t6")
+    show_extended(console(), [material_table(arms, long_names)])
+    out = capsys.readouterr().out
+    assert all(word in out for word in ("growth,", "diameter,", "kg/m³"))
+    assert max(map(len, out.splitlines())) <= 100
