@@ -18,7 +18,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 def written(tmp_path_factory):
     """One run of `tables` with everything written."""
     folder = tmp_path_factory.mktemp("tables")
-    arguments = ["tables", "--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
+    arguments = ["tables", "--quick", "--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
     assert run([str(argument) for argument in arguments]) == 0
     return folder
 
@@ -77,7 +77,7 @@ def test_the_docs_page_holds_what_the_command_prints(book):
 
 def test_tables_on_a_narrow_screen(written, capsys):  # noqa: ARG001 - only after the first run
     """Everything is there without a terminal, within 100 columns."""
-    assert run(["tables"]) == 0
+    assert run(["tables", "--quick"]) == 0
     out = capsys.readouterr().out
     for words in ("Table III", "Table VII", "≠ 0.0119", "52 of the 61", "does not hold", "(400, 300) mm"):
         assert words in out
