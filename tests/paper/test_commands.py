@@ -18,7 +18,8 @@ DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 def written(tmp_path_factory):
     """One run of `tables` with everything written."""
     folder = tmp_path_factory.mktemp("tables")
-    arguments = ["tables", "--quick", "--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
+    files = ["--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
+    arguments = ["tables", "--quick", *files]
     assert run([str(argument) for argument in arguments]) == 0
     return folder
 
