@@ -69,8 +69,11 @@ class WorstSearch:
             tuple(zip(self.lower.tolist(), self.upper.tolist(), strict=True)),
         )
 
-    def worst(self, p: Array, *, certify: bool = True, extra: Array | None = None) -> WorstCase:
+    def worst(
+        self, p: Array, *, certify: bool = True, extra: Array | None = None, certify_up_to: float = math.inf
+    ) -> WorstCase:
         """The worst case of a design p (see `arm.model.beam_values`); `extra` (N, n) are poses worth starting from.
+        An error above `certify_up_to` (m) is not worth a certificate.
 
         Raises `Unreachable` where the workspace holds points that the arm cannot reach.
         """
@@ -80,7 +83,7 @@ class WorstSearch:
             starts = np.vstack([starts, np.clip(extra, self.lower, self.upper)])
         if polynomials is None:
             return self._scanned(p, starts)
-        return self._climbed_and_certified(p, polynomials, starts, certify)
+        return self._climbed_and_certified(p, polynomials, starts, certify_up_to if certify else -math.inf)
 
     def poses(self, p: Array, count: int, seed: int = 1) -> Array:
         """About `count` poses (N, n) spread over the workspace of a design p."""
@@ -136,7 +139,7 @@ class WorstSearch:
             return None
 
     def _climbed_and_certified(
-        self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify: bool
+        self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify_up_to: float
     ) -> WorstCase:
         cells = None
         if self.workspace.kind != "joints":
@@ -144,7 +147,7 @@ class WorstSearch:
             cells = region_cells(self.workspace, tips)
         poses = [pose for each in polynomials for pose in self._climbed(p, each, starts)]
         worst = max(poses, key=lambda pose: pose.error)
-        if not certify:
+        if worst.error > certify_up_to:
             return WorstCase(worst.error, None, False, distinct(poses))
         bound, closed = worst.error, True
         for each in polynomials:

@@ -2,8 +2,10 @@
 
 Three diameters, three lengths and the epigraph's variable; 13^3 = 2,197 poses. Both sides are given the same physics
 function, the same start and the same IPOPT options, build their program and solve it; derivatives are exact on both.
-The grid's program maps the pose function over all poses (CasADi's `map`), which builds and runs far faster than 2,197
-copies written out. The exchange's answer is certified over all poses between; the grid's holds at its own poses only.
+The grid is taken twice: as the same program that the exchange solves, with all 2,197 poses in its pool (the target's
+side: one epigraph, the same code), and with the pose function mapped over them (CasADi's `map`), which builds and runs
+faster than copies written out. The exchange's answer is certified over all poses between; the grid's holds at its own
+poses only.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from optimize.choice import combinations
 from optimize.design import arm_of as design_arm
 from optimize.design import design_space, expressions, material_row, numeric_beams, starting_points
 from optimize.exchange import Context, Exchange, context_of, first_pool
+from optimize.pool import ErrorCut, Pool
 from optimize.problem import Problem, read_problem
 from optimize.program import _ipopt_options
 
@@ -63,22 +66,23 @@ def exchange_against_grid(*, quick: bool) -> list[str]:
         problem = read_problem(Path(folder) / "problem.yaml")
     context = context_of(problem)
     _by_exchange(context, problem)
-    ours, grid = [], []
+    ours, grid, mapped = [], [], []
     for _ in range(1 if quick else 3):
-        grid.append(_by_grid(context, problem))
-        ours += [_by_exchange(context, problem) for _ in range(3)]
-    best = min(ours, key=lambda side: side.seconds)
-    other = min(grid, key=lambda side: side.seconds)
-    off = abs(other.true / best.true - 1.0)
+        grid.append(_by_full_pool(context, problem))
+        mapped.append(_by_mapped_grid(context, problem))
+        ours += [_by_exchange(context, problem) for _ in range(5)]
+    best, other, quicker = (min(sides, key=lambda side: side.seconds) for sides in (ours, grid, mapped))
+    off = max(abs(side.true / best.true - 1.0) for side in (other, quicker))
     if not (off <= AGREEMENT and best.certified):
         raise SystemExit(f"the sides differ by {off:.1e}, or ours is not certified: there is nothing to compare")
     ratio = other.seconds / best.seconds
     print(f"exchange against one IPOPT program over a grid of {EACH}^3 = {EACH**3} poses, 7 variables")
-    for name, side in (("exchange, certified", best), ("grid", other)):
+    for name, side in (("exchange, certified", best), ("grid, same program", other), ("grid, mapped", quicker)):
         figures = f"{1e3 * side.true:.6f} mm (claims {1e3 * side.claimed:.6f})"
         print(f"  {name:20} {figures} in {side.seconds:.3f} s; {side.note}")
     print(f"  the grid's answer is {100.0 * (other.true / other.claimed - 1.0):.2f} % worse than it claims")
-    print(f"  ratio: {ratio:.0f} times faster, at least {TARGET:.0f} is asked for")
+    mapped_ratio = quicker.seconds / best.seconds
+    print(f"  ratio: {ratio:.0f} times faster (mapped: {mapped_ratio:.0f}), at least {TARGET:.0f} is asked for")
     return [] if ratio >= TARGET else [f"exchange against grid: {ratio:.0f} times instead of {TARGET:.0f}"]
 
 
@@ -97,16 +101,35 @@ def _by_exchange(context: Context, problem: Problem) -> Side:
     return Side(done.solution.error, done.worst.error, done.certified and done.converged, seconds, note)
 
 
-def _by_grid(context: Context, problem: Problem) -> Side:
+def _by_full_pool(context: Context, problem: Problem) -> Side:
     began = time.perf_counter()
     pick = combinations(problem)[0]
     space = design_space(problem, pick.shapes)
     materials = material_row(pick.materials, problem)
     start = starting_points(space, materials, 1)[0]
+    pool = Pool(errors=tuple(ErrorCut(tuple(q.tolist()), 0, (), (0.0, 0.0, 0.0)) for q in _grid(problem)))
+    solution = Exchange(context, space).program(pool, spare=False).solve(start, materials, pool)
+    seconds = time.perf_counter() - began
+    if not solution.solved:
+        raise SystemExit("the grid's program was not solved")
+    beams = numeric_beams(design_arm(space, solution.x, pick.materials), problem.load_cases)
+    return Side(solution.error, context.search.worst(beams).error, False, seconds, f"{pool.size} poses")
+
+
+def _grid(problem: Problem) -> np.ndarray:
     axes = [np.linspace(*joint.range, EACH) for joint in problem.arm.joints]
-    poses = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+
+def _by_mapped_grid(context: Context, problem: Problem) -> Side:
+    began = time.perf_counter()
+    pick = combinations(problem)[0]
+    space = design_space(problem, pick.shapes)
+    materials = material_row(pick.materials, problem)
+    start = starting_points(space, materials, 1)[0]
+    poses = _grid(problem)
     case = context.model.cases[0]
-    xs, qs, ps = ca.SX.sym("x", len(space.variables)), ca.SX.sym("q", len(axes)), ca.SX.sym("p", case.p.numel())
+    xs, qs, ps = ca.SX.sym("x", len(space.variables)), ca.SX.sym("q", problem.arm.size), ca.SX.sym("p", case.p.numel())
     design = expressions(space, xs, ca.SX(ca.DM(materials)))
     figures = ca.Function("figures", [xs], [design.beam_column, ca.SX(design.mass), ca.SX(design.reach)])
     error = 1e3 * case.function(qs, ps)[0]

@@ -203,9 +203,7 @@ class Exchange:
             limit = min((each.value for each in context.problem.limit("max_error")), default=math.inf)
             if context.problem.minimize != "max_error":
                 allowed = limit
-            worst = context.search.worst(p, certify=False, extra=known)
-            if worst.error <= allowed * (1.0 + TOLERANCE):
-                worst = context.search.worst(p, certify=True, extra=known)
+            worst = context.search.worst(p, extra=known, certify_up_to=allowed * (1.0 + TOLERANCE))
             certified = worst.certified
             violation = worst.error / allowed - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
