@@ -12,7 +12,7 @@ from linkwright.screen.console import OutputClosed, drop_output
 from materials.quantities import InputError
 
 from .as_json import program_version
-from .commands import effects, evaluate, figures, materials, optimize, sections, tables
+from .commands import effects, evaluate, figures, materials, optimize, seam, sections, tables
 from .commands.groups import PLAIN
 
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
@@ -46,6 +46,7 @@ def command_line() -> typer.Typer:
     made.command("optimize", help=optimize.HELP)(optimize.optimize)
     made.command("tables", help=tables.HELP)(tables.tables)
     made.command("figures", help=figures.HELP)(figures.figures)
+    made.command("seam", help=seam.HELP)(seam.seam)
     made.add_typer(materials.group(), name="materials")
     made.add_typer(sections.group(), name="sections")
     made.add_typer(effects.group(), name="effects")

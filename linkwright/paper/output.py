@@ -31,7 +31,7 @@ def tables_json(
     counted = tally(book.tables)
     content: dict[str, Any] = {"made_by": f"linkwright tables {program_version()}"}
     content.update({table.key: [_row_json(row) for row in table.rows] for table in book.tables})
-    content["extended"] = [_extended_json(table) for table in extended]
+    content["extended"] = [extended_json(table) for table in extended]
     content["columns"] = {table.key: list(table.columns) for table in book.tables}
     content["remarks"] = {table.key: list(table.remarks) for table in book.tables}
     content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
@@ -57,7 +57,8 @@ def _row_json(row: Row) -> dict[str, Any]:
     }
 
 
-def _extended_json(table: ExtendedTable) -> dict[str, Any]:
+def extended_json(table: ExtendedTable) -> dict[str, Any]:
+    """A table as JSON: its columns with units, its rows, its note."""
     return {
         "key": table.key,
         "title": table.title,
