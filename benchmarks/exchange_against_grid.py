@@ -25,7 +25,7 @@ from optimize.design import design_space, expressions, material_row, numeric_bea
 from optimize.exchange import Context, Exchange, context_of, first_pool
 from optimize.pool import ErrorCut, Pool
 from optimize.problem import Problem, read_problem
-from optimize.program import _ipopt_options
+from optimize.program import ipopt_options
 
 TARGET = 200.0
 AGREEMENT = 1e-3
@@ -142,7 +142,7 @@ def _by_mapped_grid(context: Context, problem: Problem) -> Side:
         "f": y,
         "g": ca.vertcat(rows.T - 2.0 * y, ca.log(mass / MASS), ca.log(reach / REACH)),
     }
-    solver = ca.nlpsol("grid", "ipopt", program, _ipopt_options())
+    solver = ca.nlpsol("grid", "ipopt", program, ipopt_options())
     lower, upper = space.bounds()
     count = len(poses)
     result = solver(

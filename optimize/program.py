@@ -51,7 +51,8 @@ TURN = 0.5
 its place, with another error."""
 
 
-def _ipopt_options() -> dict[str, Any]:
+def ipopt_options() -> dict[str, Any]:
+    """The options with which every finite problem is solved."""
     return {
         "print_time": False,
         "ipopt": {
@@ -149,7 +150,7 @@ class Program:
             "f": weights[0] * objective + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack))),
             "g": ca.vertcat(*every) if every else ca.SX(0, 1),
         }
-        self._solver = ca.nlpsol("design", "ipopt", program, _ipopt_options())
+        self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
         self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
         self._mass = ca.Function("mass", [x, materials], [design.mass, design.cost, design.reach])
 

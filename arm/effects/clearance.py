@@ -31,8 +31,9 @@ CLEARANCE = Effect(
     automatic=True,
     needs="a side force, or the arm mounted the other way up",
     aliases=("frame_misalignment",),
-    source="H. P. Jawale & H. T. Thorat, Comparison of Positional Accuracy of Serial Robots with Clearance and "
-    "Backlash; the pin as a massless link of the clearance's length",
+    source="O. Altuzarra, J. Aginaga, A. Hernandez & I. Zabalza, Workspace analysis of positioning discontinuities "
+    "due to clearances in parallel manipulators, Mechanism and Machine Theory 46 (2011) 577-592: "
+    "the load decides where a pin lies",
     parameters=(
         Parameter(
             "radius",
