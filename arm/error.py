@@ -83,6 +83,7 @@ def displacements(state: PoseState, twists: Iterable[Twist]) -> tuple[Vector, ..
 
 def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vector]]:
     """Displacement and rotation at the far end of each link, and last at the tip."""
+    at_base: tuple[Vector, Vector] = (ZERO, ZERO)
     at_joint: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.joints)
     at_link: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.links)
     at_tip: tuple[Vector, Vector] = (ZERO, ZERO)
@@ -90,10 +91,13 @@ def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vecto
         if twist.node == "tip":
             at_tip = (add(at_tip[0], twist.translation), add(at_tip[1], twist.rotation))
             continue
+        if twist.node == "base":
+            at_base = (add(at_base[0], twist.translation), add(at_base[1], twist.rotation))
+            continue
         where = at_joint if twist.node == "joint" else at_link
         translation, rotation = where[twist.index]
         where[twist.index] = (add(translation, twist.translation), add(rotation, twist.rotation))
-    shift, turn = ZERO, ZERO
+    shift, turn = at_base
     walked: list[tuple[Vector, Vector]] = []
     for index, link in enumerate(state.links):
         shift = add(shift, cross(turn, state.leads[index]))

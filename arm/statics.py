@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from .beam import Beam
 from .chain import REFERENCE_TEMPERATURE, Arm, LoadCase
+from .conditions import Conditions
 from .kinematics import Frames, place
 from .vectors import Scalar, Vector, add, cross, dot, is_zero, scale, subtract, times
 
@@ -62,7 +63,10 @@ class JointState:
 
 @dataclass(frozen=True)
 class PoseState:
-    """The arm at a pose under a load: all that an effect may ask. `tip` is None where nobody needs it."""
+    """The arm at a pose under a load: all that an effect may ask.
+
+    `gravity` (m/s^2) is the one that the loads were taken with, `conditions` what held beyond pose and load.
+    """
 
     joints: tuple[JointState, ...]
     links: tuple[LinkState, ...]
@@ -71,6 +75,14 @@ class PoseState:
     absolute: bool
     planar: bool
     load: LoadCase
+    arm: Arm
+    frames: Frames
+    gravity: Vector
+    conditions: Conditions
+
+    def tip(self) -> Vector:
+        """The tip's nominal position, m."""
+        return self.frames.tip()
 
 
 def solve(
@@ -80,6 +92,8 @@ def solve(
     load: LoadCase | None = None,
     *,
     warming: Scalar | None = None,
+    gravity: Vector | None = None,
+    conditions: Conditions | None = None,
     payload_mass: Scalar | None = None,
     tip_force: Vector | None = None,
     point_forces: Sequence[Vector] | None = None,
@@ -89,14 +103,16 @@ def solve(
 
     `beams` gives each link's rigidities and length (floats or symbols). `payload_mass` (kg) and `tip_force` (N)
     replace those of the load case, as symbols say. `point_forces` (N, one per link) act at the links' far ends in
-    addition. `warming` is the temperature above 20 degC of all links (K), the arm's own by default.
+    addition. `warming` is the temperature above 20 degC of all links (K), the arm's own by default; that of
+    `conditions` goes before it. `gravity` (m/s^2) replaces the arm's own.
     """
     case = arm.payload if load is None else load
     rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
-    gravity: Vector = arm.gravity
+    held = Conditions() if conditions is None else conditions
+    pull: Vector = arm.gravity if gravity is None else gravity
     force: Vector = case.force if tip_force is None else tip_force
-    force = add(force, scale(case.mass if payload_mass is None else payload_mass, gravity))
+    force = add(force, scale(case.mass if payload_mass is None else payload_mass, pull))
     moment: Vector = add(case.moment, cross(placed.tool, force))
     joints: list[JointState] = []
     links: list[LinkState] = []
@@ -106,23 +122,32 @@ def solve(
         if point_forces is not None:
             force = add(force, point_forces[index])
         ends[index] = moment
-        weight = scale(times(beam.mass_per_length, beam.length), gravity)
+        weight = scale(times(beam.mass_per_length, beam.length), pull)
         half = add(force, scale(0.5, weight))
         base_moment = add(moment, cross(frame.vector, half))
         base_force = add(force, weight)
         if not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
-            lumped = scale(beam.lumped_mass, gravity)
+            lumped = scale(beam.lumped_mass, pull)
             base_moment = add(base_moment, cross(scale(beam.lumped_at, frame.along), lumped))
             base_force = add(base_force, lumped)
         links.append(
             LinkState(
-                frame.vector, frame.along, frame.height, frame.width, beam, force, moment, weight, rise, base_moment
+                frame.vector,
+                frame.along,
+                frame.height,
+                frame.width,
+                beam,
+                force,
+                moment,
+                weight,
+                rise if held.warming is None else held.warming[index],
+                base_moment,
             )
         )
         axis = placed.joints[index].axis
         if not joint.revolute:
             # A slide's mass rides on it, so its drive holds that too.
-            drive_load = dot(axis, add(base_force, scale(joint.mass, gravity)))
+            drive_load = dot(axis, add(base_force, scale(joint.mass, pull)))
         elif arm.angles == "absolute":
             # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
             drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))
@@ -143,7 +168,7 @@ def solve(
                 joint.spans,
             )
         )
-        force = add(base_force, scale(joint.mass, gravity))
+        force = add(base_force, scale(joint.mass, pull))
         lead = placed.joints[index].lead
         moment = base_moment if is_zero(lead) else add(base_moment, cross(lead, force))
     return PoseState(
@@ -154,4 +179,8 @@ def solve(
         arm.angles == "absolute",
         arm.planar(case),
         case,
+        arm,
+        placed,
+        pull,
+        held,
     )

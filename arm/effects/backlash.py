@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ..statics import PoseState
-from .effect import Disc, Effect, Interval, Parameter, Settings, drive_motion
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, drive_motion
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -14,6 +16,18 @@ def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
         if total == 0.0 or not settings.acts_at(index):
             continue
         yield Interval(drive_motion(state, index, 0.5 * total), joint.drive_load)
+
+
+def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    held_below = settings.values.get("held_below", 0.0)
+    sides = state.conditions.sides
+    for index, joint in enumerate(state.joints):
+        total = settings.values.get("total", joint.backlash)
+        if total == 0.0 or not settings.acts_at(index):
+            continue
+        pushed = np.sign(joint.drive_load) * (np.abs(joint.drive_load) >= held_below)
+        dragged = 0.0 if sides is None else -sides[index] * (np.abs(joint.drive_load) < held_below)
+        yield from drive_motion(state, index, 0.5 * total * (pushed + dragged))
 
 
 BACKLASH = Effect(
@@ -34,7 +48,21 @@ BACKLASH = Effect(
             0.1,
             (0.03e-3, 1e-3),
             "gearbox makers' catalogue figures: below 1 to 3 arcmin",
+            role="size",
+        ),
+        Parameter(
+            "held_below",
+            "torque",
+            "load below which friction holds the joint on the side that it came from",
+            0.0,
+            1e6,
+            (0.0, 50.0),
+            "friction of gearboxes: a few per cent of their rated torque",
+            role="shape",
+            grid=(0.0, 0.1, 0.25, 0.5, 1.01),
+            relative_to_load=True,
         ),
     ),
     play=_play,
+    seated=_seated,
 )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ..statics import PoseState
-from ..vectors import scale
+from ..vectors import dot, scale, subtract
 from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
 
 
@@ -21,6 +23,17 @@ def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
             yield Interval((Twist("joint", index, scale(radius, across)),), load)
         else:
             yield Disc(index, radius, joint.axis, joint.force)
+
+
+def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    for index, joint in enumerate(state.joints):
+        radius = settings.values.get("radius", joint.clearance)
+        if radius == 0.0 or not settings.acts_at(index):
+            continue
+        across = subtract(joint.force, scale(dot(joint.axis, joint.force), joint.axis))
+        size = np.sqrt(dot(across, across))
+        share = np.where(size > _NO_LOAD, 1.0 / np.where(size > _NO_LOAD, size, 1.0), 0.0)
+        yield Twist("joint", index, translation=scale(radius * share, across))
 
 
 CLEARANCE = Effect(
@@ -43,7 +56,9 @@ CLEARANCE = Effect(
             5e-3,
             (10e-6, 100e-6),
             "running fits of ISO 286-1 at joint diameters",
+            role="size",
         ),
     ),
     play=_play,
+    seated=_seated,
 )

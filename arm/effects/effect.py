@@ -14,8 +14,12 @@ from typing import Literal
 from ..statics import PoseState
 from ..vectors import ZERO, Scalar, Vector, scale
 
-NodeKind = Literal["joint", "link", "tip"]
-"""A joint's axis, the far end of a link, or the tip."""
+NodeKind = Literal["base", "joint", "link", "tip"]
+"""The base's origin, a joint's axis, the far end of a link, or the tip."""
+
+Role = Literal["size", "shape", "given"]
+"""How a parameter enters: the displacement grows from nothing with a `size`; a `shape` (a lag, a threshold, an order)
+changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,11 @@ class Disc:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI,
-    source."""
+    """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI, source.
+
+    `role` says how a fit treats it (see `Role`), `grid` the values at which a search tries a shape; where the pattern
+    depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load.
+    """
 
     name: str
     kind: str
@@ -59,6 +66,9 @@ class Parameter:
     upper: float
     typical: tuple[float, float]
     source: str
+    role: Role = "given"
+    grid: tuple[float, ...] = ()
+    relative_to_load: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,7 +107,11 @@ class Effect:
 
     `automatic`: in the model wherever the arm file has its data, unless `leave_out` names it; otherwise only where
     `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be told from.
-    `twists` gives what it does at a pose, `play` what it leaves free.
+    `twists` gives what it does at a pose, `play` what it leaves free. A recording knows more than a design: there
+    `seated` says where the play came to lie, by the load or by the side of approach.
+    `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
+    tries one parameter for all of them. `before_encoder` marks what moves the joint away from its command but is seen
+    by the encoder: it moves the tip only as long as the coordinates are commands.
     """
 
     id: str
@@ -111,6 +125,9 @@ class Effect:
     parameters: tuple[Parameter, ...] = ()
     twists: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
     play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = no_play
+    seated: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
+    together: bool = False
+    before_encoder: bool = False
 
 
 def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, ...]:

@@ -33,6 +33,7 @@ ENCODER_OFFSET = Effect(
             0.2,
             (0.1e-3, 1e-3),
             "homing switches and index marks of industrial robots",
+            role="size",
         ),
     ),
     twists=_twists,

@@ -1,0 +1,67 @@
+"""What held at a reading beyond the pose and the load: time, temperatures, sides of approach, velocities, commands.
+
+Effects ask it by name; None means that nobody knows, and an effect that needs it then has nothing to say.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .vectors import Scalar
+
+Scalars = tuple[Scalar, ...]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Conditions of one pose (floats) or of N readings in the order of their visits (arrays of N).
+
+    `time` in s since the recording began. `warming` (K above 20 degC), one entry for each link. `sides` +1 where a
+    joint last moved towards increasing coordinates, -1 otherwise, one for each joint. `velocities` (rad/s, m/s) and
+    `accelerations` (rad/s^2, m/s^2), `commanded` coordinates (rad, m), one for each joint. `loaded_for` is the time (s)
+    since the present payload was taken up.
+    """
+
+    time: Scalar | None = None
+    warming: Scalars | None = None
+    sides: Scalars | None = None
+    velocities: Scalars | None = None
+    accelerations: Scalars | None = None
+    commanded: Scalars | None = None
+    loaded_for: Scalar | None = None
+
+    def lagged_warming(self, link: int, lag: float) -> Scalar:
+        """The warming of `link` (from 0) behind a first-order lag of `lag` s: lag * dT'/dt = warming - dT.
+
+        The link starts at the first reading's temperature, and temperature runs linearly between readings, for which
+        the answer is exact. Without a lag, times or warming of several readings: the warming itself (0.0 where
+        nobody knows it).
+        """
+        if self.warming is None:
+            return 0.0
+        warming = self.warming[link]
+        if lag <= 0.0 or not isinstance(warming, np.ndarray) or not isinstance(self.time, np.ndarray):
+            return warming
+        return first_order_response(self.time, warming, lag)
+
+
+def first_order_response(time: NDArray[np.float64], drive: NDArray[np.float64], lag: float) -> NDArray[np.float64]:
+    """Answer of lag * y' = drive - y to a drive that is piecewise linear in time (N), from rest at its first value."""
+    order = np.argsort(time, kind="stable")
+    t, u = np.asarray(time, dtype=float)[order], np.asarray(drive, dtype=float)[order]
+    y = np.empty_like(u)
+    y[0] = u[0]
+    for k in range(1, len(t)):
+        step = t[k] - t[k - 1]
+        if step <= 0.0:
+            y[k] = y[k - 1]
+            continue
+        slope, decay = (u[k] - u[k - 1]) / step, np.exp(-step / lag)
+        start = u[k - 1] - lag * slope  # the answer to a ramp runs `lag` behind it
+        y[k] = u[k] - lag * slope + (y[k - 1] - start) * decay
+    answer = np.empty_like(y)
+    answer[order] = y
+    return answer
