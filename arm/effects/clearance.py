@@ -10,6 +10,9 @@ from ..statics import PoseState
 from ..vectors import dot, scale, subtract
 from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
 
+_NO_LOAD = 1e-9
+"""A load (N) that seats nothing."""
+
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
     for index, joint in enumerate(state.joints):

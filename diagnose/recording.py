@@ -1,0 +1,65 @@
+"""A recording of a real arm: joint coordinates, what held, and where instruments saw the tip; SI throughout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RejectedRow:
+    """A row set aside: its number in the file (the first reading is row 1) and why, for people."""
+
+    row: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Recording:
+    """N readings in the order of the file, less those set aside.
+
+    `q` (N, n) encoder readings in rad (m for slides); `tip` (N, 2 or 3) measured in the base frame, m. What the file
+    does not hold is None: `orientation` (N, 3, 3) rotation matrices of the tool; `time` (N,) s from the first reading;
+    `sides` (N, n) of +1, -1 (0 where unknown); `payload_mass` (N,) kg; `temperature` (N,) K and `link_temperature`
+    (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `commanded` (N, n) and `joint_side`
+    (N, n) like q; `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
+    `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
+    `tool` say what is a nuisance; `other` holds further numeric columns as they are, by name. `warnings` are sentences
+    for the report.
+    """
+
+    file: str
+    q: Array
+    tip: Array
+    row: NDArray[np.int64]
+    orientation: Array | None = None
+    time: Array | None = None
+    sides: Array | None = None
+    payload_mass: Array | None = None
+    temperature: Array | None = None
+    link_temperature: Array | None = None
+    velocity: Array | None = None
+    acceleration: Array | None = None
+    commanded: Array | None = None
+    joint_side: Array | None = None
+    torque: Array | None = None
+    force: Array | None = None
+    base_target: Array | None = None
+    sigma: float | None = None
+    frame: Literal["known", "free"] = "known"
+    tool: Literal["known", "free"] = "known"
+    rejected: tuple[RejectedRow, ...] = ()
+    warnings: tuple[str, ...] = ()
+    other: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def size(self) -> int:
+        """The number of readings."""
+        return len(self.q)
