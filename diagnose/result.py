@@ -1,0 +1,227 @@
+"""What a diagnosis found, in SI: everything that a report says is drawn from here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+
+from .recording import Recording, RejectedRow
+
+Array = NDArray[np.float64]
+
+Verdict = Literal["none", "named", "alias_class", "unknown", "insufficient_data"]
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """A parameter's value with its 95 % interval, in the SI unit of `kind` (see materials.quantities).
+
+    `name` is the parameter's own, with the joint's or link's number where the effect acts at one (`compliance_2`).
+    `at_bound` says that it stands at a physical bound.
+    """
+
+    name: str
+    parameter: str
+    at: tuple[int, ...]
+    kind: str
+    value: float
+    interval: tuple[float, float]
+    at_bound: bool = False
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """What the data cannot tell from a named effect: where it acts (from 1), and how alike the two patterns are.
+
+    `likeness` is the correlation of the two displacement patterns once nuisances and the other findings are projected
+    out; `worse` the increase of the criterion (extended BIC) when it takes the named effect's place.
+    """
+
+    effect: str
+    at: tuple[int, ...]
+    likeness: float
+    worse: float
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Physics that the model left out: where it acts (joints or links from 1), its parameters, and what it explains.
+
+    `rms_explained` (m) is the RMS length of the displacement that it adds at the recording's poses; `p_value` that of
+    its own test by permutation, given all other findings; `rms_without` (m) the RMS of what remains when it alone is
+    left out and the rest is fitted again, `rms_without_held_out` the same on rows not fitted. `reading` is the plain
+    sentence.
+    """
+
+    effect: str
+    at: tuple[int, ...]
+    alternatives: tuple[Alternative, ...]
+    parameters: tuple[FittedParameter, ...]
+    rms_explained: float
+    p_value: float
+    rms_without: float
+    rms_without_held_out: float
+    reading: str
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model of the ladder: what it adds, and its RMS, mean and largest residual (m); `held_out` on rows not
+    fitted."""
+
+    label: str
+    rms: float
+    mean: float
+    largest: float
+    held_out: float
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """Whether the mismatch depends on a covariate (`position`, `time`, `payload_kg`, `q2`, ...): p by permutation of
+    pose blocks (largest of all tests), and the share of the mismatch's sum of squares that it alone can describe."""
+
+    on: str
+    p_value: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where the mismatch sits: the joint (from 1) whose motion describes it best, the direction in which the tip is
+    displaced, since when (s), and what it depends on."""
+
+    joint: int | None
+    joint_shares: tuple[float, ...]
+    depends_on: tuple[str, ...]
+    direction: str | None
+    since: float | None
+    dependences: tuple[Dependence, ...]
+
+
+@dataclass(frozen=True)
+class RejectedForm:
+    """A candidate that was considered and not taken: how much of the mismatch it explains alone (share of the sum of
+    squares), and why not."""
+
+    effect: str
+    at: tuple[int, ...]
+    share: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Form:
+    """A simple form that describes what the library cannot: its name, the share of the remaining sum of squares that it
+    explains, on held-out rows too, and a sentence."""
+
+    name: str
+    share: float
+    share_held_out: float
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """What nothing in the library explains: what it depends on, its amplitude (m, RMS), its shape in words, the forms
+    that describe it best, why each near entry was rejected, since when (s), and which recording would decide.
+
+    `predicted` (N, 2 or 3) m is a smooth model of it (a Gaussian process orthogonal to the known physics), good for
+    compensation only; `held_out_share` is the share of the sum of squares that it predicts on rows it has not seen.
+    """
+
+    depends_on: tuple[str, ...]
+    amplitude: float
+    shape: str
+    forms: tuple[Form, ...]
+    rejected: tuple[RejectedForm, ...]
+    since: float | None
+    decide: str
+    predicted: Array | None
+    held_out_share: float | None
+
+
+@dataclass(frozen=True)
+class Detectable:
+    """The smallest size of an effect at a place that this recording would have shown (power 0.9): the RMS displacement
+    of the tip (m), and the value of its parameter in the SI unit of `kind`.
+
+    `visible` is the share of the pattern that remains once nuisances are projected out; 0 where the recording cannot
+    show the effect at all.
+    """
+
+    effect: str
+    at: tuple[int, ...]
+    rms: float
+    parameter: str
+    kind: str
+    value: float
+    visible: float
+
+
+@dataclass(frozen=True)
+class NextPose:
+    """A pose worth recording next: joint coordinates (rad, m), payload (kg, None: as in the arm file), side of approach
+    (+1, -1) and what it decides."""
+
+    q: tuple[float, ...]
+    payload_mass: float | None
+    side: int
+    decides: str
+
+
+@dataclass(frozen=True)
+class Covered:
+    """A figure in the words of ISO 9283 or ISO 230, where the recording supports it: value in m, and how many visits."""
+
+    symbol: str
+    name: str
+    standard: str
+    value: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The whole result. Residuals are (N, 2 or 3), m, in the order of `recording`'s rows, in the base frame.
+
+    `rms` figures are of the length of the error vector, m. `noise_floor` is None where nothing tells it; `noise_source`
+    says where it comes from. `null_vectors` are sentences on what the nuisances cannot tell apart among themselves.
+    `gate_p` is the p-value that there is any mismatch at all; `split` names how rows were held out; `corrected` is the
+    arm file with the findings in it. `sentence` is the plain answer.
+    """
+
+    arm: Arm
+    recording: Recording
+    verdict: Verdict
+    sentence: str
+    noise_floor: float | None
+    noise_source: str
+    rms_before: float
+    rms_after: float
+    rms_after_held_out: float
+    gate_p: float
+    findings: tuple[Finding, ...]
+    where: Location
+    unknown: Unknown | None
+    ladder: tuple[Rung, ...]
+    rejected_rows: tuple[RejectedRow, ...]
+    rejected_forms: tuple[RejectedForm, ...]
+    detectable: tuple[Detectable, ...]
+    invisible: tuple[tuple[str, tuple[int, ...]], ...]
+    next_poses: tuple[NextPose, ...]
+    next_poses_note: str
+    null_vectors: tuple[str, ...]
+    splits: Mapping[str, float]
+    figures: tuple[Covered, ...]
+    residual_before: Array
+    residual_after: Array
+    corrected: Arm
+    notes: tuple[str, ...]
+    seconds: float
