@@ -178,7 +178,7 @@ class NextPose:
 
 @dataclass(frozen=True)
 class Covered:
-    """A figure in the words of ISO 9283 or ISO 230, where the recording supports it: value in m, and how many visits."""
+    """A figure in the words of ISO 9283 or ISO 230, where the recording supports it: value (m), number of visits."""
 
     symbol: str
     name: str

@@ -1,0 +1,19 @@
+"""What may be asked of a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Progress = Callable[[str, float], None]
+"""Hears what is being done, and what share of the whole is behind it (0 to 1)."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """`thorough` calibrates the whole search, selection included, with more draws; `without` takes effects out of the
+    candidates; `seed` fixes all random draws."""
+
+    thorough: bool = False
+    without: frozenset[str] = frozenset()
+    seed: int = 1
