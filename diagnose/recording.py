@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
@@ -32,7 +32,7 @@ class Recording:
     (N, n) like q; `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
     `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
     `tool` say what is a nuisance; `other` holds further numeric columns as they are, by name. `warnings` are sentences
-    for the report.
+    for the report. `settings` is the recording.yaml that was used.
     """
 
     file: str
@@ -58,8 +58,53 @@ class Recording:
     rejected: tuple[RejectedRow, ...] = ()
     warnings: tuple[str, ...] = ()
     other: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    settings: str = ""
 
     @property
     def size(self) -> int:
         """The number of readings."""
         return len(self.q)
+
+    def kept(self, keep: NDArray[np.bool_]) -> Recording:
+        """The readings that `keep` (N) marks; `rejected` and `warnings` stay as they are."""
+        if keep.all():
+            return self
+        chosen = {
+            name: value[keep]
+            for name in _READINGS
+            if isinstance(value := getattr(self, name), np.ndarray)
+        }
+        other = MappingProxyType({name: values[keep] for name, values in self.other.items()})
+        return replace(self, **chosen, other=other)
+
+    def without(self, rejected: Sequence[RejectedRow]) -> Recording:
+        """The readings less some more, which join `rejected` in the order of the file; a row is rejected once."""
+        known = {each.row for each in self.rejected}
+        more: dict[int, RejectedRow] = {}
+        for each in rejected:
+            if each.row not in known:
+                more.setdefault(each.row, each)
+        if not more:
+            return self
+        kept = self.kept(np.array([row not in more for row in self.row.tolist()], dtype=bool))
+        return replace(kept, rejected=tuple(sorted((*self.rejected, *more.values()), key=lambda each: each.row)))
+
+
+_READINGS = (
+    "q",
+    "tip",
+    "row",
+    "orientation",
+    "time",
+    "sides",
+    "payload_mass",
+    "temperature",
+    "link_temperature",
+    "velocity",
+    "acceleration",
+    "commanded",
+    "joint_side",
+    "torque",
+    "force",
+    "base_target",
+)

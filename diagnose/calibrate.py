@@ -1,0 +1,143 @@
+"""How large a gain chance alone produces: residuals permuted by visit, everything searched anew.
+
+D. Freedman & D. Lane, J. Business & Economic Statistics 1 (1983) 292, doi:10.1080/07350015.1983.10509354: what the
+smaller model leaves is permuted and added back to its fit. Visits are moved whole, so that scatter which readings of
+one visit share stays with them. The statistic is the largest over all candidates, which makes the p-value that of the
+whole search for one more effect.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .pool import Pool, orthonormal
+from .search import Criterion
+
+Array = NDArray[np.float64]
+
+_WORK = 4e9
+"""Multiplications that the draws of one test may cost by default."""
+_CHUNK = 32
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """A test of the best of some candidates: the largest statistic, which group it belongs to, its p-value, the
+    statistics of the draws, and that of every group."""
+
+    statistic: float
+    best: int
+    p_value: float
+    drawn: Array
+    each: Array
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a smaller model takes as given: an orthonormal basis (n, k) of nuisances and effects, and the residual."""
+
+    basis: Array
+    residual: Array
+
+
+def given_model(pool: Pool, vector: Array, members: Sequence[int]) -> Given:
+    """The smaller model of some groups, fitted to a vector from which nuisances are projected out."""
+    taken = orthonormal(pool.basis[:, pool.columns(members)]) if members else np.zeros((len(vector), 0))
+    basis = np.concatenate([pool.nuisance, taken], axis=1)
+    return Given(basis, vector - basis @ (basis.T @ vector))
+
+
+def one_more(
+    pool: Pool,
+    given: Given,
+    criterion: Criterion,
+    visits: Sequence[NDArray[np.int64]],
+    width: int,
+    *,
+    draws: int,
+    rng: np.random.Generator,
+    among: Sequence[NDArray[np.bool_]],
+) -> list[Calibrated]:
+    """Test whether one more group explains more than chance would, for each set of groups in `among`.
+
+    `width` is the number of columns of a reading. The same draws serve all sets.
+    """
+    beside = _beside(pool, given.basis)
+    statistic = _statistic(beside, given.residual[:, None], criterion)[:, 0]
+    draws = max(99, min(draws, int(_WORK / max(beside.basis.size, 1))))
+    table = given.residual.reshape(-1, width)
+    drawn: list[list[Array]] = [[] for _ in among]
+    for start in range(0, draws, _CHUNK):
+        count = min(_CHUNK, draws - start)
+        permuted = np.stack([table[permutation(visits, rng)].reshape(-1) for _ in range(count)], axis=1)
+        permuted -= given.basis @ (given.basis.T @ permuted)
+        found = _statistic(beside, permuted, criterion)
+        for values, usable in zip(drawn, among, strict=True):
+            values.append(found[usable].max(axis=0, initial=-np.inf))
+    return [_tested(statistic, np.concatenate(values), usable) for values, usable in zip(drawn, among, strict=True)]
+
+
+def _tested(statistic: Array, drawn: Array, usable: NDArray[np.bool_]) -> Calibrated:
+    allowed = np.where(usable, statistic, -np.inf)
+    if not usable.any():
+        return Calibrated(-math.inf, -1, 1.0, drawn, allowed)
+    best = int(np.argmax(allowed))
+    return Calibrated(float(allowed[best]), best, p_value(float(allowed[best]), drawn), drawn, allowed)
+
+
+def permutation(visits: Sequence[NDArray[np.int64]], rng: np.random.Generator) -> NDArray[np.int64]:
+    """Row numbers with whole visits in random order, beginning anywhere within a cycle."""
+    order = rng.permutation(len(visits))
+    rows = np.concatenate([visits[number] for number in order.tolist()])
+    return np.roll(rows, int(rng.integers(len(rows)))) if len(visits) < len(rows) else rows
+
+
+def p_value(observed: float, drawn: Array) -> float:
+    """The p-value of a statistic among permuted ones: counted where draws reach it, else by the tail of a Gumbel
+    distribution through their moments (largest of many; E. J. Gumbel, Statistics of Extremes, 1958)."""
+    reached = int(np.sum(drawn >= observed))
+    counted = (1.0 + reached) / (1.0 + len(drawn))
+    if reached >= 5 or len(drawn) < 50:
+        return counted
+    spread = float(np.std(drawn)) * math.sqrt(6.0) / math.pi
+    if spread <= 0.0:
+        return counted
+    location = float(np.mean(drawn)) - 0.5772156649 * spread
+    return float(min(counted, -math.expm1(-math.exp(-(observed - location) / spread))))
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """The pool's basis beside a smaller model, orthonormal within each group again."""
+
+    basis: Array
+    starts: NDArray[np.int64]
+    ranks: NDArray[np.int64]
+
+
+def _beside(pool: Pool, basis: Array) -> _Beside:
+    left = pool.basis - basis @ (basis.T @ pool.basis)
+    starts, ranks = pool.starts, pool.ranks
+    single = starts[ranks == 1]
+    size = np.linalg.norm(left[:, single], axis=0)
+    left[:, single] = np.where(size > 1e-4, left[:, single] / np.where(size > 1e-4, size, 1.0), 0.0)
+    for start, rank in zip(starts[ranks > 1].tolist(), ranks[ranks > 1].tolist(), strict=True):
+        block = left[:, start : start + rank]
+        values, vectors = np.linalg.eigh(block.T @ block)
+        scale = np.where(values > 1e-8, 1.0 / np.sqrt(np.where(values > 1e-8, values, 1.0)), 0.0)
+        left[:, start : start + rank] = block @ (vectors * scale)
+    return _Beside(left, starts, ranks)
+
+
+def _statistic(beside: _Beside, vectors: Array, criterion: Criterion) -> Array:
+    """The drop of the criterion, without its prior, that each group brings to each vector, (G, V)."""
+    along = beside.basis.T @ vectors
+    explained = np.add.reduceat(along * along, beside.starts, axis=0)
+    rss = np.sum(vectors * vectors, axis=0)
+    share = np.minimum(explained / rss, 1.0 - 1e-12)
+    return -criterion.count * np.log1p(-share) - (beside.ranks * math.log(criterion.count))[:, None]

@@ -1,0 +1,224 @@
+"""Checks of a recording that name rows: what was read before it is believed.
+
+Rows that cannot be right are set aside with the reason; what is odd but possible is said; an `InputError` is raised
+only where nothing sensible can follow.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+from materials.quantities import InputError, format_quantity
+
+from .checks_of_motion import motion_checked
+from .recording import Recording, RejectedRow
+from .robust import resolution
+from .row_lists import rows_text
+
+Array = NDArray[np.float64]
+
+_FEW = 0.02
+_MANY_ALIKE = 0.1
+_COLDEST, _HOTTEST = 193.15, 523.15
+"""K (-80 and 250 degC): what stands around an arm is neither colder nor hotter."""
+
+
+def checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
+    """The recording less the rows that cannot be right, which join `rejected`, with sentences in `warnings`.
+
+    `headers` gives the header of each column (`q1`: `q1_deg`) for messages. Raises `InputError` where a whole column
+    contradicts its header or the frame is another than the base's.
+    """
+    for check in (_sides, _covariates, _time, _duplicates):
+        recording = check(recording, headers)
+    recording = motion_checked(recording, arm, headers)
+    for check in (_beyond_range, _constant):
+        recording = replace(recording, warnings=(*recording.warnings, *check(recording, arm, headers)))
+    return recording
+
+
+def _rejecting(recording: Recording, bad: NDArray[np.bool_], reason: str) -> Recording:
+    return recording.without([RejectedRow(int(row), reason) for row in recording.row[bad]])
+
+
+def _saying(recording: Recording, sentence: str) -> Recording:
+    return replace(recording, warnings=(*recording.warnings, sentence))
+
+
+def _sides(recording: Recording, headers: Mapping[str, str]) -> Recording:
+    if recording.sides is None:
+        return recording
+    for index in range(recording.sides.shape[1]):
+        wrong = ~np.isin(recording.sides[:, index], (-1.0, 0.0, 1.0))
+        if wrong.any():
+            name, row = headers.get(f"dir{index + 1}", f"dir{index + 1}"), recording.row[wrong][0]
+            value = recording.sides[wrong, index][0]
+            if wrong.mean() > 0.5:
+                would_do = "it is +1 where the joint last moved towards increasing q, else -1"
+                raise InputError(recording.file, name, f"holds {value:g} in row {row}; {would_do}")
+            recording = _rejecting(recording, wrong, f"{name} is {value:g}, neither +1 nor -1 (0: unknown)")
+            assert recording.sides is not None
+    return recording
+
+
+def _covariates(recording: Recording, headers: Mapping[str, str]) -> Recording:
+    if recording.payload_mass is not None:
+        name = headers.get("payload", "payload_kg")
+        negative = recording.payload_mass < 0.0
+        if negative.all():
+            raise InputError(recording.file, name, "is negative in every row; a mass cannot be")
+        recording = _rejecting(recording, negative, f"{name} is negative")
+    if recording.temperature is not None:
+        recording = _temperature(recording, recording.temperature, headers.get("temperature", "temperature_degC"))
+    links = recording.link_temperature
+    for index in range(0 if links is None else links.shape[1]):
+        name = f"temperature_link{index + 1}"
+        if name in headers and recording.link_temperature is not None:
+            recording = _temperature(recording, recording.link_temperature[:, index], headers[name])
+    return recording
+
+
+def _temperature(recording: Recording, kelvin: Array, name: str) -> Recording:
+    wrong = (kelvin < _COLDEST) | (kelvin > _HOTTEST)
+    if not wrong.any():
+        return recording
+    first = format_quantity(max(float(kelvin[wrong][0]), 0.0), "temperature", digits=4)
+    if wrong.mean() > 0.5:
+        other = name.replace("_degC", "_K") if name.endswith("_degC") else name.replace("_K", "_degC")
+        kind = "in kelvin" if name.endswith("_degC") else "in degrees Celsius"
+        hint = f"; is it {kind} (header {other})?" if other != name else ""
+        raise InputError(recording.file, name, f"says {first} in row {recording.row[wrong][0]}{hint}")
+    return _rejecting(recording, wrong, f"{name} says {first}")
+
+
+def _time(recording: Recording, headers: Mapping[str, str]) -> Recording:
+    """Time runs from the first reading on; a stray stamp costs its row, a clock that was set back costs the times."""
+    if recording.time is None:
+        return recording
+    name = headers.get("time", "time_s")
+    time = recording.time
+    back = np.flatnonzero(np.diff(time) < 0.0) + 1
+    if len(back):
+        stray = ~_longest_run(time)
+        if stray.sum() <= max(1.0, _FEW * len(time)):
+            recording = _rejecting(recording, stray, f"{name} runs backwards against the rows around it")
+        elif len(back) <= max(1.0, 0.5 * _FEW * len(time)):
+            rows = rows_text(recording.row[back])
+            recording = _saying(recording, f"{name} starts again in {rows}: the clock was set back, so it is not used.")
+            return replace(recording, time=None)
+        else:
+            sentence = f"{name} goes back {len(back)} times, first in row {recording.row[back[0]]}"
+            recording = _saying(recording, f"{sentence}: the rows do not stand in the order of their visits.")
+    assert recording.time is not None
+    return replace(recording, time=recording.time - recording.time[0])
+
+
+def _longest_run(time: Array) -> NDArray[np.bool_]:
+    """The rows of a longest subsequence in which time does not decrease (patience sorting)."""
+    tails: list[float] = []
+    ends: list[int] = []
+    before = np.full(len(time), -1)
+    for index, value in enumerate(time.tolist()):
+        place = bisect_right(tails, value)
+        before[index] = ends[place - 1] if place else -1
+        if place == len(tails):
+            tails.append(value)
+            ends.append(index)
+        else:
+            tails[place], ends[place] = value, index
+    member = np.zeros(len(time), dtype=bool)
+    index = ends[-1]
+    while index >= 0:
+        member[index] = True
+        index = int(before[index])
+    return member
+
+
+def _duplicates(recording: Recording, headers: Mapping[str, str]) -> Recording:
+    """Rows that say again what the row before said, to the last digit: a logger's copies, or readings too coarse."""
+    del headers
+    if recording.size < 2:
+        return recording
+    same_q = (np.diff(recording.q, axis=0) == 0.0).all(axis=1)
+    alike = same_q & (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
+    held = (recording.payload_mass, recording.sides, recording.force, recording.commanded, recording.joint_side)
+    seen = (recording.temperature, recording.link_temperature, recording.torque, recording.orientation)
+    for each in (*held, *seen, recording.velocity, recording.base_target):
+        if each is not None:
+            alike &= (np.diff(each.reshape(recording.size, -1), axis=0) == 0.0).all(axis=1)
+    if not alike.any():
+        return recording
+    copied = alike.copy()
+    if recording.time is not None and (np.diff(recording.time) > 0.0).mean() > 0.5:
+        copied &= np.diff(recording.time) == 0.0
+        alike &= ~copied
+    else:
+        alike[:] = copied
+        copied[:] = False
+    if alike.any():
+        few = alike.mean() <= _MANY_ALIKE or alike.sum() <= 0.5 * same_q.sum()
+        if few and not _coarse(recording, same_q):
+            copied |= alike
+        else:
+            rows = rows_text(recording.row[1:][alike])
+            recording = _saying(recording, f"Repeats are alike to the last digit in {rows}: they show no noise.")
+    rejected = [
+        RejectedRow(int(recording.row[index + 1]), f"repeats row {recording.row[index]} to the last digit")
+        for index in np.flatnonzero(copied)
+    ]
+    return recording.without(rejected)
+
+
+def _coarse(recording: Recording, same_q: NDArray[np.bool_]) -> bool:
+    """Whether repeats differ by so few of the instrument's steps that some must be alike."""
+    steps = [resolution(recording.tip[:, axis]) for axis in range(recording.tip.shape[1])]
+    counts = [
+        np.abs(np.diff(recording.tip[:, axis])[same_q]) / step for axis, step in enumerate(steps) if step is not None
+    ]
+    if not counts:
+        return False
+    largest = np.max(counts, axis=0)
+    moved = largest[largest > 0.5]
+    return bool(len(moved)) and float(np.median(moved)) <= 3.0
+
+
+def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:
+    found: list[str] = []
+    for index, joint in enumerate(arm.joints):
+        low, high = joint.range
+        slack = 1e-6 * max(abs(low), abs(high), 1.0)
+        values = recording.q[:, index]
+        beyond = (values < low - slack) | (values > high + slack)
+        if beyond.any():
+            kind = "angle" if joint.revolute else "length"
+            limits = f"{format_quantity(low, kind, digits=4)} to {format_quantity(high, kind, digits=4)}"
+            name = headers.get(f"q{index + 1}", f"q{index + 1}")
+            rows = rows_text(recording.row[beyond])
+            found.append(f"{name} is beyond the range that the arm file declares ({limits}) in {rows}.")
+    return found
+
+
+def _constant(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:
+    if recording.size < 2:
+        return []
+    still = [
+        headers.get(f"q{index + 1}", f"q{index + 1}")
+        for index in range(arm.size)
+        if np.ptp(recording.q[:, index]) == 0.0
+    ]
+    for name, values in (("payload", recording.payload_mass), ("temperature", recording.temperature)):
+        if values is not None and np.ptp(values) == 0.0:
+            still.append(headers.get(name, name))
+    if recording.sides is not None:
+        given = [index for index in range(arm.size) if f"dir{index + 1}" in headers]
+        still += [headers[f"dir{index + 1}"] for index in given if np.ptp(recording.sides[:, index]) == 0.0]
+    if not still:
+        return []
+    verb = "never changes" if len(still) == 1 else "never change"
+    return [f"{', '.join(still)} {verb}: what depends on that alone cannot be seen."]

@@ -1,0 +1,337 @@
+"""Two recordings of one arm, before and after a service say: what changed.
+
+Both are diagnosed, and then both are fitted with one common model, the union of what was found: a parameter that only
+one of them shows is thereby measured in the other as well. Differences are tested as z values and adjusted for their
+number by Holm's method (S. Holm, Scand. J. Statist. 6 (1979) 65-70).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from arm.chain import Arm
+from arm.effects import EFFECTS, kind_at
+
+from .candidates import Candidate, columns_of, parameter_of
+from .fit import t_quantile
+from .iso_figures import SAME_ANGLE, SAME_LENGTH, clusters
+from .observed import Observed, blocks_of, observe, rms_length
+from .prepare import nuisances
+from .recording import Recording
+from .result import Covered, Diagnosis, Finding, FittedParameter
+
+Array = NDArray[np.float64]
+
+LEVEL = 0.05
+"""The chance, over all parameters together, of calling anything changed that did not."""
+_LEAST_VISITS = 10
+_LEAST_ROWS = 5
+_CELLS = 3
+
+
+@dataclass(frozen=True)
+class Change:
+    """A parameter of the common model in both recordings: `difference` is second less first with its 95 % `interval`
+    (SI of the parameters' kind), `p_value` that of no change, `adjusted` the same by Holm's method."""
+
+    effect: str
+    first: FittedParameter
+    second: FittedParameter
+    difference: float
+    interval: tuple[float, float]
+    p_value: float
+    adjusted: float
+
+    @property
+    def changed(self) -> bool:
+        """Whether the difference is beyond doubt."""
+        return self.adjusted < LEVEL
+
+
+@dataclass(frozen=True)
+class SharedPoses:
+    """The poses (with the same load) that both recordings hold: how many, the RMS of the mean mismatch there in each
+    (m), and `moved`, that of the difference; `by_chance` is what `moved` would be from noise alone (None: unknown)."""
+
+    count: int
+    first: float
+    second: float
+    moved: float
+    by_chance: float | None
+
+
+@dataclass(frozen=True)
+class Region:
+    """A box of the workspace (corners in m) with readings of both: the RMS mismatch in each (m), and their numbers."""
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    first: float
+    second: float
+    counts: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What changed between two recordings of an arm. `figures` are those of the standards that both support.
+
+    `unexplained` are the RMS of what the common model leaves in each (m). `notes` are sentences.
+    """
+
+    first: Diagnosis
+    second: Diagnosis
+    changes: tuple[Change, ...]
+    unexplained: tuple[float, float]
+    shared: SharedPoses | None
+    regions: tuple[Region, ...]
+    figures: tuple[tuple[Covered, Covered], ...]
+    notes: tuple[str, ...]
+
+
+def compare(arm: Arm, first: Diagnosis, second: Diagnosis) -> Comparison:
+    """Compare two diagnoses of one arm."""
+    terms, notes = common_model(first, second)
+    fitted = [fit_common(arm, each.recording, terms) for each in (first, second)]
+    changes = _changes(arm, terms, fitted)
+    sides = _pairs(first.figures, second.figures)
+    return Comparison(
+        first=first,
+        second=second,
+        changes=changes,
+        unexplained=(fitted[0].rms, fitted[1].rms),
+        shared=shared_poses(arm, first, second),
+        regions=regions(first, second),
+        figures=sides,
+        notes=(*notes, *_unequal(first.recording, second.recording)),
+    )
+
+
+def common_model(first: Diagnosis, second: Diagnosis) -> tuple[tuple[Candidate, ...], list[str]]:
+    """The union of what was found, as candidates; one name for what neither recording can tell from another."""
+    found = list(first.findings)
+    notes: list[str] = []
+    for finding in second.findings:
+        same = next((each for each in found if _alike(each, finding)), None)
+        if same is None:
+            found.append(finding)
+        elif (same.effect, same.at) != (finding.effect, finding.at):
+            notes.append(f"{_name(finding)} in the second is taken for {_name(same)}: the data do not tell them apart.")
+    return tuple(_candidate(finding) for finding in found if finding.effect in EFFECTS), notes
+
+
+def _alike(one: Finding, other: Finding) -> bool:
+    names = {(one.effect, one.at), *((each.effect, each.at) for each in one.alternatives)}
+    others = {(other.effect, other.at), *((each.effect, each.at) for each in other.alternatives)}
+    return (one.effect, one.at) in others or (other.effect, other.at) in names
+
+
+def _name(finding: Finding) -> str:
+    return f"{finding.effect} at {', '.join(map(str, finding.at))}" if finding.at else finding.effect
+
+
+def _candidate(finding: Finding) -> Candidate:
+    """A finding as columns to fit: its sizes, at the shapes that were found."""
+    effect = EFFECTS[finding.effect]
+    role = {parameter.name: parameter.role for parameter in effect.parameters}
+    at = tuple(number - 1 for number in finding.at)
+    if any(fitted.parameter == "share" and "share" not in role for fitted in finding.parameters):
+        return Candidate(finding.effect, at, ("share",), MappingProxyType({}), share=True)
+    # A threshold or a lag that one recording found counts in both, or sizes could not be compared.
+    shapes = {each.parameter: each.value for each in finding.parameters if role.get(each.parameter) == "shape"}
+    sizes = tuple(parameter.name for parameter in effect.parameters if parameter.role == "size")
+    return Candidate(finding.effect, at, sizes, MappingProxyType(shapes), shared=len(at) > 1)
+
+
+@dataclass(frozen=True)
+class CommonFit:
+    """Sizes of the common model in one recording with their standard errors (infinite where the recording does not
+    show them), the degrees of freedom and the RMS of what is left (m)."""
+
+    sizes: tuple[Array, ...]
+    errors: tuple[Array, ...]
+    freedom: int
+    rms: float
+
+
+def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate]) -> CommonFit:
+    """Fit the common model to the tip's readings of a recording, beside its nuisances.
+
+    Standard errors are the larger of the plain ones and of those that let each visit have an error of its own
+    (J. G. MacKinnon & H. White, J. Econometrics 29 (1985) 305-325, for the idea; visits are the clusters).
+    """
+    observed = observe(arm, recording)
+    width = observed.components
+    beside = nuisances(observed)[0][:, :width]
+    columns = [_columns(observed, term)[:, :width] for term in terms]
+    design = np.concatenate([beside, *columns], axis=2)
+    full = design.reshape(-1, design.shape[2])
+    target = observed.residual[:, :width].reshape(-1)
+    size = np.linalg.norm(full, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
+    good = singular > 1e-9 * max(float(singular.max(initial=0.0)), 1e-300)
+    inverse = (vt[good].T / singular[good] ** 2) @ vt[good]
+    scaled = full / size
+    values = inverse @ (scaled.T @ target)
+    left = target - scaled @ values
+    freedom = max(len(target) - int(good.sum()), 1)
+    covariance = inverse * float(left @ left) / freedom
+    told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
+    clustered = _clustered(scaled, left, inverse, observed.block, width)
+    variance = np.maximum(np.diag(covariance), clustered)
+    errors = np.where(told & (np.linalg.norm(full, axis=0) > 0.0), np.sqrt(variance) / size, np.inf)
+    edges = np.cumsum([beside.shape[2], *(each.shape[2] for each in columns)]).tolist()
+    spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
+    sizes = values / size
+    rms = rms_length(left.reshape(-1, width))
+    return CommonFit(tuple(sizes[s] for s in spans), tuple(errors[s] for s in spans), freedom, rms)
+
+
+def _columns(observed: Observed, term: Candidate) -> Array:
+    found = columns_of(observed, term)
+    return np.zeros((*observed.residual.shape, len(term.sizes))) if found is None else found
+
+
+def _clustered(design: Array, left: Array, inverse: Array, block: NDArray[np.int64], width: int) -> Array:
+    """Variances of the sizes where the readings of a visit share an error; zeros where visits are too few to tell."""
+    visits = blocks_of(block)
+    if len(visits) < _LEAST_VISITS or design.shape[1] == 0:
+        return np.zeros(design.shape[1])
+    scores = (design * left[:, None]).reshape(-1, width, design.shape[1]).sum(axis=1)
+    sums = np.stack([scores[rows].sum(axis=0) for rows in visits])
+    count = len(visits)
+    return np.diag(inverse @ (sums.T @ sums) @ inverse) * count / max(count - 1, 1)
+
+
+def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit]) -> tuple[Change, ...]:
+    found: list[Change] = []
+    for index, term in enumerate(terms):
+        for column, name in enumerate(term.sizes):
+            values = [float(each.sizes[index][column]) for each in fitted]
+            errors = [float(each.errors[index][column]) for each in fitted]
+            at = tuple(place + 1 for place in term.at)
+            kind = _kind(arm, term, name)
+            pair = [
+                _parameter(name, at, kind, value, error, each.freedom)
+                for value, error, each in zip(values, errors, fitted, strict=True)
+            ]
+            error = float(np.hypot(errors[0], errors[1]))
+            difference = values[1] - values[0]
+            reach = 1.959964 * error
+            p = float(2.0 * stats.norm.sf(abs(difference) / error)) if 0.0 < error < np.inf else 1.0
+            span = (difference - reach, difference + reach)
+            found.append(Change(term.effect, pair[0], pair[1], difference, span, p, 1.0))
+    adjusted = holm([each.p_value for each in found])
+    return tuple(replace(each, adjusted=value) for each, value in zip(found, adjusted, strict=True))
+
+
+def _kind(arm: Arm, term: Candidate, name: str) -> str:
+    if term.share:
+        return "dimensionless"
+    effect = EFFECTS[term.effect]
+    joints = [arm.joints[index] for index in term.at]
+    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
+    return kind_at(parameter_of(effect, name), slides=slides)
+
+
+def _parameter(
+    name: str, at: tuple[int, ...], kind: str, value: float, error: float, freedom: int
+) -> FittedParameter:
+    reach = t_quantile(freedom) * error
+    label = f"{name}_{at[0]}" if len(at) == 1 else name
+    return FittedParameter(label, name, at, kind, value, (value - reach, value + reach))
+
+
+def holm(p_values: Sequence[float]) -> list[float]:
+    """P values adjusted for their number by Holm's method."""
+    order = sorted(range(len(p_values)), key=lambda index: p_values[index])
+    adjusted = [1.0] * len(p_values)
+    highest = 0.0
+    for rank, index in enumerate(order):
+        highest = max(highest, min(1.0, (len(p_values) - rank) * p_values[index]))
+        adjusted[index] = highest
+    return adjusted
+
+
+def shared_poses(arm: Arm, first: Diagnosis, second: Diagnosis) -> SharedPoses | None:
+    """How the mismatch differs at poses that both recordings hold under the same load; None where there are none."""
+    recordings = (first.recording, second.recording)
+    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
+    points = np.concatenate([each.q / same for each in recordings])
+    loads = np.concatenate([_load(each, arm) for each in recordings])
+    labels = clusters(np.concatenate([points, loads[:, None] / 1e-2], axis=1))
+    count = recordings[0].size
+    parts = (labels[:count], labels[count:])
+    both = np.intersect1d(*parts)
+    if not len(both):
+        return None
+    means: list[Array] = []
+    visits: list[Array] = []
+    for residual, part in zip((first.residual_before, second.residual_before), parts, strict=True):
+        means.append(np.stack([residual[part == label].mean(axis=0) for label in both]))
+        visits.append(np.array([float(np.sum(part == label)) for label in both]))
+    floors = (first.noise_floor, second.noise_floor)
+    chance = None
+    if floors[0] is not None and floors[1] is not None:
+        chance = float(np.sqrt(np.mean(floors[0] ** 2 / visits[0] + floors[1] ** 2 / visits[1])))
+    moved = rms_length(means[1] - means[0])
+    return SharedPoses(len(both), rms_length(means[0]), rms_length(means[1]), moved, chance)
+
+
+def _load(recording: Recording, arm: Arm) -> Array:
+    if recording.payload_mass is None:
+        return np.full(recording.size, arm.payload.mass)
+    return recording.payload_mass
+
+
+def regions(first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]:
+    """The mismatch in boxes of the workspace where both recordings have readings."""
+    tips = [each.recording.tip for each in (first, second)]
+    residuals = (first.residual_before, second.residual_before)
+    if tips[0].shape[1] != tips[1].shape[1]:
+        return ()
+    every = np.concatenate(tips)
+    lower, upper = every.min(axis=0), every.max(axis=0)
+    span = np.where(upper > lower, upper - lower, 1.0)
+    cells = [np.clip((_CELLS * (tip - lower) / span).astype(int), 0, _CELLS - 1) for tip in tips]
+    found: list[Region] = []
+    for cell in itertools.product(range(_CELLS), repeat=every.shape[1]):
+        inside = [(each == np.array(cell)).all(axis=1) for each in cells]
+        counts = (int(inside[0].sum()), int(inside[1].sum()))
+        if min(counts) >= _LEAST_ROWS:
+            corner = lower + np.array(cell) * span / _CELLS
+            sizes = [rms_length(residual[rows]) for residual, rows in zip(residuals, inside, strict=True)]
+            end = corner + span / _CELLS
+            found.append(Region(tuple(corner.tolist()), tuple(end.tolist()), sizes[0], sizes[1], counts))
+    return tuple(found)
+
+
+def _pairs(first: Sequence[Covered], second: Sequence[Covered]) -> tuple[tuple[Covered, Covered], ...]:
+    other = {each.symbol: each for each in second}
+    return tuple((each, other[each.symbol]) for each in first if each.symbol in other)
+
+
+def _unequal(first: Recording, second: Recording) -> list[str]:
+    """What makes a comparison lame: columns that only one of them has."""
+    names = (
+        ("payload_mass", "the payload"),
+        ("temperature", "the temperature"),
+        ("sides", "the side of approach"),
+        ("force", "the force at the tip"),
+    )
+    found: list[str] = []
+    for name, words in names:
+        there = [getattr(each, name) is not None for each in (first, second)]
+        if there[0] != there[1]:
+            which = "first" if there[0] else "second"
+            found.append(f"Only the {which} recording holds {words}.")
+    if first.frame != second.frame or first.tool != second.tool:
+        found.append("Frame or tool are free in one recording and known in the other: what they hide is not compared.")
+    return found

@@ -1,0 +1,61 @@
+"""What held at each reading of a recording, as effects ask for it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import REFERENCE_TEMPERATURE, Arm
+from arm.conditions import Conditions
+
+from .recording import Recording
+
+Array = NDArray[np.float64]
+
+_SAME_PAYLOAD = 1e-3
+"""kg; a scale's noise is no new payload."""
+
+
+def conditions_of(recording: Recording, arm: Arm) -> Conditions:
+    """The conditions of the N readings, in arrays of N.
+
+    The warming of a link is its own temperature's where the recording has that, else the air's, else None. The
+    present payload counts as taken up at its first reading since it last changed; what was there at the first reading
+    of all counts from then.
+    """
+    return Conditions(
+        time=recording.time,
+        warming=_warming(recording, arm),
+        sides=_by_joint(recording.sides),
+        velocities=_by_joint(recording.velocity),
+        accelerations=_by_joint(recording.acceleration),
+        commanded=_by_joint(recording.commanded),
+        loaded_for=loaded_for(recording.time, recording.payload_mass),
+    )
+
+
+def _warming(recording: Recording, arm: Arm) -> tuple[Array, ...] | None:
+    if recording.link_temperature is not None:
+        return _by_joint(recording.link_temperature - REFERENCE_TEMPERATURE)
+    if recording.temperature is None:
+        return None
+    return (recording.temperature - REFERENCE_TEMPERATURE,) * arm.size
+
+
+def _by_joint(values: Array | None) -> tuple[Array, ...] | None:
+    return None if values is None else tuple(values[:, index] for index in range(values.shape[1]))
+
+
+def loaded_for(time: Array | None, payload: Array | None) -> Array | None:
+    """How long (s) each reading's payload (N, kg) had been carried, None without time (N, s)."""
+    if time is None:
+        return None
+    order = np.argsort(time, kind="stable")
+    since = np.full(len(time), float(time[order[0]]))
+    if payload is not None:
+        start, held = float(time[order[0]]), float(payload[order[0]])
+        for index in order.tolist():
+            if abs(payload[index] - held) > _SAME_PAYLOAD:
+                start, held = float(time[index]), float(payload[index])
+            since[index] = start
+    return time - since

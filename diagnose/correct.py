@@ -1,0 +1,39 @@
+"""The arm file with the findings in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from arm.chain import Arm, EffectEntry
+
+from .refit import Term
+
+
+def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]]:
+    """The arm with each finding as an entry of its `effects`, and sentences on what the file cannot carry.
+
+    Physics that the file left out and that came out whole is no longer left out.
+    """
+    entries = list(arm.effects)
+    left_out = set(arm.leave_out)
+    notes: list[str] = []
+    for term in terms:
+        candidate = term.candidate
+        if candidate.outside:
+            continue
+        if candidate.share:
+            left_out.discard(candidate.effect)
+            continue
+        if candidate.effect == "joint_compliance" and len(term.sizes) != len(candidate.sizes):
+            notes.append(
+                f"The corrected arm lacks the compliance of drive {candidate.at[0] + 1}: with links of unknown mass "
+                "only its product with their weight is known."
+            )
+            continue
+        values = {name: float(size) for name, size in zip(candidate.sizes, term.sizes.tolist(), strict=True)}
+        shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0}
+        at = tuple(index + 1 for index in candidate.at)
+        entries.append(EffectEntry(candidate.effect, at, MappingProxyType({**values, **shapes})))
+    return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)

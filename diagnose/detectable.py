@@ -1,0 +1,98 @@
+"""The smallest size of each effect that a recording would have shown, with power 0.9 at the test's own level."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.optimize import brentq
+
+from arm.effects import EFFECTS, kind_at
+
+from .calibrate import Calibrated
+from .candidates import Candidate, parameter_of
+from .prepare import Prepared
+from .result import Detectable
+
+Array = NDArray[np.float64]
+
+_POWER = 0.9
+
+
+def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) -> tuple[Detectable, ...]:
+    """For every effect and place that can be seen, the least size that the gate would have found.
+
+    `test` is the gate's, `unit` the scatter of whitened residuals, `level` the p-value at which the gate opens. The
+    variant of each candidate that shows best counts; of several sizes the one that shows least.
+    """
+    needed = _needed(prepared, _threshold(test.drawn, level))
+    best: dict[tuple[str, tuple[int, ...]], Detectable] = {}
+    for number, group in enumerate(prepared.pool.groups):
+        candidate = group.candidate
+        if candidate.outside:
+            continue
+        found = _of_group(prepared, number, unit * math.sqrt(needed(group.rank)))
+        key = (candidate.effect, candidate.at)
+        if found is not None and (key not in best or found.rms < best[key].rms):
+            best[key] = found
+    return tuple(best.values())
+
+
+def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None:
+    group, raw = prepared.pool.groups[number], prepared.columns[number]
+    candidate = group.candidate
+    shown = np.linalg.pinv(group.back)  # (r, d): what one unit of each size shows of itself
+    worst: Detectable | None = None
+    for place, name in enumerate(candidate.sizes[: raw.shape[2]]):
+        length = float(np.linalg.norm(shown[:, place]))
+        if length <= 0.0:
+            continue
+        value = norm / length
+        tip = raw[:, : prepared.observed.components, place]
+        rms = value * float(np.sqrt(np.mean(np.sum(tip * tip, axis=1))))
+        at = tuple(index + 1 for index in candidate.at)
+        kind = "dimensionless" if candidate.share else _kind(prepared, candidate, name)
+        found = Detectable(candidate.effect, at, rms, name, kind, value, group.visible)
+        if worst is None or found.rms > worst.rms:
+            worst = found
+    return worst
+
+
+def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
+    effect = EFFECTS[candidate.effect]
+    joints = [prepared.observed.arm.joints[index] for index in candidate.at]
+    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
+    return kind_at(parameter_of(effect, name), slides=slides)
+
+
+def _threshold(drawn: Array, level: float) -> float:
+    """The statistic that chance reaches with probability `level` (Gumbel through the draws' moments)."""
+    spread = float(np.std(drawn)) * math.sqrt(6.0) / math.pi
+    location = float(np.mean(drawn)) - 0.5772156649 * spread
+    return location - spread * math.log(-math.log1p(-level))
+
+
+def _needed(prepared: Prepared, threshold: float) -> Callable[[int], float]:
+    """The non-centrality that a group of some rank needs to pass the threshold with the power asked."""
+    count = prepared.criterion.count
+
+    @cache
+    def needed(rank: int) -> float:
+        ratio = math.expm1((threshold + rank * math.log(count)) / count)
+        limit = max(count - rank, 1) * max(ratio, 1e-12)
+
+        def short(noncentrality: float) -> float:
+            return float(stats.ncx2.sf(limit, rank, noncentrality)) - _POWER
+
+        high = limit + 20.0
+        while short(high) < 0.0:
+            high *= 2.0
+        root: Any = brentq(short, 0.0, high) if short(1e-9) < 0.0 else 0.0
+        return float(root)
+
+    return needed

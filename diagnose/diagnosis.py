@@ -1,0 +1,323 @@
+"""The steps in order: noise floor, nuisances, gate, location, names, tests, confirmation, what cannot be told apart."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+from arm.effects import EFFECTS
+
+from .correct import corrected_arm
+from .detectable import detectable
+from .fit import Fit, displacement, fit, remaining
+from .held_out import Folds, rms_held_out, splits
+from .iso_figures import iso_figures
+from .locate import dependences, depends_on, direction, joint_shares
+from .naming import FALSE_ALARM, Named, Namer, Rival, name_missing, preferred, rivals
+from .next_poses import next_poses
+from .noise import NoiseFloor, noise_floor
+from .observed import Observed, kept, observe, rms_length
+from .options import Options, Progress
+from .prepare import Prepared, prepare
+from .recording import Recording
+from .refit import Refit, refit
+from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
+from .sentences import name_of, null_vectors, reading_of, verdict_sentence
+from .unknown import describe, rejected_forms
+
+Array = NDArray[np.float64]
+
+_LEAST = 12
+"""Fewer observations than this beyond the nuisances decide nothing."""
+
+
+def _silent(what: str, share: float) -> None:
+    del what, share
+
+
+def diagnose(
+    arm: Arm, recording: Recording, options: Options | None = None, progress: Progress | None = None
+) -> Diagnosis:
+    """What an arm's model leaves out, by a recording of the real arm.
+
+    Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
+    """
+    began = time.perf_counter()
+    asked, tell = options or Options(), progress or _silent
+    tell("noise floor", 0.0)
+    noise = noise_floor(recording, arm)
+    cleaned = _without(recording, noise)
+    tell("setting the recording against the model", 0.05)
+    prepared = prepare(observe(arm, cleaned), asked)
+    tell("searching for what is missing", 0.3)
+    namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
+    if not prepared.pool.groups or prepared.criterion.count < _LEAST:
+        named = None
+    else:
+        named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.4 * share))
+    tell("fitting and confirming", 0.7)
+    return _Report(prepared, namer, named, noise, asked, progress=tell).result(arm, recording, began)
+
+
+def _without(recording: Recording, noise: NoiseFloor) -> Recording:
+    """The recording without the rows that stand out from repeats of their own pose."""
+    bad = {each.row for each in noise.outliers}
+    return kept(recording, np.array([int(row) not in bad for row in recording.row])) if bad else recording
+
+
+class _Report:
+    """Turns what was found into a result; each method is one part of it."""
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        namer: Namer,
+        named: Named | None,
+        noise: NoiseFloor,
+        options: Options,
+        *,
+        progress: Progress,
+    ) -> None:
+        self.prepared, self.namer, self.named = prepared, namer, named
+        self.noise, self.options, self.tell = noise, options, progress
+        self.observed: Observed = prepared.observed
+        self.folds: dict[str, Folds] = splits(self.observed, options.seed)
+        self.members, self.alternatives = self._renamed()
+        self.outside: tuple[int, ...] = named.outside if named is not None else ()
+        self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
+        self.refit: Refit = refit(prepared, self.members, self.fitted)
+
+    def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
+        """The members under the name of each class that goes first, with what cannot be told from each."""
+        if self.named is None:
+            return (), []
+        members = list(self.named.members)
+        for place, member in enumerate(members):
+            whole = [*members, *self.named.outside]
+            members[place] = preferred(self.namer, whole, member, rivals(self.namer, whole, member))
+        whole = [*members, *self.named.outside]
+        return tuple(members), [rivals(self.namer, whole, member) for member in members]
+
+    def result(self, arm: Arm, recording: Recording, began: float) -> Diagnosis:
+        """The whole result."""
+        width = self.observed.components
+        before = remaining(self.prepared, fit(self.prepared, ()))[:, :width]
+        after = self._after()
+        rows = self._joint_of_forms()
+        shares = joint_shares(self.prepared)
+        rng = np.random.default_rng(self.options.seed + 1)
+        found = () if not self._anything else dependences(self.prepared, int(np.argmax(shares)), rng)
+        self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
+        unknown = None
+        if self.outside:
+            unknown = describe(self.namer, self.members, self.outside, found, self.folds["pose blocks"])
+        findings = self._findings()
+        corrected, notes = corrected_arm(arm, self.refit.terms)
+        self.tell("next poses", 0.95)
+        poses, note = next_poses(
+            self.namer,
+            [*self.members, *self.outside],
+            list(zip(self.members, self.alternatives, strict=True)),
+            self.options.seed,
+        )
+        columns = self._columns([*self.members, *self.outside])
+        held = {name: rms_held_out(self.observed, columns, folds) for name, folds in self.folds.items()}
+        rms_before, rms_after = rms_length(before), rms_length(after)
+        p_value = self._gate_p()
+        moved = displacement(self.prepared, self.fitted)[:, :width]
+        return Diagnosis(
+            arm=arm,
+            recording=self.observed.recording,
+            verdict=self._verdict(),
+            sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value),
+            noise_floor=self.noise.rms_m,
+            noise_source=self.noise.sentence,
+            rms_before=rms_before,
+            rms_after=rms_after,
+            rms_after_held_out=held["pose blocks"],
+            gate_p=p_value,
+            findings=findings,
+            where=Location(
+                joint=self._joint(shares, rows),
+                joint_shares=shares,
+                depends_on=depends_on(found),
+                direction=direction(self.observed, moved),
+                since=None if unknown is None else unknown.since,
+                dependences=found,
+            ),
+            unknown=unknown,
+            ladder=self._ladder(),
+            rejected_rows=(*recording.rejected, *self.noise.outliers, *self.prepared.rejected),
+            rejected_forms=rejected_forms(self.namer, self.members, self.outside) if self._anything else (),
+            detectable=self._detectable(),
+            invisible=self._invisible(),
+            next_poses=poses,
+            next_poses_note=note,
+            null_vectors=null_vectors(self.prepared),
+            splits=MappingProxyType(held),
+            figures=iso_figures(self.observed.recording, arm),
+            residual_before=before,
+            residual_after=after,
+            corrected=corrected,
+            notes=(*recording.warnings, *self.noise.warnings, *notes, *self._notes()),
+            seconds=time.perf_counter() - began,
+        )
+
+    @property
+    def _anything(self) -> bool:
+        return bool(self.members or self.outside)
+
+    def _verdict(self) -> Verdict:
+        if self.named is None:
+            return "insufficient_data"
+        if self.outside:
+            return "unknown"
+        if not self.members:
+            return "none"
+        return "alias_class" if any(self.alternatives) else "named"
+
+    def _gate_p(self) -> float:
+        if self.named is None:
+            return 1.0
+        return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
+
+    def _after(self) -> Array:
+        width = self.observed.components
+        if self.outside:
+            return remaining(self.prepared, self.fitted)[:, :width]
+        return self.refit.residual[:, :width]
+
+    def _columns(self, members: Sequence[int]) -> list[Array]:
+        """The columns of nuisances and members, at the refitted shapes."""
+        refined = dict(zip(self.members, (term.columns for term in self.refit.terms), strict=True))
+        return [self.prepared.beside, *(refined.get(m, self.prepared.columns[m]) for m in members)]
+
+    def _findings(self) -> tuple[Finding, ...]:
+        width = self.observed.components
+        found: list[Finding] = []
+        p_values = self.named.p_values if self.named is not None else ()
+        whole = [*self.members, *self.outside]
+        for place, member in enumerate(self.members):
+            candidate = self.prepared.pool.groups[member].candidate
+            others = tuple(self._alternative(rival) for rival in self.alternatives[place])
+            parameters = self.refit.parameters[place]
+            rest = [m for m in whole if m != member]
+            without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
+            at = tuple(index + 1 for index in candidate.at)
+            found.append(
+                Finding(
+                    effect=candidate.effect,
+                    at=at,
+                    alternatives=others,
+                    parameters=parameters,
+                    rms_explained=rms_length(self.refit.terms[place].moved[:, :width]),
+                    p_value=p_values[place] if place < len(p_values) else FALSE_ALARM,
+                    rms_without=rms_length(without),
+                    rms_without_held_out=rms_held_out(self.observed, self._columns(rest), self.folds["pose blocks"]),
+                    reading=reading_of(candidate.effect, at, parameters, others),
+                )
+            )
+        return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
+
+    def _alternative(self, rival: Rival) -> Alternative:
+        candidate = self.prepared.pool.groups[rival.member].candidate
+        at = tuple(index + 1 for index in candidate.at)
+        return Alternative(candidate.effect, at, rival.likeness, rival.worse)
+
+    def _joint_of_forms(self) -> int | None:
+        for member in self.outside:
+            at = self.prepared.pool.groups[member].candidate.at
+            if len(at) == 1:
+                return at[0] + 1
+        return None
+
+    def _joint(self, shares: Sequence[float], of_form: int | None) -> int | None:
+        """The joint that the strongest finding names; else the one whose motion alone describes clearly most."""
+        if not self._anything:
+            return None
+        if self.members:
+            size = [rms_length(term.moved[:, : self.observed.components]) for term in self.refit.terms]
+            candidate = self.prepared.pool.groups[self.members[int(np.argmax(size))]].candidate
+            if len(candidate.at) == 1:
+                return candidate.at[0] + 1
+            return None
+        if of_form is not None:
+            return of_form
+        ranked = sorted(shares, reverse=True)
+        clear = len(ranked) == 1 or ranked[0] > ranked[1] + 0.15
+        return int(np.argmax(shares)) + 1 if clear else None
+
+    def _ladder(self) -> tuple[Rung, ...]:
+        """The model as given, each finding added (the strongest first), and each left out of the whole in turn."""
+        size = {
+            m: rms_length(displacement(self.prepared, self.fitted, (m,))[:, : self.observed.components])
+            for m in (*self.members, *self.outside)
+        }
+        order = sorted(size, key=lambda m: -size[m])
+        rungs = [self._rung("model as given", [])]
+        rungs += [self._rung(f"+ {self._label(m)}", order[: k + 1]) for k, m in enumerate(order)]
+        if len(order) > 1:
+            rungs += [self._rung(f"without {self._label(m)}", [o for o in order if o != m]) for m in order]
+        return tuple(rungs)
+
+    def _rung(self, label: str, members: Sequence[int]) -> Rung:
+        left = remaining(self.prepared, fit(self.prepared, members))[:, : self.observed.components]
+        length = np.sqrt(np.sum(left**2, axis=1))
+        held = rms_held_out(self.observed, self._columns(members), self.folds["pose blocks"])
+        return Rung(label, rms_length(left), float(length.mean()), float(length.max()), held)
+
+    def _label(self, member: int) -> str:
+        candidate = self.prepared.pool.groups[member].candidate
+        return name_of(candidate.effect, tuple(index + 1 for index in candidate.at))
+
+    def _detectable(self) -> tuple[Detectable, ...]:
+        if self.named is None:
+            return ()
+        # What is left after the findings is scatter; the gate's own draws still hold what was found.
+        test = self.named.gate[0] if self.named.left is None else self.named.left[0]
+        return detectable(self.prepared, test, self.fitted.unit, FALSE_ALARM)
+
+    def _invisible(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """What this recording cannot show: swallowed by the nuisances, or without a trace for want of a column."""
+        shown = {group.candidate.family for group in self.prepared.pool.groups}
+        swallowed = {c.family for c in self.prepared.pool.invisible if not c.outside} - shown
+        found = {(effect, tuple(index + 1 for index in at)) for effect, at, _ in swallowed}
+        present = {effect for effect, _, _ in shown} | {effect for effect, _ in found}
+        absent = [
+            name for name, effect in EFFECTS.items() if _fitted(name) and name not in present and not effect.automatic
+        ]
+        found |= {(name, ()) for name in absent if name not in self.options.without}
+        return tuple(sorted(found))
+
+    def _sentence(
+        self,
+        findings: tuple[Finding, ...],
+        unknown: Unknown | None,
+        rms_before: float,
+        rms_after: float,
+        p_value: float,
+    ) -> str:
+        if self.named is None:
+            return "Too few readings: nothing can be told from this recording."
+        return verdict_sentence(findings, unknown, rms_before, rms_after, self.noise.rms_m, p_value)
+
+    def _notes(self) -> tuple[str, ...]:
+        found: list[str] = []
+        if self.observed.correlation > 0.0:
+            found.append(
+                f"Neighbouring readings share noise (correlation {self.observed.correlation:.2f}), which was allowed for."
+            )
+        if self.named is not None and self.named.left is not None and not self.outside:
+            p = min(test.p_value for test in self.named.left)
+            if p <= FALSE_ALARM:
+                found.append(f"A remainder is more than chance (p = {p:.2g}), but small beside what was found.")
+        return tuple(found)
+
+
+def _fitted(effect: str) -> bool:
+    return any(parameter.role == "size" for parameter in EFFECTS[effect].parameters)

@@ -1,0 +1,128 @@
+"""A subset of candidates fitted to a recording: sizes, their scatter, and whether they are physically possible."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from arm.effects import EFFECTS
+
+from .candidates import Candidate, parameter_of
+from .prepare import Prepared
+
+Array = NDArray[np.float64]
+
+_BEYOND = 2.5
+"""A size this many standard errors outside its physical bounds is impossible, not just badly known."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Groups fitted together: for each its sizes (SI), their standard errors (infinite where the data do not tell one
+    size from another), the residual sum of squares in whitened units, and the degrees of freedom left."""
+
+    members: tuple[int, ...]
+    sizes: tuple[Array, ...]
+    errors: tuple[Array, ...]
+    rss: float
+    freedom: int
+
+    @property
+    def unit(self) -> float:
+        """The scatter of whitened residuals."""
+        return float(np.sqrt(self.rss / max(self.freedom, 1)))
+
+
+def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
+    """Least squares of some groups beside the nuisances."""
+    pool, vector = prepared.pool, prepared.vector
+    columns = pool.columns(members)
+    against = pool.basis[:, columns].T @ vector
+    inverse = np.linalg.pinv(pool.gram[np.ix_(columns, columns)], rcond=1e-9, hermitian=True)
+    coefficients = inverse @ against
+    rss = max(float(vector @ vector) - float(against @ coefficients), 0.0)
+    freedom = len(vector) - pool.nuisance.shape[1] - len(columns)
+    variance = rss / max(freedom, 1)
+    sizes: list[Array] = []
+    errors: list[Array] = []
+    at = 0
+    for member in members:
+        group = pool.groups[member]
+        part = slice(at, at + group.rank)
+        at += group.rank
+        sizes.append(group.back @ coefficients[part])
+        error = np.sqrt(
+            np.maximum(np.einsum("ij,jk,ik->i", group.back, inverse[part, part], group.back) * variance, 0.0)
+        )
+        # A size that the columns do not tell from another has no error of its own.
+        told = group.back @ np.linalg.pinv(group.back)
+        errors.append(np.where(np.diag(told) > 1.0 - 1e-6, error, np.inf))
+    return Fit(tuple(members), tuple(sizes), tuple(errors), rss, freedom)
+
+
+def displacement(prepared: Prepared, fitted: Fit, members: Sequence[int] | None = None) -> Array:
+    """What some groups of a fit (all by default) add to the model, (N, C) in m and rad."""
+    total = np.zeros(prepared.observed.residual.shape)
+    for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
+        if members is None or member in members:
+            total += prepared.columns[member] @ sizes
+    return total
+
+
+def remaining(prepared: Prepared, fitted: Fit) -> Array:
+    """The residual (N, C), m and rad, after a fit, nuisances fitted too."""
+    left = prepared.observed.residual - displacement(prepared, fitted)
+    if prepared.beside.shape[2] == 0:
+        return left
+    design = prepared.observed.whitened(prepared.beside)
+    values = np.linalg.lstsq(design, prepared.observed.whitened(left), rcond=1e-12)[0]
+    return left - prepared.beside @ values
+
+
+def impossible(prepared: Prepared, fitted: Fit) -> str | None:
+    """Why a fit cannot be physics: the first size that lies beyond its bounds, as a clause; None where all can be."""
+    for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
+        candidate = prepared.pool.groups[member].candidate
+        for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
+            low, high = bounds(candidate, name, prepared)
+            if value < low - _BEYOND * error:
+                return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
+            if value > high + _BEYOND * error:
+                return "only a size beyond what is possible would fit"
+    return None
+
+
+def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, float]:
+    """The physical bounds of a candidate's size, SI."""
+    if candidate.share:
+        return 0.0, 3.0
+    parameter = parameter_of(EFFECTS[candidate.effect], name)
+    if candidate.effect == "joint_compliance":
+        if prepared.observed.unknown_masses:
+            return -np.inf, np.inf
+        # Added to what the arm file gives the drive, the whole may not become negative.
+        stiffness = prepared.observed.arm.joints[candidate.at[0]].stiffness
+        own = 0.0 if stiffness is None or "joint_compliance" in prepared.observed.arm.leave_out else 1.0 / stiffness
+        return -own, parameter.upper
+    return parameter.lower, parameter.upper
+
+
+def typical(candidate: Candidate, sizes: Array) -> bool:
+    """Whether the largest of the sizes is of a usual magnitude: a third of the least to three times the most."""
+    if candidate.outside or candidate.share:
+        return True
+    effect = EFFECTS[candidate.effect]
+    for name, value in zip(candidate.sizes, sizes.tolist(), strict=False):
+        low, high = sorted(abs(limit) for limit in parameter_of(effect, name).typical)
+        if low / 3.0 <= abs(value) <= 3.0 * high:
+            return True
+    return False
+
+
+def t_quantile(freedom: int) -> float:
+    """Student's factor for a two-sided 95 % interval."""
+    return float(stats.t.ppf(0.975, max(freedom, 1)))

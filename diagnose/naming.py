@@ -1,0 +1,306 @@
+"""Which physics is missing: gate, exhaustive search, a test of every finding, and what cannot be told from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.effects import EFFECTS
+
+from .calibrate import Calibrated, Given, given_model, one_more
+from .candidates import PLAUSIBLE
+from .fit import Fit, displacement, fit, impossible, typical
+from .pool import Pool
+from .prepare import Prepared
+from .search import Subset, best_subsets, gains, products
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+ALIKE = 0.98
+"""Patterns whose correlation is above this are one class."""
+CONFIDENT = 6.0
+"""Names whose criterion is worse by no more than this (odds of 20 to 1) stay in the confidence set."""
+FALSE_ALARM = 0.003
+"""The level of each test; a null meets two of them (library and forms)."""
+_TIED = 2.0
+_MARGIN = 10.0
+"""How much better a form's criterion must be than the library's before the library's answer is given up."""
+_MATERIAL = 0.15
+"""A remainder below this share of the whole mismatch (RMS) is a blemish of the model found, not another cause."""
+_DRAWS, _THOROUGH_DRAWS = 499, 2999
+_MOST = 30
+_WORTH = 0.01
+"""Beyond three findings, one more must take off this share of the sum of squares that is left."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """What was found: groups of the library (`members`) and forms (`outside`), the p-value of each member's own test,
+    the gate's two tests (library, forms), and the test of what is left."""
+
+    members: tuple[int, ...]
+    outside: tuple[int, ...]
+    p_values: tuple[float, ...]
+    gate: tuple[Calibrated, Calibrated]
+    left: tuple[Calibrated, Calibrated] | None
+
+    @property
+    def everything(self) -> tuple[int, ...]:
+        """All groups of the model."""
+        return (*self.members, *self.outside)
+
+
+class Namer:
+    """Searches one prepared recording; holds the tests' random draws."""
+
+    def __init__(self, prepared: Prepared, *, thorough: bool, seed: int) -> None:
+        self.prepared = prepared
+        self.draws = _THOROUGH_DRAWS if thorough else _DRAWS
+        self.rng = np.random.default_rng(seed)
+        self.visits = prepared.visits
+        self.library: Mask = prepared.library()
+        self.criterion = prepared.criterion
+
+    @property
+    def pool(self) -> Pool:
+        """The candidates."""
+        return self.prepared.pool
+
+    def test(self, members: Sequence[int]) -> tuple[Calibrated, Calibrated]:
+        """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
+        given: Given = given_model(self.pool, self.prepared.vector, members)
+        width = self.prepared.observed.residual.shape[1]
+        among = (self.library, ~self.library)
+        tested = one_more(
+            self.pool, given, self.criterion, self.visits, width, draws=self.draws, rng=self.rng, among=among
+        )
+        return tested[0], tested[1]
+
+    def possible(self, members: Sequence[int]) -> bool:
+        """Whether the groups' fitted sizes are physically possible."""
+        inside = [m for m in members if self.library[m]]
+        return not inside or impossible(self.prepared, fit(self.prepared, list(members))) is None
+
+    def best(self, allowed: Mask, largest: int) -> dict[int, Subset]:
+        """The best possible subset of each size."""
+        found = best_subsets(
+            self.pool, self.prepared.vector, self.criterion, largest=largest, allowed=lambda m: bool(allowed[m])
+        )
+        taken: dict[int, Subset] = {}
+        for size, subsets in found.items():
+            for subset in subsets:
+                if self.possible(subset.members):
+                    taken[size] = subset
+                    break
+        return taken
+
+    def criterion_of(self, members: Sequence[int]) -> float:
+        """The criterion of a subset."""
+        fitted = fit(self.prepared, members)
+        return self.criterion(fitted.rss, sum(self.pool.groups[m].rank for m in members), len(members))
+
+
+def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
+    """Gate, name and test; `tell` hears the share of the work done."""
+    gate = namer.test(())
+    tell(0.2)
+    if min(gate[0].p_value, gate[1].p_value) > FALSE_ALARM:
+        return Named((), (), (), gate, None)
+    members, p_values = _of_library(namer)
+    tell(0.7)
+    outside: tuple[int, ...] = ()
+    members, outside, p_values = _against_forms(namer, members, p_values)
+    left = namer.test((*members, *outside))
+    tell(1.0)
+    return Named(members, outside, p_values, gate, left)
+
+
+def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """The library's best answer every part of which passes its own test, carried on beyond three where more is left."""
+    subsets = namer.best(namer.library, 3)
+    ranked = sorted(subsets.values(), key=lambda subset: subset.criterion)
+    chosen: tuple[int, ...] = ()
+    p_values: tuple[float, ...] = ()
+    smallest = 99
+    for subset in ranked:
+        if len(subset.members) >= smallest:
+            continue
+        smallest = len(subset.members)
+        p_values = own_tests(namer, subset.members)
+        if all(p <= FALSE_ALARM for p in p_values):
+            chosen = subset.members
+            break
+    if len(chosen) >= 2 or (len(chosen) == 1 and 2 not in subsets):
+        chosen, p_values = _carried_on(namer, chosen, p_values)
+    return (chosen, p_values) if chosen else ((), ())
+
+
+def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) -> tuple[float, ...]:
+    """The p-value of each group given all the others (and `others`)."""
+    found: list[float] = []
+    for member in members:
+        rest = [m for m in (*members, *others) if m != member]
+        tested = namer.test(rest)
+        found.append(tested[0].p_value)
+    return tuple(found)
+
+
+def _carried_on(
+    namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it."""
+    while len(members) < _MOST:
+        tested = namer.test(members)[0]
+        if tested.p_value > FALSE_ALARM:
+            break
+        before = fit(namer.prepared, members)
+        added = _swapped(namer, _best_addition(namer, members, tested))
+        after = fit(namer.prepared, added)
+        worse = namer.criterion_of(added) >= namer.criterion_of(members)
+        if len(added) <= len(members) or worse or after.rss > (1.0 - _WORTH) * before.rss:
+            break
+        members, p_values = added, (*p_values, tested.p_value)
+    return members, p_values
+
+
+def _best_addition(namer: Namer, members: tuple[int, ...], tested: Calibrated) -> tuple[int, ...]:
+    """The members and the best group beside them that is possible with them."""
+    taken = {namer.pool.groups[m].candidate.family for m in members}
+    for number in np.argsort(-tested.each)[:40].tolist():
+        if not namer.library[number] or namer.pool.groups[number].candidate.family in taken:
+            continue
+        wider = (*members, int(number))
+        if namer.possible(wider):
+            return wider
+    return members
+
+
+def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
+    """The members after exchanging one at a time for whatever explains more, as long as that helps."""
+    start = products(namer.pool, namer.prepared.vector)
+    for _ in range(3):
+        changed = False
+        for place, member in enumerate(members):
+            rest = [m for k, m in enumerate(members) if k != place]
+            families = {namer.pool.groups[m].candidate.family for m in rest}
+            gained = gains(namer.pool, start.beside(namer.pool.columns(rest)))
+            price = np.array([group.rank for group in namer.pool.groups]) * np.log(namer.criterion.count)
+            own = gained[member]
+            for other in np.argsort(-gained)[:10].tolist():
+                allowed = namer.library[other] and namer.pool.groups[other].candidate.family not in families
+                if other == member or not allowed or gained[other] <= own * (1.0 + 1e-6):
+                    continue
+                trial = tuple(m if k != place else int(other) for k, m in enumerate(members))
+                better = namer.criterion_of(trial) < namer.criterion_of(members) - 1e-6 * float(price[other])
+                if better and namer.possible(trial):
+                    members, changed = trial, True
+                    break
+        if not changed:
+            break
+    return members
+
+
+def _against_forms(
+    namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
+) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
+    """Whether something outside the library is at work, instead of what was named or beside it."""
+    everything = np.ones(len(namer.library), dtype=bool)
+    own = namer.criterion_of(members)
+    if len(members) <= 2:
+        rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
+        best = min(rivals, key=lambda subset: subset.criterion, default=None)
+        if best is not None and best.criterion < own - _MARGIN:
+            outside = tuple(m for m in best.members if not namer.library[m])
+            inside = tuple(m for m in best.members if namer.library[m])
+            tested = namer.test(inside)[1]
+            if tested.p_value <= FALSE_ALARM:
+                return _still_there(namer, inside, outside)
+    tested = namer.test(members)[1]
+    if tested.p_value <= FALSE_ALARM and tested.best >= 0:
+        wider = fit(namer.prepared, (*members, tested.best))
+        rest = displacement(namer.prepared, wider, (tested.best,)) / namer.prepared.observed.scale
+        whole = displacement(namer.prepared, wider) / namer.prepared.observed.scale
+        if np.sum(rest**2) > _MATERIAL**2 * np.sum(whole**2):
+            return _still_there(namer, members, (tested.best,))
+    return members, (), p_values
+
+
+def _still_there(
+    namer: Namer, members: tuple[int, ...], outside: tuple[int, ...]
+) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
+    """The members that pass their own test beside a form."""
+    while members:
+        p_values = own_tests(namer, members, outside)
+        worst = int(np.argmax(p_values))
+        if p_values[worst] <= FALSE_ALARM:
+            return members, outside, p_values
+        members = tuple(m for k, m in enumerate(members) if k != worst)
+    return (), outside, ()
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A group that could stand in a member's place: how alike the patterns are, how much worse its criterion."""
+
+    member: int
+    likeness: float
+    worse: float
+
+
+def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
+    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
+    pool = namer.pool
+    others = [m for m in members if m != member]
+    start = products(pool, namer.prepared.vector).beside(pool.columns(others))
+    gained = gains(pool, start)
+    own_criterion = namer.criterion_of(members)
+    group = pool.groups[member]
+    own = slice(group.start, group.stop)
+    pattern = np.linalg.pinv(start.gram[own, own], rcond=1e-9) @ start.against[own]
+    mixed = start.gram[:, own] @ pattern
+    signal = float(pattern @ start.gram[own, own] @ pattern)
+    taken = {pool.groups[m].candidate.family for m in members}
+    found: dict[object, Rival] = {}
+    for number, other in enumerate(pool.groups):
+        family = other.candidate.family
+        if family in taken or not namer.library[number]:
+            continue
+        if other.candidate.effect == group.candidate.effect and other.candidate.shared != group.candidate.shared:
+            pass  # one parameter for all links and one for each are different answers
+        part = slice(other.start, other.stop)
+        block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
+        alike = float(np.sqrt(max(mixed[part] @ block @ mixed[part], 0.0) / max(signal, 1e-300)))
+        trial = [number if m == member else m for m in members]
+        if alike < ALIKE and gained[number] < 0.5 * gained[member]:
+            continue
+        worse = namer.criterion_of(trial) - own_criterion
+        if (alike >= ALIKE or worse <= CONFIDENT) and namer.possible(trial):
+            rival = Rival(number, min(alike, 1.0), worse)
+            if family not in found or found[family].worse > worse:
+                found[family] = rival
+    return sorted(found.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))
+
+
+def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequence[Rival]) -> int:
+    """Which name of an alias class goes first: among those that fit equally well, the one with fewest coefficients, of
+    a usual size, and the commonest cause."""
+
+    def order(number: int) -> tuple[int, bool, int]:
+        candidate = namer.pool.groups[number].candidate
+        trial = [number if m == member else m for m in members]
+        fitted: Fit = fit(namer.prepared, trial)
+        sizes = fitted.sizes[trial.index(number)]
+        rank = PLAUSIBLE.index(candidate.effect) if candidate.effect in PLAUSIBLE else len(PLAUSIBLE)
+        return (namer.pool.groups[number].rank, not typical(candidate, sizes), rank)
+
+    tied = [member, *(rival.member for rival in others if rival.worse <= _TIED)]
+    return min(tied, key=order)
+
+
+def title(effect: str) -> str:
+    """What an effect is called in a sentence."""
+    return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")

@@ -1,0 +1,199 @@
+"""Which poses to record next: those that tell the names which the data could not tell apart.
+
+Criterion: the smallest non-centrality over all pairs (named effect, alternative), as in T-optimal designs
+(A. C. Atkinson & V. V. Fedorov, Biometrika 62 (1975) 57, doi:10.1093/biomet/62.1.57): of the poses, payloads and sides
+tried, the one is taken that adds most to the pair least told, again and again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidates import columns_of
+from .fit import fit
+from .naming import Namer, Rival, title
+from .observed import Observed, observe
+from .recording import Recording
+from .result import NextPose
+
+Array = NDArray[np.float64]
+
+_TRIED = 150
+_TAKEN = 6
+_TOLD = 13.0
+"""Non-centrality at which a wrong name would be refused with high power (one coefficient, odds of 20 to 1)."""
+_HOPELESS = 0.02
+"""Below this non-centrality per reading no number of poses is reasonable."""
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A name against another: the named effect's displacement at recorded and tried readings, and the columns that the
+    other name (with nuisances and all other findings) has there; all whitened."""
+
+    label: str
+    signal: Array
+    tried_signal: Array
+    columns: Array
+    tried_columns: Array
+
+
+def next_poses(
+    namer: Namer, members: Sequence[int], alternatives: Sequence[tuple[int, Sequence[Rival]]], seed: int
+) -> tuple[tuple[NextPose, ...], str]:
+    """Poses worth recording next, and a sentence on what they would decide."""
+    asked = [(member, rival.member) for member, rivals in alternatives for rival in rivals[:3]]
+    if not asked:
+        return (), ""
+    tried = _tried(namer.prepared.observed, seed)
+    width = tried.residual.shape[1]
+    pairs: list[_Pair] = []
+    hopeless: list[str] = []
+    for member, other in asked:
+        pair = _pair(namer, tried, members, member, other)
+        if pair is None:
+            continue
+        gain = _row_gains(pair, width)
+        if float(gain.max(initial=0.0)) < _HOPELESS:
+            hopeless.append(pair.label)
+        else:
+            pairs.append(pair)
+    taken = _greedy(pairs, width) if pairs else []
+    poses = tuple(_as_pose(tried.recording, row, pairs, width) for row in taken)
+    return poses, _note(pairs, hopeless, taken, width)
+
+
+def _greedy(pairs: Sequence[_Pair], width: int) -> list[int]:
+    taken: list[int] = []
+    for _ in range(_TAKEN):
+        reached = [_noncentrality(pair, taken, width) for pair in pairs]
+        weakest = pairs[int(np.argmin(reached))]
+        gain = _row_gains(_with_rows(weakest, taken, width), width)
+        gain[taken] = -1.0
+        taken.append(int(np.argmax(gain)))
+    return taken
+
+
+def _with_rows(pair: _Pair, rows: Sequence[int], width: int) -> _Pair:
+    if not rows:
+        return pair
+    at = (np.array(rows)[:, None] * width + np.arange(width)).reshape(-1)
+    return replace(
+        pair,
+        signal=np.concatenate([pair.signal, pair.tried_signal[at]]),
+        columns=np.concatenate([pair.columns, pair.tried_columns[at]]),
+    )
+
+
+def _row_gains(pair: _Pair, width: int) -> Array:
+    """How much each tried reading would add to the non-centrality, with the other name fitted to what there is."""
+    values = np.linalg.lstsq(pair.columns, pair.signal, rcond=1e-8)[0]
+    missed = pair.tried_signal - pair.tried_columns @ values
+    return np.sum(missed.reshape(-1, width) ** 2, axis=1)
+
+
+def _noncentrality(pair: _Pair, rows: Sequence[int], width: int) -> float:
+    full = _with_rows(pair, rows, width)
+    values = np.linalg.lstsq(full.columns, full.signal, rcond=1e-8)[0]
+    return float(np.sum((full.signal - full.columns @ values) ** 2))
+
+
+def _tried(observed: Observed, seed: int) -> Observed:
+    """Readings at random poses within the joint ranges, with each payload on hand and from either side."""
+    rng = np.random.default_rng(seed)
+    arm, recording = observed.arm_given, observed.recording
+    low = np.array([joint.range[0] for joint in arm.joints])
+    high = np.array([joint.range[1] for joint in arm.joints])
+    q = np.round(rng.uniform(low, high, (_TRIED, arm.size)), 4)
+    payload = arm.payload.mass if recording.payload_mass is None else float(recording.payload_mass.max())
+    loads = np.array([0.0, payload if payload > 0.0 else 5.0])
+    sides = rng.choice([-1.0, 1.0], _TRIED)
+    end = 0.0 if recording.time is None else float(recording.time.max())
+    step = 60.0
+    temperature = recording.temperature
+    made = Recording(
+        file=recording.file,
+        q=q,
+        tip=np.zeros((_TRIED, observed.components)),
+        row=np.arange(1, _TRIED + 1),
+        time=None if recording.time is None else end + step * np.arange(1, _TRIED + 1),
+        sides=np.repeat(sides[:, None], arm.size, axis=1),
+        payload_mass=rng.choice(loads, _TRIED),
+        temperature=None if temperature is None else np.full(_TRIED, float(np.median(temperature))),
+        velocity=None if recording.velocity is None else np.zeros((_TRIED, arm.size)),
+        acceleration=None if recording.acceleration is None else np.zeros((_TRIED, arm.size)),
+        joint_side=None if recording.joint_side is None else q.copy(),
+        commanded=None if recording.commanded is None else q.copy(),
+        base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (_TRIED, 1)),
+    )
+    return observe(arm, made, scale=observed.scale)
+
+
+def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, other: int) -> _Pair | None:
+    prepared = namer.prepared
+    sizes = fit(prepared, list(members)).sizes[list(members).index(member)]
+    own = columns_of(tried, namer.pool.groups[member].candidate)
+    known = [m for m in members if m != member and not namer.pool.groups[m].candidate.outside]
+    rest = [columns_of(tried, namer.pool.groups[m].candidate) for m in (*known, other)]
+    if own is None or any(part is None for part in rest):
+        return None
+    there = [part for part in rest if part is not None]
+    beside = _nuisance(prepared.beside_names, tried)
+    recorded = np.concatenate([prepared.beside, *(prepared.columns[m] for m in (*known, other))], axis=2)
+    white = prepared.observed.whitened
+    names = tuple(_label(namer, number) for number in (member, other))
+    return _Pair(
+        f"{names[0]} from {names[1]}",
+        white(prepared.columns[member] @ sizes),
+        tried.whitened(own @ sizes),
+        white(recorded),
+        tried.whitened(np.concatenate([beside, *there], axis=2)),
+    )
+
+
+def _nuisance(names: Sequence[str], tried: Observed) -> Array:
+    """The nuisances' columns at the tried readings, in the order of their names."""
+    from arm.effects import Settings
+
+    parts: list[Array] = []
+    for name in names:
+        effect, _, size = name.partition(" ")
+        if effect == "base":
+            column = np.zeros(tried.residual.shape)
+            column[:, -3 - (tried.arm.size if tried.asked.command else 0) + "xyz".index(size[-1])] = 1.0
+            parts.append(column)
+        else:
+            parts.append(tried.signature(effect, Settings((), MappingProxyType({size: 1.0}))))
+    return np.stack(parts, axis=2) if parts else np.zeros((*tried.residual.shape, 0))
+
+
+def _label(namer: Namer, number: int) -> str:
+    candidate = namer.pool.groups[number].candidate
+    at = f" at {', '.join(str(index + 1) for index in candidate.at)}" if candidate.at else ""
+    return f"{title(candidate.effect)}{at}"
+
+
+def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int) -> NextPose:
+    gains = [float(_row_gains(pair, width)[row]) for pair in pairs]
+    payload = None if recording.payload_mass is None else float(recording.payload_mass[row])
+    side = 1 if recording.sides is None else int(recording.sides[row, 0])
+    q = tuple(float(value) for value in recording.q[row])
+    return NextPose(q, payload, side, pairs[int(np.argmax(gains))].label)
+
+
+def _note(pairs: Sequence[_Pair], hopeless: Sequence[str], taken: Sequence[int], width: int) -> str:
+    sentences: list[str] = []
+    if pairs:
+        before = min(_noncentrality(pair, [], width) for pair in pairs)
+        after = min(_noncentrality(pair, taken, width) for pair in pairs)
+        enough = "enough" if after >= _TOLD else "repeat them"
+        sentences.append(
+            f"The poses listed raise the smallest non-centrality between names from {before:.1f} to {after:.1f}: {enough}."
+        )
+    sentences += [f"No pose tells {label}: only another sensor would." for label in dict.fromkeys(hopeless)]
+    return " ".join(sentences)

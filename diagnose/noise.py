@@ -1,0 +1,320 @@
+"""The noise floor of a recording: how far readings of one pose, one after the other, differ.
+
+Poses are compared after taking the nominal tip off, so that the last digits of the encoders do not count. Within each
+group of repeats the scatter about the mean is the noise; rows that stand out are named, not used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+from scipy.stats import f as f_distribution
+
+from arm.chain import Arm
+from materials.quantities import format_quantity
+
+from .placement import placed
+from .recording import Recording, RejectedRow
+from .robust import qn, resolution
+from .row_lists import rows_text
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Source = Literal["repeats", "declared", "residual", "none"]
+
+_SAME_ANGLE, _SAME_LENGTH = 2e-4, 2e-5
+"""rad, m: what servos come back to; encoders that count coarser than that are given one count and a half."""
+_COARSE = 10.0
+_FALSE_OUTLIER = 0.01
+"""Chance that any row of a clean Gaussian recording is called an outlier."""
+_ENOUGH = 5
+"""Degrees of freedom (for each component) from which repeats are trusted more than a declared sigma."""
+_DISAGREE = 0.01
+_LEAST = 1e-9
+"""m; no instrument of an arm's size resolves less."""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """What one reading of the tip is off by where nothing is wrong.
+
+    `sigma` (m) is the standard deviation of each component, None where nobody knows (`source` none);
+    `degrees_of_freedom` that it rests on for each component (0: declared); `rms_m` is the RMS length of the error
+    vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off, None
+    where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from repeats of their own
+    pose, `doubtful` rows that disagree in pairs, of which nobody can say which is wrong. `resolution` (m) is given
+    where readings are too coarse to show their noise. `sentence` says it all for people, `warnings` what is odd.
+    """
+
+    sigma: tuple[float, ...] | None
+    source: Source
+    degrees_of_freedom: int
+    rms_m: float | None
+    sentence: str
+    drift_m: float | None = None
+    drift_degrees_of_freedom: int = 0
+    outliers: tuple[RejectedRow, ...] = ()
+    doubtful: tuple[int, ...] = ()
+    resolution: float | None = None
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Cleaned:
+    """Groups of repeats without outliers: sums of squares about the means (D,), and where the groups are."""
+
+    groups: tuple[Rows, ...]
+    squares: Array
+    degrees_of_freedom: int
+    outliers: tuple[RejectedRow, ...]
+    doubtful: tuple[int, ...]
+
+
+def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
+    """The noise floor: from repeats where the recording has enough of them, else the declared sigma, else none.
+
+    Outliers are sought with an F bound on the distance from the group's other readings, the scale being Qn
+    first (Rousseeuw & Croux 1993, see `robust.qn`) and the pooled scatter of what is left after that.
+    """
+    free = recording.frame == "free"
+    place = placed(arm, recording.q, recording.tip, frame=free, tool=recording.tool == "free")
+    # Components are those of the measuring instrument: the residual is turned back into its frame.
+    residual = place.residual @ place.rotation
+    groups = repeat_groups(recording, arm)
+    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording)
+    width = recording.tip.shape[1]
+    dof = cleaned.degrees_of_freedom
+    step = [resolution(recording.tip[:, k]) or 0.0 for k in range(width)]
+    least = np.array(step) / np.sqrt(12.0)
+    measured = np.sqrt(cleaned.squares / dof) if dof else None
+    coarse = measured is not None and bool((measured <= least).all()) and bool(least.any())
+    if measured is not None:
+        measured = np.maximum(np.maximum(measured, least), _LEAST)
+    declared = recording.sigma
+    warnings: list[str] = []
+    disagree = measured is not None and declared is not None and not coarse and _differ(cleaned, declared, width)
+    if disagree and measured is not None and declared is not None:
+        warnings.append(
+            f"Repeats scatter by {_mean_text(measured)} a component, but the declared sigma is "
+            f"{_length(declared)}: chance does not explain the difference ({dof} degrees of freedom)."
+        )
+    if measured is not None and (declared is None or disagree or (dof >= _ENOUGH and not coarse)):
+        sigma, source, rested = tuple(float(each) for each in measured), "repeats", dof
+    elif declared is not None:
+        sigma, source, rested = (declared,) * width, "declared", 0
+    else:
+        sigma, source, rested = None, "none", 0
+    drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm)
+    floor = None if sigma is None else float(np.sqrt(sum(each * each for each in sigma)))
+    sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
+    if coarse and source == "repeats":
+        sentence += f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(max(step))})."
+    if drift is not None:
+        moved = f"had moved by {_length(drift)} RMS" if drift > 0.0 else "had not moved"
+        sentence += f" What was measured again at the same pose later {moved} beyond the noise."
+    if cleaned.doubtful:
+        rows = rows_text(cleaned.doubtful)
+        warnings.append(f"Repeats disagree in {rows}, and nothing says which of a pair is wrong.")
+    return NoiseFloor(
+        sigma,
+        source,
+        rested,
+        floor,
+        sentence,
+        drift,
+        drift_dof,
+        cleaned.outliers,
+        cleaned.doubtful,
+        max(step) if coarse else None,
+        tuple(warnings),
+    )
+
+
+def repeat_groups(recording: Recording, arm: Arm) -> tuple[Rows, ...]:
+    """Visits: consecutive readings at one pose and condition, as indices (from 0) into the recording.
+
+    Every reading is in one group, often alone. A pause of more than ten usual intervals begins a new group.
+    """
+    same = pose_tolerance(recording, arm)
+    usual = np.inf
+    if recording.time is not None and recording.size > 1:
+        steps = np.diff(recording.time)
+        usual = _COARSE * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
+    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    changed = np.zeros(recording.size, dtype=bool)
+    for each in held:
+        columns = each.reshape(recording.size, -1)
+        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + 1e-3 * np.abs(columns[1:])).any(axis=1)
+    if recording.velocity is not None:
+        limit = 1e-3 + 1e-2 * np.abs(recording.velocity[1:])
+        changed[1:] |= (np.abs(np.diff(recording.velocity, axis=0)) > limit).any(axis=1)
+    if recording.time is not None:
+        changed[1:] |= np.abs(np.diff(recording.time)) > usual
+    groups: list[list[int]] = [[0]] if recording.size else []
+    for index in range(1, recording.size):
+        first = groups[-1][0]
+        apart = np.abs(recording.q[index] - recording.q[first]) > same
+        if changed[index] or apart.any():
+            groups.append([index])
+        else:
+            groups[-1].append(index)
+    return tuple(np.array(group, dtype=np.int64) for group in groups)
+
+
+def pose_tolerance(recording: Recording, arm: Arm) -> Array:
+    """How far coordinates (n,) may differ at one pose: rad, m."""
+    found: list[float] = []
+    for index, joint in enumerate(arm.joints):
+        least = _SAME_ANGLE if joint.revolute else _SAME_LENGTH
+        found.append(min(max(1.5 * _count(recording.q[:, index], _COARSE * least), least), _COARSE * least))
+    return np.array(found)
+
+
+def _count(values: Array, largest: float) -> float:
+    """The step of an encoder that counts coarsely, 0 where there is none below `largest`."""
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > 1e-9]
+    if len(steps) < 2 or (least := float(steps.min())) > largest:
+        return 0.0
+    counts = steps / least
+    return least if np.all(np.abs(counts - np.round(counts)) < 0.02 * np.maximum(counts, 1.0)) and least > 1e-5 else 0.0
+
+
+def _clean(residual: Array, groups: Sequence[Rows], recording: Recording) -> _Cleaned:
+    """Take rows that stand out of their groups, twice: by a robust scale, then by the scatter that is left."""
+    width = residual.shape[1]
+    outliers: tuple[RejectedRow, ...] = ()
+    doubtful: tuple[int, ...] = ()
+    kept = tuple(groups)
+    squares, dof = _pooled(residual, kept)
+    for step in range(3):
+        if dof < _ENOUGH:
+            break
+        if step == 0:
+            contrasts = np.concatenate([_contrasts(residual[group]) for group in groups])
+            scale = np.array([qn(np.concatenate([contrasts[:, k], -contrasts[:, k]])) for k in range(width)])
+        else:
+            scale = np.sqrt(squares / dof)
+        if not (scale > 0.0).all():
+            break
+        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording)
+        squares, dof = _pooled(residual, kept)
+    return _Cleaned(kept, squares, dof, outliers, doubtful)
+
+
+def _without_outliers(
+    scaled: Array, groups: Sequence[Rows], recording: Recording
+) -> tuple[tuple[Rows, ...], tuple[RejectedRow, ...], tuple[int, ...]]:
+    count = sum(len(group) for group in groups)
+    # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
+    width = scaled.shape[1]
+    limit = width * float(f_distribution.isf(_FALSE_OUTLIER / count, width, 0.8 * (count - len(groups))))
+    kept: list[Rows] = []
+    outliers: list[RejectedRow] = []
+    doubtful: list[int] = []
+    for group in groups:
+        rows = group
+        dropped: list[tuple[int, float]] = []
+        while len(rows) > 2:
+            others = (scaled[rows].sum(axis=0) - scaled[rows]) / (len(rows) - 1)
+            squared = np.sum((scaled[rows] - others) ** 2, axis=1) * (len(rows) - 1) / len(rows)
+            worst = int(np.argmax(squared))
+            if squared[worst] <= limit:
+                break
+            dropped.append((int(rows[worst]), float(np.sqrt(squared[worst]))))
+            rows = np.delete(rows, worst)
+        if len(rows) == 2 and np.sum((scaled[rows[0]] - scaled[rows[1]]) ** 2) / 2.0 > limit:
+            doubtful += [int(recording.row[index]) for index in group]
+            continue
+        for index, far in dropped:
+            others = rows_text(recording.row[rows])
+            reason = f"stands {far:.0f} standard deviations away from the repeats of its pose ({others})"
+            outliers.append(RejectedRow(int(recording.row[index]), reason))
+        kept.append(rows)
+    return tuple(kept), tuple(sorted(outliers, key=lambda each: each.row)), tuple(sorted(doubtful))
+
+
+def _pooled(residual: Array, groups: Sequence[Rows]) -> tuple[Array, int]:
+    squares = np.zeros(residual.shape[1])
+    for group in groups:
+        squares += np.sum((residual[group] - residual[group].mean(axis=0)) ** 2, axis=0)
+    return squares, sum(len(group) - 1 for group in groups)
+
+
+def _contrasts(values: Array) -> Array:
+    """m readings (m, D) as m - 1 independent differences (Helmert's), each with the variance of one reading."""
+    count = len(values)
+    found = [
+        (values[:k].sum(axis=0) - k * values[k]) / np.sqrt(k * (k + 1.0)) for k in range(1, count)
+    ]
+    return np.array(found)
+
+
+def _differ(cleaned: _Cleaned, declared: float, width: int) -> bool:
+    """Whether the repeats' scatter is one that the declared sigma gives once in a hundred times."""
+    total = float(np.sum(cleaned.squares)) / declared**2
+    dof = width * cleaned.degrees_of_freedom
+    return min(float(chi2.cdf(total, dof)), float(chi2.sf(total, dof))) < _DISAGREE / 2.0
+
+
+def _drift(
+    residual: Array,
+    groups: Sequence[Rows],
+    cleaned: _Cleaned,
+    sigma: tuple[float, ...] | None,
+    recording: Recording,
+    arm: Arm,
+) -> tuple[float | None, int]:
+    """By how much (RMS length, m) visits of the same pose and condition differ beyond what noise explains."""
+    bad = {each.row for each in cleaned.outliers} | set(cleaned.doubtful)
+    good = [np.array([k for k in group if recording.row[k] not in bad], dtype=np.int64) for group in groups]
+    visits = [group for group in good if len(group)]
+    same = 4.0 * pose_tolerance(recording, arm)
+    keys: dict[tuple[int, ...], list[Rows]] = {}
+    for visit in visits:
+        key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
+        for held in (recording.payload_mass, recording.sides, recording.force):
+            if held is not None:
+                key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
+        keys.setdefault(tuple(key), []).append(visit)
+    squares, expected, dof = 0.0, 0.0, 0
+    noise = 0.0 if sigma is None else sum(each * each for each in sigma)
+    for again in keys.values():
+        if len(again) < 2:
+            continue
+        means = np.array([residual[visit].mean(axis=0) for visit in again])
+        squares += float(np.sum((means - means.mean(axis=0)) ** 2))
+        expected += noise * (1.0 - 1.0 / len(again)) * sum(1.0 / len(visit) for visit in again)
+        dof += len(again) - 1
+    if not dof:
+        return None, 0
+    over = squares - expected
+    # Noise alone exceeds its expectation by about this much, which is then no drift.
+    chance = 3.0 * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
+    return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
+
+
+def _sentence(floor: float | None, source: Source, dof: int, groups: int, declared: float | None) -> str:
+    if floor is None:
+        return "There are no repeats and no declared sigma: nothing but the fit itself tells the noise."
+    if source == "repeats":
+        return (
+            f"The noise floor is {_length(floor)} RMS, from {groups} poses read more than once "
+            f"({dof} degrees of freedom a component)."
+        )
+    few = "too few repeats" if dof or groups else "no repeats"
+    given = "" if declared is None else f" of {_length(declared)} a component"
+    return f"There are {few}, so the declared sigma{given} counts: a noise floor of {_length(floor)} RMS."
+
+
+def _length(value: float) -> str:
+    return format_quantity(value, "length", digits=3)
+
+
+def _mean_text(sigma: Array) -> str:
+    return _length(float(np.sqrt(np.mean(sigma * sigma))))

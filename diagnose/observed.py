@@ -1,0 +1,197 @@
+"""A recording set against the model: residuals in every channel, whitened, and the rows that belong together.
+
+Each reading is one row; its columns are the tip's components and whatever further instruments there are (an encoder on
+the joint's side, a target on the base, commands beside encoders), each divided by its own scatter, so that plain least
+squares weighs them rightly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+from arm.effects import EFFECTS, Settings
+from arm.error import active_effects
+from arm.model import beams_of
+from arm.recorded import Asked, Channels, seen, seen_of_model
+from arm.statics import PoseState, solve
+
+from .alignment import Alignment, aligned
+from .conditions import conditions_of
+from .recording import Recording
+
+Array = NDArray[np.float64]
+
+SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
+"""Coordinates (rad, m) closer than this are the same pose: what servos come back to, and finer than any grid."""
+
+
+@dataclass(frozen=True)
+class Observed:
+    """N readings against the model. `residual` (N, C) holds measured less modelled, m and rad, the tip's D components
+    first; `scale` (C,) what each column is divided by; `block` (N,) numbers visits: consecutive readings at one pose.
+
+    `correlation` is that of each reading's noise with the one before, taken out by `whitened`.
+    """
+
+    arm: Arm
+    unknown_masses: tuple[int, ...]
+    recording: Recording
+    state: PoseState
+    asked: Asked
+    alignment: Alignment
+    residual: Array
+    scale: Array
+    block: NDArray[np.int64]
+    correlation: float = 0.0
+
+    @property
+    def components(self) -> int:
+        """How many components of the tip were measured, 2 or 3."""
+        return self.recording.tip.shape[1]
+
+    @property
+    def rows(self) -> int:
+        """The number of readings."""
+        return len(self.residual)
+
+    def tip_residual(self) -> Array:
+        """The tip's residual (N, D), m."""
+        return self.residual[:, : self.components]
+
+    def stacked(self, channels: Channels) -> Array:
+        """Channels as (N, C), in the order of `residual`."""
+        parts = [channels.tip[:, : self.components]]
+        parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
+        return np.concatenate(parts, axis=1)
+
+    def signature(self, effect: str, settings: Settings) -> Array:
+        """What an effect moves in every column (N, C), m and rad."""
+        return self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns (N, C) or (N, C, d) as (N * C) or (N * C, d) of unit scatter, without the correlation of neighbouring
+        rows (the transformation of S. J. Prais & C. B. Winsten, 1954)."""
+        scaled = columns / (self.scale if columns.ndim == 2 else self.scale[:, None])
+        rho = self.correlation
+        if rho != 0.0:
+            first = scaled[:1].copy()
+            scaled = np.concatenate([first, (scaled[1:] - rho * scaled[:-1]) / np.sqrt(1.0 - rho * rho)])
+        return scaled.reshape(scaled.shape[0] * scaled.shape[1], *columns.shape[2:])
+
+    def without_rows(self, keep: NDArray[np.bool_]) -> Observed:
+        """The same, with only the readings of `keep` (N,)."""
+        return observe(self.arm_given, kept(self.recording, keep), scale=self.scale, correlation=self.correlation)
+
+    @property
+    def arm_given(self) -> Arm:
+        """The arm as the file says, unknown masses included."""
+        links = tuple(
+            replace(link, mass=None) if index in self.unknown_masses else link
+            for index, link in enumerate(self.arm.links)
+        )
+        return self.arm.with_links(links)
+
+
+def kept(recording: Recording, keep: NDArray[np.bool_] | NDArray[np.int64]) -> Recording:
+    """The recording with only the rows of `keep`."""
+    changed: dict[str, object] = {}
+    for name, value in vars(recording).items():
+        if isinstance(value, np.ndarray) and len(value) == recording.size:
+            changed[name] = value[keep]
+    changed["other"] = {name: values[keep] for name, values in recording.other.items()}
+    return replace(recording, **changed)  # pyright: ignore[reportArgumentType]
+
+
+def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, correlation: float = 0.0) -> Observed:
+    """Set a recording against an arm's model.
+
+    Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
+    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels.
+    Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    """
+    unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
+    known = arm.with_links(
+        tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))
+    )
+    state = solve(
+        known,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(known),
+        conditions=conditions_of(recording, known),
+        payload_mass=recording.payload_mass,
+        tip_force=None if recording.force is None else _columns(recording.force),
+    )
+    target = recording.base_target
+    asked = Asked(
+        recording.size,
+        joint_side=recording.joint_side is not None,
+        base_target=None if target is None else _mean(target),
+        command=recording.commanded is not None,
+    )
+    modelled = seen_of_model(state, active_effects(known), asked)
+    width = recording.tip.shape[1]
+    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
+    alignment = aligned(recording, state, (nominal + modelled.tip)[:, :width])
+    parts = [alignment.residual]
+    if recording.joint_side is not None and modelled.joint_side is not None:
+        parts.append(recording.joint_side - recording.q - modelled.joint_side)
+    if target is not None and modelled.base is not None:
+        parts.append(target - target.mean(axis=0) - modelled.base)
+    if recording.commanded is not None and modelled.command is not None:
+        parts.append(recording.q - recording.commanded - modelled.command)
+    residual = np.concatenate(parts, axis=1)
+    return Observed(
+        known,
+        unknown,
+        recording,
+        state,
+        asked,
+        alignment,
+        residual,
+        np.ones(residual.shape[1]) if scale is None else scale,
+        visits(recording, arm),
+        correlation,
+    )
+
+
+def visits(recording: Recording, arm: Arm) -> NDArray[np.int64]:
+    """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
+    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
+    new = (np.abs(np.diff(recording.q, axis=0)) > same).any(axis=1)
+    for held in (recording.payload_mass, recording.sides, recording.force):
+        if held is not None:
+            changed = np.diff(held, axis=0) != 0.0
+            new |= changed if changed.ndim == 1 else changed.any(axis=1)
+    return np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+
+
+def poses(observed: Observed) -> NDArray[np.int64]:
+    """Which pose (from 0) each reading belongs to, however often and under whatever load it was visited."""
+    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in observed.arm.joints])
+    rounded = np.round(observed.recording.q / (4.0 * same)).astype(np.int64)
+    return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+
+def _mean(points: Array) -> tuple[float, float, float]:
+    middle = points.mean(axis=0)
+    return (float(middle[0]), float(middle[1]), float(middle[2]))
+
+
+def _columns(array: Array) -> tuple[Array, Array, Array]:
+    return (array[:, 0], array[:, 1], array[:, 2])
+
+
+def rms_length(vectors: Array) -> float:
+    """The root mean square length of vectors (N, D)."""
+    return float(np.sqrt(np.mean(np.sum(vectors * vectors, axis=1)))) if len(vectors) else 0.0
+
+
+def blocks_of(block: NDArray[np.int64]) -> Sequence[NDArray[np.int64]]:
+    """The row numbers of each visit."""
+    order = np.argsort(block, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(block[order])) + 1)

@@ -1,0 +1,112 @@
+"""Where the nominal arm's tip would stand, and where the measuring frame stands, in spite of rows that are wrong.
+
+This looks for gross mistakes only; the fits of a diagnosis align frame and tool by least squares (`alignment`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain import Arm
+from arm.kinematics import place
+
+Array = NDArray[np.float64]
+
+_STEPS = 40
+_TUKEY = 4.685
+"""Tukey's biweight: 95 % efficient for Gaussian noise (P. J. Huber, Robust Statistics, Wiley 1981, ch. 7)."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Nominal tips `modelled` (N, D) and measured ones set against them, m.
+
+    `rotation` (D, D), `translation` (D,) and `tool` (D,) are what was let free; `residual` (N, D) is measured less
+    modelled, in the base frame's directions, `modelled` holds the tool.
+    """
+
+    modelled: Array
+    residual: Array
+    rotation: Array
+    translation: Array
+    tool: Array
+
+    @property
+    def distance(self) -> Array:
+        """How far the measured tip is from the nominal one, (N,), m."""
+        return np.linalg.norm(self.residual, axis=1)
+
+    @property
+    def misfit(self) -> float:
+        """The middle distance, m: what a majority of the rows says."""
+        return float(np.median(self.distance))
+
+
+def nominal(arm: Arm, q: Array, width: int) -> tuple[Array, Array]:
+    """The nominal tips (N, D), m, and the last link's axes (N, D, D) that carry a tool offset."""
+    frames = place(arm, [q[:, index] for index in range(arm.size)])
+    rows = len(q)
+
+    def column(value: Any) -> Array:
+        return np.broadcast_to(np.asarray(value, dtype=float), (rows,))
+
+    tips = np.stack([column(part) for part in frames.tip()[:width]], axis=1)
+    axes = [[column(frames.orientation[i][j]) for j in range(width)] for i in range(width)]
+    return tips, np.stack([np.stack(row, axis=1) for row in axes], axis=1)
+
+
+def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> Placement:
+    """Nominal and measured tips with frame and tool free where asked, by iteratively reweighted least squares."""
+    width = measured.shape[1]
+    tips, axes = nominal(arm, q, width)
+    rotation, translation, offset = np.eye(width), np.zeros(width), np.zeros(width)
+    weight = np.ones(len(q))
+    if frame or tool:
+        if frame:
+            rotation, translation = rigid(measured, tips, weight)
+        previous = np.inf
+        for _ in range(_STEPS):
+            at = measured @ rotation.T + translation
+            residual = at - tips - axes @ offset
+            distance = np.linalg.norm(residual, axis=1)
+            scale = max(1.4826 * float(np.median(distance)), 1e-9)
+            weight = np.clip(1.0 - (distance / (_TUKEY * scale)) ** 2, 0.0, None) ** 2
+            if tool:
+                # Tool and shift together: both are linear once the frame's rotation stands.
+                columns = [-axes] + ([np.broadcast_to(np.eye(width), axes.shape)] if frame else [])
+                matrix = np.concatenate(columns, axis=2) * weight[:, None, None]
+                step = np.linalg.lstsq(
+                    matrix.reshape(-1, matrix.shape[2]), -(residual * weight[:, None]).reshape(-1), rcond=1e-9
+                )[0]
+                offset = offset + step[:width]
+            if frame:
+                rotation, translation = rigid(measured, tips + axes @ offset, weight)
+            if abs(previous - scale) <= 1e-6 * scale:
+                break
+            previous = scale
+    modelled = tips + axes @ offset
+    return Placement(modelled, measured @ rotation.T + translation - modelled, rotation, translation, offset)
+
+
+def rigid(measured: Array, goal: Array, weight: Array) -> tuple[Array, Array]:
+    """The weighted best rotation and translation of `measured` onto `goal` (W. Kabsch, Acta Cryst. A32 (1976) 922,
+    doi:10.1107/S0567739476001873)."""
+    share = weight / weight.sum()
+    center, end = share @ measured, share @ goal
+    u, _, vt = np.linalg.svd(((measured - center) * share[:, None]).T @ (goal - end))
+    keep = np.eye(len(center))
+    keep[-1, -1] = np.sign(np.linalg.det(vt.T @ u.T)) or 1.0
+    rotation = vt.T @ keep @ u.T
+    return rotation, end - rotation @ center
+
+
+def turn_of(rotation: Array) -> float:
+    """The angle of a rotation matrix in the plane or in space, rad."""
+    if len(rotation) == 2:
+        return float(abs(np.arctan2(rotation[1, 0], rotation[0, 0])))
+    return float(Rotation.from_matrix(rotation).magnitude())

@@ -1,0 +1,140 @@
+"""Candidates as subspaces: nuisances projected out, each an orthonormal basis, all their products in one Gram matrix.
+
+With the Gram matrix in hand, what any subset of candidates explains is small linear algebra, however many readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidates import Candidate
+
+Array = NDArray[np.float64]
+
+_RANK = 1e-7
+"""Directions of a candidate below this share of its largest are rounding."""
+VISIBLE = 1e-5
+"""A pattern of which less than this share is left beside the nuisances cannot be seen at all."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """A candidate's place in the pool: its columns `start:stop`, and `back` (d, r), which turns coefficients of the
+    orthonormal basis into sizes. `length` is the norm of its columns (d,), `visible` the share of the pattern that the
+    nuisances leave."""
+
+    candidate: Candidate
+    start: int
+    stop: int
+    back: Array
+    length: Array
+    visible: float
+
+    @property
+    def rank(self) -> int:
+        """How many independent directions the candidate has."""
+        return self.stop - self.start
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the columns of a pool's groups are: those of rank 1 (`single_groups` and their column), and for each higher
+    rank the groups' numbers with their columns (g, rank)."""
+
+    groups: int
+    single_groups: NDArray[np.int64]
+    single_columns: NDArray[np.int64]
+    wide: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]
+
+
+@dataclass(frozen=True)
+class Pool:
+    """All candidates that can be seen. `basis` (n, M) is orthogonal to `nuisance` (n, b, orthonormal), orthonormal
+    within each group; `gram` (M, M) its products. `invisible` are those that the nuisances swallow."""
+
+    nuisance: Array
+    groups: tuple[Group, ...]
+    basis: Array
+    gram: Array
+    invisible: tuple[Candidate, ...]
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Where the groups' columns are."""
+        starts, ranks = self.starts, self.ranks
+        single = np.flatnonzero(ranks == 1)
+        wide: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+        for rank in np.unique(ranks[ranks > 1]).tolist():
+            which = np.flatnonzero(ranks == rank)
+            wide.append((which, starts[which][:, None] + np.arange(rank)))
+        return Layout(len(self.groups), single, starts[single], tuple(wide))
+
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Where each group's columns begin."""
+        return np.array([group.start for group in self.groups], dtype=np.int64)
+
+    @property
+    def ranks(self) -> NDArray[np.int64]:
+        """The rank of each group."""
+        return np.array([group.rank for group in self.groups], dtype=np.int64)
+
+    def columns(self, members: Sequence[int]) -> NDArray[np.int64]:
+        """The columns of some groups."""
+        spans = [np.arange(self.groups[m].start, self.groups[m].stop) for m in members]
+        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.int64)
+
+    def projected(self, vectors: Array) -> Array:
+        """Vectors (n, ...) less what the nuisances explain."""
+        return vectors - self.nuisance @ (self.nuisance.T @ vectors)
+
+
+def orthonormal(columns: Array, tolerance: float = 1e-10) -> Array:
+    """An orthonormal basis (n, r) of columns (n, d), scaled alike first."""
+    if columns.shape[1] == 0:
+        return columns
+    size = np.linalg.norm(columns, axis=0)
+    u, s, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+    return u[:, s > tolerance * s[0]] if len(s) else columns[:, :0]
+
+
+def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array]]) -> Pool:
+    """The pool of candidates with whitened columns (n, d) each, beside nuisance columns (n, b)."""
+    beside = orthonormal(nuisance)
+    groups: list[Group] = []
+    bases: list[Array] = []
+    invisible: list[Candidate] = []
+    at = 0
+    for candidate, columns in patterns:
+        length = np.linalg.norm(columns, axis=0)
+        if not (length > 0.0).any():
+            invisible.append(candidate)
+            continue
+        unit = np.where(length > 0.0, length, 1.0)
+        scaled = columns / unit
+        left = scaled - beside @ (beside.T @ scaled)
+        left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
+        u, s, vt = np.linalg.svd(left, full_matrices=False)
+        full = np.linalg.svd(scaled, compute_uv=False)
+        visible = float(s[0] / full[0])
+        keep = s > max(_RANK * s[0], VISIBLE)
+        if not keep.any():
+            invisible.append(candidate)
+            continue
+        back = (vt[keep].T / s[keep]) / unit[:, None]
+        bases.append(u[:, keep])
+        groups.append(Group(candidate, at, at + int(keep.sum()), back, length, visible))
+        at += int(keep.sum())
+    basis = np.concatenate(bases, axis=1) if bases else np.zeros((len(nuisance), 0))
+    return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible))
+
+
+def likeness(pool: Pool, first: int, second: int) -> float:
+    """The largest canonical correlation of two groups."""
+    a, b = pool.groups[first], pool.groups[second]
+    return float(np.linalg.svd(pool.gram[a.start : a.stop, b.start : b.stop], compute_uv=False)[0])

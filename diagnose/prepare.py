@@ -1,0 +1,209 @@
+"""From residuals to a pool: nuisances, weights, outliers and the noise's memory, found beside a first rough model.
+
+All of these need to know roughly what the mismatch is, or a large effect would pass for scatter: so a first search is
+made with equal weights, and what it leaves tells the scatter of each axis, the rows that lie far off, and how much of
+each reading's noise the next one remembers. Then everything is set up again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from arm.effects import Settings
+
+from .candidates import Candidate, candidates
+from .forms import forms
+from .observed import Observed, blocks_of, kept, observe
+from .options import Options
+from .pool import Pool, make_pool
+from .recording import RejectedRow
+from .search import Criterion, families, gains, products
+
+Array = NDArray[np.float64]
+
+_FAR_TAIL = 0.002
+"""An outlier is a row that scatter alone would produce in one recording of 500 (with a robust scale and a margin)."""
+_MARGIN = 1.25
+_MOST_OUTLIERS = 0.05
+"""With more rows than this share far off, it is no handful of bad readings but part of the mismatch."""
+_LEAST_PAIRS = 20
+_ROUGH = 4
+"""Patterns in the first rough model, at most."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A recording ready to be searched: `vector` (n,) is the whitened residual without nuisances, `columns` holds each
+    group's displacements (N, C, d) in m and rad, `beside` the nuisances' (N, C, b). `rejected` are rows set aside."""
+
+    observed: Observed
+    vector: Array
+    pool: Pool
+    columns: tuple[Array, ...]
+    beside: Array
+    beside_names: tuple[str, ...]
+    rejected: tuple[RejectedRow, ...]
+
+    @property
+    def criterion(self) -> Criterion:
+        """The criterion for subsets of this pool."""
+        count = len(self.vector) - self.pool.nuisance.shape[1]
+        return Criterion(max(count, 2), max(len(families(self.pool)), 1))
+
+    def library(self) -> NDArray[np.bool_]:
+        """Which groups are of the library, and not mere forms."""
+        return np.array([not group.candidate.outside for group in self.pool.groups], dtype=bool)
+
+    @property
+    def visits(self) -> list[NDArray[np.int64]]:
+        """The row numbers of each visit."""
+        return list(blocks_of(self.observed.block))
+
+
+def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
+    """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base."""
+    parts: list[Array] = []
+    names: list[str] = []
+    wanted: list[tuple[str, tuple[str, ...]]] = []
+    width = observed.components
+    if observed.recording.frame == "free":
+        turns = ("about_z",) if width == 2 else ("about_x", "about_y", "about_z")
+        wanted.append(("frame_misalignment", ("x", "y", "z")[:width] + turns))
+    if observed.recording.tool == "free":
+        wanted.append(("tool_offset", ("along", "across", "out")[:width]))
+    for effect, sizes in wanted:
+        for size in sizes:
+            parts.append(observed.signature(effect, Settings((), {size: 1.0})))
+            names.append(f"{effect} {size}")
+    if observed.recording.base_target is not None:
+        first = observed.components + (observed.arm.size if observed.asked.joint_side else 0)
+        for axis in range(3):
+            column = np.zeros(observed.residual.shape)
+            column[:, first + axis] = 1.0
+            parts.append(column)
+            names.append(f"base target {'xyz'[axis]}")
+    shape = (*observed.residual.shape, 0)
+    return (np.stack(parts, axis=2) if parts else np.zeros(shape)), tuple(names)
+
+
+Patterns = list[tuple[Candidate, Array]]
+
+
+def patterns_of(observed: Observed, options: Options) -> Patterns:
+    """Everything that could be missing: each candidate and form with its columns (N, C, d)."""
+    return [*candidates(observed, options.without), *forms(observed)]
+
+
+def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, ...] = ()) -> Prepared:
+    """The pool of patterns for a recording as it stands."""
+    beside, names = nuisances(observed)
+    pool = make_pool(observed.whitened(beside), [(c, observed.whitened(columns)) for c, columns in patterns])
+    seen = {id(group.candidate) for group in pool.groups}
+    columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
+    vector = pool.projected(observed.whitened(observed.residual))
+    return Prepared(observed, vector, pool, columns, beside, names, rejected)
+
+
+def prepare(observed: Observed, options: Options) -> Prepared:
+    """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them."""
+    rough = replace(observed, scale=_first_scale(observed))
+    patterns = patterns_of(rough, options)
+    left = _left_by_rough_model(set_up(rough, patterns))
+    scale = _scatter(left, rough)
+    outlying = _outliers(left / scale, observed)
+    keep = ~outlying
+    if not outlying.any():
+        memory = _memory(left / scale, observed.block)
+        return set_up(replace(observed, scale=scale, correlation=memory), patterns)
+    rejected = tuple(
+        RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
+        for row in np.flatnonzero(outlying).tolist()
+    )
+    scale = _scatter(left[keep], rough)
+    memory = _memory(left[keep] / scale, observed.block[keep])
+    again = observe(observed.arm_given, kept(observed.recording, keep), scale=scale, correlation=memory)
+    # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
+    return set_up(again, [(candidate, columns[keep]) for candidate, columns in patterns], rejected)
+
+
+def _first_scale(observed: Observed) -> Array:
+    """Equal weights for the tip's components; for other channels, what makes them weigh alike."""
+    spread = np.sqrt(np.mean(observed.residual**2, axis=0))
+    width = observed.components
+    tip = float(np.sqrt(np.mean(spread[:width] ** 2)))
+    scale = np.where(spread > 0.0, spread, 1.0)
+    scale[:width] = tip if tip > 0.0 else 1.0
+    return scale
+
+
+def _left_by_rough_model(prepared: Prepared) -> Array:
+    """What the few patterns that explain most, one after the other and forms included, leave: (N, C) in m and rad, by
+    least squares with bad rows weighed down."""
+    pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
+    given, members, rank = products(pool, prepared.vector), list[int](), 0
+    price = pool.ranks * np.log(criterion.count) if pool.groups else np.zeros(0)
+    for _ in range(_ROUGH if pool.groups else 0):
+        gained = gains(pool, given)
+        left = np.maximum(given.rss - gained, 1e-12 * given.rss)
+        best = int(np.argmin(criterion.count * np.log(left) + price))
+        wider = criterion(float(left[best]), rank + pool.groups[best].rank, len(members) + 1)
+        if wider >= criterion(given.rss, rank, len(members)):
+            break
+        members.append(best)
+        rank += pool.groups[best].rank
+        given = given.beside(pool.columns([best]))
+    columns = [prepared.beside, *(prepared.columns[m] for m in members)]
+    stacked = np.concatenate(columns, axis=2)
+    design, target = stacked / observed.scale[:, None], observed.residual / observed.scale
+    if design.shape[2] == 0:
+        return observed.residual
+    weight = np.ones(len(target))
+    values = np.zeros(design.shape[2])
+    for _ in range(6):
+        root = np.sqrt(weight)[:, None]
+        values = np.linalg.lstsq(
+            (design * root[:, :, None]).reshape(-1, design.shape[2]), (target * root).reshape(-1), rcond=1e-9
+        )[0]
+        size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
+        middle = float(np.median(size))
+        weight = np.minimum(1.0, 2.5 * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
+    return observed.residual - stacked @ values
+
+
+def _scatter(left: Array, observed: Observed) -> Array:
+    """The robust scatter of each column: from the median absolute value, drawn towards a common one of the tip's
+    components where readings are few."""
+    spread = 1.4826 * np.median(np.abs(left), axis=0)
+    plain = np.sqrt(np.mean(left**2, axis=0))
+    spread = np.where(spread > 1e-3 * plain, spread, plain)
+    spread = np.where(spread > 0.0, spread, observed.scale)
+    width = observed.components
+    common = float(np.exp(np.mean(np.log(spread[:width]))))
+    trust = len(left) / (len(left) + 40.0)
+    spread[:width] = np.exp(trust * np.log(spread[:width]) + (1.0 - trust) * np.log(common))
+    return spread
+
+
+def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
+    width = observed.components
+    distance = np.sqrt(np.sum(scaled[:, :width] ** 2, axis=1))
+    limit = _MARGIN * np.sqrt(stats.chi2.ppf(1.0 - _FAR_TAIL / len(scaled), width))
+    far = distance > limit
+    return far if far.mean() <= _MOST_OUTLIERS else np.zeros(len(far), dtype=bool)
+
+
+def _memory(scaled: Array, block: NDArray[np.int64]) -> float:
+    """The correlation of each reading's noise with the one before, from neighbours of different visits (what a visit's
+    readings share may be the pose's own); 0 where it is not beyond doubt."""
+    across = np.flatnonzero(np.diff(block) != 0)
+    if len(across) < _LEAST_PAIRS:
+        return 0.0
+    clipped = np.clip(scaled, -3.0, 3.0)
+    before, after = clipped[across], clipped[across + 1]
+    size = np.sqrt(np.sum(before**2) * np.sum(after**2))
+    rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0
+    return min(rho, 0.95) if rho > 2.5 / np.sqrt(before.size) else 0.0

@@ -1,0 +1,390 @@
+"""A recording's file to `Recording`: columns, units and rows are checked at this door.
+
+Whatever is left out of the result is said: rows in `rejected` with the reason, columns in `warnings`.
+"""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain import Arm
+from materials.quantities import InputError, shown
+from materials.reading import nearest
+
+from .checks import checked
+from .column_formula import Formula, read_condition, read_formula
+from .reading_columns import ColumnMeaning, UnitMissing, example_headers, meaning_of
+from .reading_settings import ReadingSettings, find_settings, read_settings
+from .recording import Recording, RejectedRow
+from .row_lists import rows_text
+from .table import Table, read_table
+
+Array = NDArray[np.float64]
+
+_KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "basex_mm", "fx_N", "qw", "rx_deg")
+_KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
+_QUATERNION = ("qw", "qx", "qy", "qz")
+_MOSTLY_BLANK = 0.5
+_UNIT_LENGTH = 0.01
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column as read: what it means, its header, its values (SI), and how to say what is wrong with a cell."""
+
+    meaning: ColumnMeaning
+    header: str
+    values: Array
+    fault: Callable[[int], str]
+
+
+def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Recording:
+    """The recording that a CSV or parquet file holds, checked against the arm.
+
+    `settings` is its recording.yaml; without one, a YAML file of the recording's name or recording.yaml in its folder
+    counts. Rows that cannot be used are in `rejected` with the reason, everything else worth saying in `warnings`.
+    Raises `InputError` where nothing sensible can follow: no such file, no table, a required column missing, a
+    column in another unit than its header says, another frame than the base's.
+    """
+    path = Path(path)
+    held = read_settings(settings if settings is not None else find_settings(path))
+    table = read_table(path, held.layout)
+    warnings = [*table.notes]
+    table, sentence = _chosen_rows(table, held)
+    warnings += sentence
+    columns, strangers, said = _columns(table, held, arm)
+    warnings += said
+    _require(columns, table, arm, held)
+    columns, rejected, said = _faults(columns, table)
+    warnings += said
+    rejected += _not_unit(columns, table)
+    recording = _assembled(path, columns, strangers, table, arm, held)
+    recording = replace(recording, rejected=(*table.ragged, *rejected), warnings=(*warnings, *recording.warnings))
+    bad = {each.row for each in recording.rejected}
+    recording = recording.kept(np.array([row not in bad for row in recording.row.tolist()], dtype=bool))
+    if not recording.size:
+        why = recording.rejected[0]
+        raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
+    headers = {column.meaning.name: column.header for column in columns.values()}
+    done = checked(recording, arm, headers)
+    return replace(done, rejected=tuple(sorted(done.rejected, key=lambda each: each.row)))
+
+
+def _chosen_rows(table: Table, held: ReadingSettings) -> tuple[Table, list[str]]:
+    """The rows that the settings ask for; the others are not readings of this recording."""
+    keep = np.ones(len(table.row), dtype=bool)
+    for text in held.rows:
+        condition = read_condition(text, table.names, file=held.file, key="rows")
+        keep &= condition.holds(table.numbers, len(keep))
+    if keep.all():
+        return table, []
+    if not keep.any():
+        raise InputError(held.file, "rows", f"no row of {table.file} meets {' and '.join(held.rows)}")
+    chosen = np.flatnonzero(keep)
+    columns = {
+        name: cells[keep] if isinstance(cells, np.ndarray) else tuple(cells[k] for k in chosen)
+        for name, cells in table.columns.items()
+    }
+    sentence = f"{' and '.join(held.rows)} ({held.file}) chooses {len(chosen)} of {len(keep)} rows."
+    return replace(table, columns=MappingProxyType(columns), row=table.row[keep]), [sentence]
+
+
+def _columns(
+    table: Table, held: ReadingSettings, arm: Arm
+) -> tuple[dict[str, _Column], dict[str, Array], list[str]]:
+    """Our columns by name (`q1`, `x`), the numbers of strangers, and sentences about what is not used."""
+    warnings: list[str] = []
+    found: dict[str, _Column] = {}
+    used: set[str] = set(held.ignore)
+    for name in held.ignore:
+        if name not in table.columns:
+            raise InputError(held.file, "ignore", f"there is no column {shown(name)}{nearest(name, table.names)}")
+    for header, text in held.columns.items():
+        meaning = meaning_of(header, arm, file=held.file)
+        if meaning is None:
+            hint = nearest(header, _known_headers(arm))
+            raise InputError(held.file, f"columns.{header}", f"is no column of a recording{hint}")
+        formula = read_formula(text, table.names, file=held.file, key=f"columns.{header}")
+        if meaning.name in found:
+            raise InputError(held.file, f"columns.{header}", f"is given twice; {found[meaning.name].header} gives it")
+        used.update(formula.columns)
+        found[meaning.name] = _by_formula(table, header, meaning, formula, held)
+    strangers: dict[str, Array] = {}
+    for header in table.names:
+        if header in held.ignore:
+            continue
+        try:
+            meaning = meaning_of(header, arm, file=table.file)
+        except UnitMissing as error:
+            if not held.columns and "_" not in header.partition("_")[2].replace("link", ""):
+                raise
+            meaning = None
+            if header not in used:
+                warnings.append(f"{header} is not used: {error.message}.")
+        if meaning is None:
+            strangers[header] = table.numbers(header)
+            if header not in used and not held.columns:
+                hint = nearest(header, _known_headers(arm))
+                meant = hint if hint.startswith("; did") else ""
+                warnings.append(f"{header} is no column that is known here{meant or '; it is kept as it is.'}")
+            continue
+        if meaning.name in found:
+            if not held.columns or found[meaning.name].header not in held.columns:
+                raise InputError(table.file, header, f"says the same as {found[meaning.name].header}; drop one")
+            if header not in used:
+                warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
+            continue
+        if meaning.base == "time" and held.time_format is not None:
+            found[meaning.name] = _stamps(table, header, header, meaning, held)
+        else:
+            found[meaning.name] = _plain(table, header, meaning)
+    return found, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
+
+
+def _known_headers(arm: Arm) -> list[str]:
+    joints = [each.format(number) for number in range(1, arm.size + 1) for each in _KNOWN_JOINT]
+    return [*_KNOWN, *joints, *(f"temperature_link{number}_degC" for number in range(1, arm.size + 1))]
+
+
+def _plain(table: Table, header: str, meaning: ColumnMeaning) -> _Column:
+    def fault(index: int) -> str:
+        return table.fault(header, index) or f"{header} is not finite"
+
+    return _Column(meaning, header, table.numbers(header) * meaning.factor + meaning.offset, fault)
+
+
+def _by_formula(table: Table, header: str, meaning: ColumnMeaning, formula: Formula, held: ReadingSettings) -> _Column:
+    if meaning.base == "time" and held.time_format is not None:
+        if formula.columns != (formula.text.strip("`"),):
+            raise InputError(held.file, f"columns.{header}", "is a time stamp; it names one column and nothing else")
+        return _stamps(table, formula.columns[0], header, meaning, held)
+
+    def fault(index: int) -> str:
+        for name in formula.columns:
+            if said := table.fault(name, index):
+                return said
+        return f"{header} = {formula.text} is not finite"
+
+    values = formula.value(table.numbers, len(table.row)) * meaning.factor + meaning.offset
+    return _Column(meaning, header, values, fault)
+
+
+def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> _Column:
+    """Time stamps in s from the first one."""
+    values = np.full(len(table.row), np.nan)
+    stamps = [_stamp(table.text(column, index), str(held.time_format)) for index in range(len(table.row))]
+    first = next((stamp for stamp in stamps if stamp is not None), None)
+    if first is None:
+        message = f"{shown(held.time_format)} does not fit {column}: row 1 holds {shown(table.text(column, 0))}"
+        raise InputError(held.file, "time_format", message)
+    for index, stamp in enumerate(stamps):
+        if stamp is not None:
+            if (stamp.tzinfo is None) != (first.tzinfo is None):
+                continue
+            values[index] = (stamp - first).total_seconds()
+
+    def fault(index: int) -> str:
+        text = table.text(column, index)
+        return f"{column} is {shown(text)}, not a time ({held.time_format})" if text else f"{column} is blank"
+
+    return _Column(meaning, header, values, fault)
+
+
+def _stamp(text: str, form: str) -> datetime.datetime | None:
+    if form == "unix":
+        return None
+    try:
+        return datetime.datetime.fromisoformat(text) if form == "iso" else datetime.datetime.strptime(text, form)
+    except ValueError:
+        return None
+
+
+def _require(columns: dict[str, _Column], table: Table, arm: Arm, held: ReadingSettings) -> None:
+    wanted = [(f"q{k + 1}", example_headers("q", arm, k)) for k in range(arm.size)]
+    wanted += [(name, example_headers(name, arm)) for name in ("x", "y")]
+    if not planar_motion(arm):
+        wanted.append(("z", example_headers("z", arm)))
+    missing = [(name, would_do) for name, would_do in wanted if name not in columns]
+    if missing:
+        names = ", ".join(table.names)
+        there = names if len(names) <= 300 else names[:300] + " ..."
+        first, would_do = missing[0]
+        also = f" (and {', '.join(name for name, _ in missing[1:])})" if len(missing) > 1 else ""
+        where = "" if held.file else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
+        raise InputError(table.file, first, f"is missing{also}; the file has {there}; write {would_do}{where}")
+    given = [name for name in _QUATERNION if name in columns]
+    if 0 < len(given) < len(_QUATERNION):
+        lacking = ", ".join(name for name in _QUATERNION if name not in given)
+        raise InputError(table.file, given[0], f"needs the rest of its quaternion: {lacking}")
+    for group in (("rx", "ry", "rz"), ("basex", "basey"), ("fx", "fy")):
+        given = [name for name in group if name in columns]
+        if 0 < len(given) < len(group):
+            lacking = ", ".join(name for name in group if name not in given)
+            raise InputError(table.file, columns[given[0]].header, f"is there without {lacking}")
+
+
+def planar_motion(arm: Arm) -> bool:
+    """Whether the tip moves in a plane z = constant, whatever the loads: then x and y say where it is."""
+    for joint in arm.joints:
+        if joint.origin_rotation[2] != (0.0, 0.0, 1.0):
+            return False
+        if (joint.axis[:2] != (0.0, 0.0)) if joint.revolute else (joint.axis[2] != 0.0):
+            return False
+    return all(link.end_rotation[2] == (0.0, 0.0, 1.0) for link in arm.links)
+
+
+def _faults(columns: dict[str, _Column], table: Table) -> tuple[dict[str, _Column], list[RejectedRow], list[str]]:
+    """Set rows without a number aside; an optional column that is mostly blank is set aside itself."""
+    warnings: list[str] = []
+    kept = dict(columns)
+    total = len(table.row)
+    reasons: dict[int, list[str]] = {}
+    for name, column in columns.items():
+        bad = np.flatnonzero(~np.isfinite(column.values))
+        if not len(bad):
+            continue
+        base = column.meaning.base
+        if len(bad) > _MOSTLY_BLANK * total:
+            said = column.fault(int(bad[0]))
+            where = f"row {table.row[bad[0]]}: {said}" + (f"; so do {len(bad) - 1} more rows" if len(bad) > 1 else "")
+            if base in ("q", "x", "y", "z"):
+                comma = "," in said and "not a number" in said and table.decimal == "."
+                hint = "; decimal commas need `decimal: \",\"` in recording.yaml" if comma else ""
+                raise InputError(table.file, column.header, f"holds no numbers in most rows ({where}){hint}")
+            warnings.append(f"{column.header} is not used, because most of its cells hold no number ({where}).")
+            del kept[name]
+            continue
+        if base == "dir":
+            blank = [int(k) for k in bad if (said := column.fault(int(k))).endswith("is blank")]
+            if blank:
+                column.values[blank] = 0.0
+                rows = rows_text(table.row[blank])
+                warnings.append(f"{column.header} is blank in {rows}: the side is unknown there.")
+            bad = np.flatnonzero(~np.isfinite(column.values))
+        for index in bad.tolist():
+            reasons.setdefault(index, []).append(column.fault(index))
+    rejected = [
+        RejectedRow(int(table.row[index]), "; ".join(dict.fromkeys(reasons[index]))) for index in sorted(reasons)
+    ]
+    return kept, rejected, warnings
+
+
+def _not_unit(columns: dict[str, _Column], table: Table) -> list[RejectedRow]:
+    """Rows whose quaternion is none: a rotation's has the length 1."""
+    if any(name not in columns for name in _QUATERNION):
+        return []
+    length = np.sqrt(sum(columns[name].values ** 2 for name in _QUATERNION))
+    wrong = np.flatnonzero(np.isfinite(length) & (np.abs(length - 1.0) > _UNIT_LENGTH))
+    if len(wrong) > 0.5 * len(table.row):
+        first = f"row {table.row[wrong[0]]}: {length[wrong[0]]:.4g}"
+        raise InputError(table.file, ", ".join(_QUATERNION), f"are no quaternions of length 1 in most rows ({first})")
+    return [
+        RejectedRow(int(table.row[k]), f"qw, qx, qy, qz have the length {length[k]:.4g}, not 1") for k in wrong.tolist()
+    ]
+
+
+def _assembled(
+    path: Path,
+    columns: dict[str, _Column],
+    strangers: dict[str, Array],
+    table: Table,
+    arm: Arm,
+    held: ReadingSettings,
+) -> Recording:
+    warnings: list[str] = []
+
+    def one(name: str) -> Array | None:
+        return columns[name].values if name in columns else None
+
+    def stacked(names: Sequence[str]) -> Array:
+        return np.stack([columns[name].values for name in names], axis=1)
+
+    def each_joint(base: str) -> Array | None:
+        names = [f"{base}{k + 1}" for k in range(arm.size)]
+        there = [name for name in names if name in columns]
+        if not there:
+            return None
+        if len(there) < len(names):
+            lacking = ", ".join(name for name in names if name not in columns)
+            warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
+            return None
+        return stacked(names)
+
+    total = len(table.row)
+    sides = None
+    if any(f"dir{k + 1}" in columns for k in range(arm.size)):
+        sides = np.stack(
+            [columns[f"dir{k + 1}"].values if f"dir{k + 1}" in columns else np.zeros(total) for k in range(arm.size)],
+            axis=1,
+        )
+        lacking = [f"dir{k + 1}" for k in range(arm.size) if f"dir{k + 1}" not in columns]
+        if lacking:
+            warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
+    time = one("time")
+    spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
+    return Recording(
+        file=str(path),
+        q=stacked([f"q{k + 1}" for k in range(arm.size)]),
+        tip=stacked(spatial),
+        row=table.row,
+        orientation=_orientation(columns, stacked),
+        time=time,
+        sides=sides,
+        payload_mass=one("payload"),
+        temperature=one("temperature"),
+        link_temperature=_link_temperature(columns, arm, total, warnings),
+        velocity=each_joint("v"),
+        acceleration=each_joint("a"),
+        commanded=each_joint("c"),
+        joint_side=each_joint("j"),
+        torque=each_joint("tau"),
+        force=_in_space(columns, ("fx", "fy", "fz"), total),
+        base_target=_in_space(columns, ("basex", "basey", "basez"), total),
+        sigma=held.sigma,
+        frame=held.frame,
+        tool=held.tool,
+        warnings=tuple(warnings),
+        other=MappingProxyType(strangers),
+        settings=held.file,
+    )
+
+
+def _in_space(columns: dict[str, _Column], names: Sequence[str], total: int) -> Array | None:
+    """Three components; the third is 0 where a recording in the plane leaves it out."""
+    if names[0] not in columns:
+        return None
+    return np.stack([columns[name].values if name in columns else np.zeros(total) for name in names], axis=1)
+
+
+def _orientation(columns: dict[str, _Column], stacked: Callable[[Sequence[str]], Array]) -> Array | None:
+    """Rotation matrices (N, 3, 3), nan where a row has none; angles turn about the fixed x, y and z, in this order."""
+    names = ("qx", "qy", "qz", "qw") if "qw" in columns else ("rx", "ry", "rz")
+    if names[0] not in columns:
+        return None
+    values = stacked(names)
+    good = np.isfinite(values).all(axis=1) & (("rx" in names) | (np.abs(values).max(axis=1) > 0.0))
+    matrices = np.full((len(values), 3, 3), np.nan)
+    if good.any():
+        turns = Rotation.from_quat(values[good]) if "qw" in columns else Rotation.from_euler("xyz", values[good])
+        matrices[good] = turns.as_matrix()
+    return matrices
+
+
+def _link_temperature(columns: dict[str, _Column], arm: Arm, total: int, warnings: list[str]) -> Array | None:
+    names = [f"temperature_link{k + 1}" for k in range(arm.size)]
+    lacking = [name for name in names if name not in columns]
+    if len(lacking) == arm.size:
+        return None
+    if lacking:
+        instead = "temperature" if "temperature" in columns else "the arm file's temperature"
+        warnings.append(f"There is no {', '.join(lacking)}: {instead} counts for those links.")
+    rest = columns["temperature"].values if "temperature" in columns else np.full(total, arm.temperature)
+    return np.stack([columns[name].values if name in columns else rest for name in names], axis=1)

@@ -1,0 +1,126 @@
+"""The columns that a recording may have, and the units that their headers carry as suffixes: `q1_deg`, `tau2_Nm`."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from arm.chain import Arm
+from materials.quantities import InputError, kind_of, read_quantity
+
+_JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
+_WHOLE = re.compile(
+    r"(time|payload|temperature|x|y|z|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+)
+_TURNS = {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
+_SLIDES = {"q": "length", "c": "length", "j": "length", "v": "speed", "a": "acceleration", "tau": "force"}
+_KINDS = {
+    "time": "time",
+    "payload": "mass",
+    "temperature": "temperature",
+    **dict.fromkeys(("x", "y", "z", "basex", "basey", "basez"), "length"),
+    **dict.fromkeys(("fx", "fy", "fz"), "force"),
+    **dict.fromkeys(("rx", "ry", "rz"), "angle"),
+}
+_SUFFIXES = {
+    "time": ("s", "min", "h"),
+    "mass": ("kg", "g"),
+    "temperature": ("degC", "K"),
+    "length": ("mm", "m", "um"),
+    "force": ("N",),
+    "angle": ("deg", "rad"),
+    "angular_speed": ("deg_s", "rad_s"),
+    "speed": ("mm_s", "m_s"),
+    "angular_acceleration": ("deg_s2", "rad_s2"),
+    "acceleration": ("mm_s2", "m_s2"),
+    "torque": ("Nm",),
+}
+
+
+@dataclass(frozen=True)
+class ColumnMeaning:
+    """What a column holds: `base` (q, dir, x, ..), the joint or link that it is of (from 0; None: the whole arm), and
+    the way to SI: factor * number + offset."""
+
+    base: str
+    index: int | None
+    factor: float
+    offset: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """The column's name without its unit."""
+        return self.base if self.index is None else f"{self.base}{self.index + 1}"
+
+
+class UnitMissing(InputError):
+    """A known name without a unit that would do; in a foreign file it may be somebody's own column."""
+
+
+def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
+    """What a header says, None where it is not one of ours.
+
+    Raises `InputError` for a joint that the arm does not have, `UnitMissing` for a known name with no or a wrong unit.
+    """
+    found = _JOINT.fullmatch(header)
+    if found is not None:
+        base, number, suffix = found[1], int(found[2]), found[3]
+        if not 1 <= number <= arm.size:
+            of = "link" if base == "temperature_link" else "joint"
+            many = f"{arm.size} {of}{'s' if arm.size > 1 else ''}"
+            hint = f"write `ignore: [{header}]` in recording.yaml if it is none of the arm's"
+            raise UnitMissing(file, header, f"is of {of} {number}, but {arm.name!r} has {many}; {hint}")
+        if base == "temperature_link":
+            return _with_unit(header, base, number - 1, "temperature", suffix, file)
+        if base == "dir":
+            return _bare(header, base, number - 1, suffix, file)
+        kinds = _TURNS if arm.joints[number - 1].revolute else _SLIDES
+        return _with_unit(header, base, number - 1, kinds[base], suffix, file)
+    found = _WHOLE.fullmatch(header)
+    if found is None:
+        return None
+    base, suffix = found[1], found[2]
+    if base in ("qw", "qx", "qy", "qz"):
+        return _bare(header, base, None, suffix, file)
+    return _with_unit(header, base, None, _KINDS[base], suffix, file)
+
+
+def example_headers(base: str, arm: Arm, index: int | None = None) -> str:
+    """The headers that would do for a column, such as `q2_deg or q2_rad`."""
+    if index is None:
+        kind, name = _KINDS[base], base
+    else:
+        kind = (_TURNS if arm.joints[index].revolute else _SLIDES)[base]
+        name = f"{base}{index + 1}"
+    return " or ".join(f"{name}_{suffix}" for suffix in _SUFFIXES[kind][:2])
+
+
+def unit_in_header(suffix: str) -> str:
+    """A header's suffix as a unit: deg_s is deg/s, deg_s2 deg/s^2."""
+    parts = suffix.split("_")
+    return parts[0] + "".join("/" + re.sub(r"([A-Za-z])([2-9])$", r"\1^\2", part) for part in parts[1:])
+
+
+def _bare(header: str, base: str, index: int | None, suffix: str | None, file: object) -> ColumnMeaning:
+    if suffix is not None:
+        raise UnitMissing(file, header, f"takes no unit; write {header[: -len(suffix) - 1]}")
+    return ColumnMeaning(base, index, 1.0)
+
+
+def _with_unit(
+    header: str, base: str, index: int | None, kind: str, suffix: str | None, file: object
+) -> ColumnMeaning:
+    name = header if suffix is None else header[: -len(suffix) - 1]
+    would_do = " or ".join(f"{name}_{each}" for each in _SUFFIXES[kind])
+    if suffix is None:
+        raise UnitMissing(file, header, f"has no unit; write {would_do} in the header")
+    try:
+        one = read_quantity(f"1 {unit_in_header(suffix)}", kind, file=file, key=header)
+        nothing = 0.0
+        if kind == "temperature":
+            nothing = read_quantity(f"0 {unit_in_header(suffix)}", kind, file=file, key=header)
+    except InputError:
+        article = "an" if kind_of(kind).name[0] in "aeiou" else "a"
+        message = f"'{suffix}' is no unit of {article} {kind.replace('_', ' ')}; write {would_do} in the header"
+        raise UnitMissing(file, header, message) from None
+    return ColumnMeaning(base, index, one - nothing, nothing)

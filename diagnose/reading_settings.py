@@ -1,0 +1,118 @@
+"""recording.yaml: what a recording's header cannot say - foreign names, the layout, sigma, what is a nuisance."""
+
+from __future__ import annotations
+
+import codecs
+from collections.abc import Mapping as MappingOf
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal, cast
+
+from materials.quantities import InputError, shown
+from materials.reading import Mapping, load_yaml
+
+from .table import Layout
+
+_WHOSE = ("chain", "minimize")  # keys of an arm's or a problem's file that happens to have the recording's name
+
+
+@dataclass(frozen=True)
+class ReadingSettings:
+    """What recording.yaml says.
+
+    `columns` maps our headers (`q1_deg`) to formulas of the file's own columns; where it is given, further columns are
+    taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
+    comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
+    `sigma` (m) is the standard deviation of each component of the tip.
+    """
+
+    file: str = ""
+    columns: MappingOf[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    ignore: tuple[str, ...] = ()
+    rows: tuple[str, ...] = ()
+    time_format: str | None = None
+    sigma: float | None = None
+    frame: Literal["known", "free"] = "known"
+    tool: Literal["known", "free"] = "known"
+    layout: Layout = field(default_factory=Layout)
+
+
+def find_settings(recording: Path) -> Path | None:
+    """The settings beside a recording: a file of its own name, or recording.yaml in its folder."""
+    own = recording.with_suffix(".yaml")
+    if own != recording and own.is_file():
+        content = load_yaml(own).content
+        if not any(key in content for key in _WHOSE):
+            return own
+    common = recording.parent / "recording.yaml"
+    return common if common.is_file() else None
+
+
+def read_settings(path: Path | None) -> ReadingSettings:
+    """The settings that a file holds, the defaults without one. Raises `InputError`."""
+    if path is None:
+        return ReadingSettings()
+    mapping = load_yaml(path)
+    with mapping.reading():
+        columns: dict[str, str] = {}
+        if mapping.has("columns"):
+            body = mapping.mapping("columns")
+            for name in body.content:
+                columns[name] = _formula(body, name)
+        sigma = mapping.optional_quantity("sigma", "length")
+        if sigma is not None and sigma <= 0.0:
+            raise mapping.error("sigma", "must be positive; leave it out where nobody knows it")
+        free = ("known", "free")
+        return ReadingSettings(
+            file=str(path),
+            columns=MappingProxyType(columns),
+            ignore=_texts(mapping, "ignore"),
+            rows=_texts(mapping, "rows"),
+            time_format=mapping.text("time_format") if mapping.has("time_format") else None,
+            sigma=sigma,
+            frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
+            tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
+            layout=_layout(mapping),
+        )
+
+
+def _formula(body: Mapping, name: str) -> str:
+    """A formula; a column called `7` and a constant such as 0 are plain numbers in YAML."""
+    raw = body.raw(name, "a formula such as \"Joint 1 [rad]*57.29578\"")
+    if isinstance(raw, bool) or not isinstance(raw, str | int | float) or not str(raw).strip():
+        raise body.error(name, f"needs a formula such as \"Joint 1 [rad]*57.29578\", not {shown(raw)}")
+    return " ".join(str(raw).split())
+
+
+def _texts(mapping: Mapping, name: str) -> tuple[str, ...]:
+    if not mapping.has(name):
+        return ()
+    raw = mapping.raw(name)
+    entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
+    for entry in entries:
+        if not isinstance(entry, str) or not entry.strip():
+            raise mapping.error(name, f"needs a text or a list of texts, not {shown(entry)}")
+    return tuple(" ".join(str(entry).split()) for entry in entries)
+
+
+def _layout(mapping: Mapping) -> Layout:
+    separator = None
+    if mapping.has("separator"):
+        raw = mapping.raw("separator")
+        separator = {"tab": "\t", "comma": ",", "semicolon": ";", "blank": " "}.get(str(raw), str(raw))
+        if len(separator) != 1 or separator in "\"\r\n":
+            raise mapping.error("separator", f"is one character, or tab, comma, semicolon, blank; not {shown(raw)}")
+    decimal = mapping.choice("decimal", (".", ","), ".")
+    if separator == decimal:
+        raise mapping.error("decimal", "cannot be the separator as well")
+    skip = mapping.integer("skip_rows", 0)
+    if skip < 0:
+        raise mapping.error("skip_rows", "counts the lines before the header; it cannot be negative")
+    comment = mapping.text("comment") if mapping.has("comment") else None
+    encoding = mapping.text("encoding", "utf-8")
+    try:
+        codecs.lookup(encoding)
+    except LookupError:
+        raise InputError(mapping.file, "encoding", f"there is no encoding {shown(encoding)}; e.g. latin-1") from None
+    return Layout(separator, decimal, comment, skip, encoding)

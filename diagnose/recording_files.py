@@ -1,0 +1,91 @@
+"""A recording into a CSV file with its units in the header, and its settings beside it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import REFERENCE_TEMPERATURE, Arm
+from materials.quantities import format_quantity
+
+from .recording import Recording
+
+Array = NDArray[np.float64]
+
+_ICE = REFERENCE_TEMPERATURE - 20.0
+
+
+def recording_text(recording: Recording, arm: Arm) -> str:
+    """The recording as CSV: s, deg, mm, kg, degC, N, N*m. Lengths are written to 0.01 um, angles to 1e-6 deg."""
+    columns = list(_columns(recording, arm))
+    stream = io.StringIO()
+    stream.write(",".join(name for name, _, _ in columns) + "\n")
+    for row in range(recording.size):
+        stream.write(",".join(_cell(values[row], digits) for _, values, digits in columns) + "\n")
+    return stream.getvalue()
+
+
+def settings_text(recording: Recording) -> str:
+    """The recording.yaml that says what the header cannot: sigma where it is declared, frame and tool."""
+    lines = [f"frame: {recording.frame}\n", f"tool: {recording.tool}\n"]
+    if recording.sigma is not None:
+        lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
+    return "".join(lines)
+
+
+def _cell(value: float, digits: int) -> str:
+    text = f"{value:.{digits}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Array, int]]:
+    """Name, values in the unit of the name, and decimals of each column."""
+    if recording.time is not None:
+        yield "time_s", recording.time, 3
+    yield from _joints("q", recording.q, arm)
+    if recording.sides is not None:
+        for index in range(arm.size):
+            yield f"dir{index + 1}", recording.sides[:, index], 0
+    for base, values in (("c", recording.commanded), ("j", recording.joint_side)):
+        if values is not None:
+            yield from _joints(base, values, arm)
+    for base, values, suffix in (("v", recording.velocity, "_s"), ("a", recording.acceleration, "_s2")):
+        if values is not None:
+            yield from _joints(base, values, arm, suffix)
+    if recording.torque is not None:
+        for index, joint in enumerate(arm.joints):
+            yield f"tau{index + 1}_{'Nm' if joint.revolute else 'N'}", recording.torque[:, index], 6
+    if recording.payload_mass is not None:
+        yield "payload_kg", recording.payload_mass, 6
+    if recording.force is not None:
+        for axis, name in enumerate("xyz"):
+            yield f"f{name}_N", recording.force[:, axis], 6
+    if recording.temperature is not None:
+        yield "temperature_degC", recording.temperature - _ICE, 4
+    if recording.link_temperature is not None:
+        for index in range(arm.size):
+            yield f"temperature_link{index + 1}_degC", recording.link_temperature[:, index] - _ICE, 4
+    for axis in range(recording.tip.shape[1]):
+        yield f"{'xyz'[axis]}_mm", 1e3 * recording.tip[:, axis], 5
+    if recording.base_target is not None:
+        for axis in range(3):
+            yield f"base{'xyz'[axis]}_mm", 1e3 * recording.base_target[:, axis], 5
+    if recording.orientation is not None:
+        from scipy.spatial.transform import Rotation
+
+        quaternion = Rotation.from_matrix(recording.orientation).as_quat(canonical=True)
+        for name, index in (("qw", 3), ("qx", 0), ("qy", 1), ("qz", 2)):
+            yield name, quaternion[:, index], 9
+
+
+def _joints(base: str, values: Array, arm: Arm, suffix: str = "") -> Iterator[tuple[str, Array, int]]:
+    for index, joint in enumerate(arm.joints):
+        if joint.revolute:
+            yield f"{base}{index + 1}_deg{suffix}", np.degrees(values[:, index]), 6
+        else:
+            yield f"{base}{index + 1}_mm{suffix}", 1e3 * values[:, index], 5

@@ -1,0 +1,290 @@
+"""The findings fitted together, non-linear ones too, with their intervals.
+
+Sizes that enter in proportion are solved for exactly; shapes (a lag, a knee, a threshold) are found by minimising what
+is left once all sizes are fitted (variable projection, G. H. Golub & V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413,
+doi:10.1137/0710036). Intervals are profile-likelihood ones: for sizes those of least squares with the shapes' own
+uncertainty in it, for a shape the values at which the likelihood, sizes fitted anew, falls by the t quantile's square.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from arm.effects import EFFECTS, kind_at
+
+from .candidates import Candidate, columns_of, parameter_of
+from .fit import Fit, bounds, t_quantile
+from .prepare import Prepared
+from .result import FittedParameter
+
+Array = NDArray[np.float64]
+
+_SWEEPS = 2
+_SCAN = 41
+_NEWTON = 6
+_DIFFERENCE = 1e-4
+_WHOLE = frozenset({"order"})
+"""Shapes that are whole numbers and stay on their grid."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """One finding with its parameters: `sizes` (d,) and the candidate's shapes; `columns` (N, C, d) are the derivatives
+    by the sizes, `moved` (N, C) what it adds to the model, m and rad."""
+
+    candidate: Candidate
+    sizes: Array
+    columns: Array
+    moved: Array
+
+
+@dataclass(frozen=True)
+class Refit:
+    """The joint fit: its terms in the order of the members, their parameters, what is left (N, C) in m and rad, the sum
+    of squares of that in whitened units, and its degrees of freedom."""
+
+    terms: tuple[Term, ...]
+    parameters: tuple[tuple[FittedParameter, ...], ...]
+    residual: Array
+    rss: float
+    freedom: int
+
+
+def refit(prepared: Prepared, members: Sequence[int], fitted: Fit) -> Refit:
+    """Fit the groups `members` of a linear fit together, from its sizes on."""
+    terms = [
+        _term(prepared, prepared.pool.groups[m].candidate, fitted.sizes[fitted.members.index(m)], prepared.columns[m])
+        for m in members
+    ]
+    if not terms:
+        residual, rss, freedom = _left(prepared, terms)
+        return Refit((), (), residual, rss, freedom)
+    terms = _shapes_found(prepared, terms)
+    terms = _solved(prepared, terms)
+    residual, rss, freedom = _left(prepared, terms)
+    errors, told = _errors(prepared, terms, rss / max(freedom, 1))
+    parameters = tuple(
+        _parameters(prepared, terms, place, error, sure, freedom)
+        for place, (error, sure) in enumerate(zip(errors, told, strict=True))
+    )
+    return Refit(tuple(terms), parameters, residual, rss, freedom)
+
+
+def _linear(prepared: Prepared, candidate: Candidate) -> bool:
+    """Whether the displacement is the columns times the sizes, whatever these are."""
+    unweighed = candidate.effect == "joint_compliance" and bool(prepared.observed.unknown_masses)
+    return candidate.share or candidate.outside or unweighed or candidate.effect != "link_modulus"
+
+
+def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array) -> Term:
+    if _linear(prepared, candidate):
+        return Term(candidate, sizes, columns, columns @ sizes)
+    values = dict(zip(candidate.sizes, sizes.tolist(), strict=True))
+    moved = prepared.observed.signature(candidate.effect, candidate.settings(values))
+    parts: list[Array] = []
+    for name in candidate.sizes:
+        step = _DIFFERENCE * parameter_of(EFFECTS[candidate.effect], name).typical[1]
+        further = prepared.observed.signature(
+            candidate.effect, candidate.settings({**values, name: values[name] + step})
+        )
+        parts.append((further - moved) / step)
+    return Term(candidate, sizes, np.stack(parts, axis=2), moved)
+
+
+def _design(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, list[slice]]:
+    """Whitened columns of the nuisances and of all terms, and where each term's are."""
+    stacked = [prepared.beside, *(term.columns for term in terms)]
+    edges = np.cumsum([0, *(part.shape[2] for part in stacked)]).tolist()
+    spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
+    return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
+
+
+def _least_squares(design: Array, target: Array) -> Array:
+    size = np.linalg.norm(design, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    return np.linalg.lstsq(design / size, target, rcond=1e-10)[0] / size
+
+
+def _solved(prepared: Prepared, terms: list[Term]) -> list[Term]:
+    """Gauss-Newton over all sizes."""
+    for _ in range(_NEWTON):
+        design, spans = _design(prepared, terms)
+        target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
+        step = _least_squares(design, prepared.observed.whitened(target))
+        terms = [
+            _term(prepared, term.candidate, term.sizes + step[span], term.columns)
+            for term, span in zip(terms, spans, strict=True)
+        ]
+        if all(_linear(prepared, term.candidate) for term in terms):
+            break
+    return terms
+
+
+def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:
+    design, _ = _design(prepared, terms)
+    left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
+    if prepared.beside.shape[2]:
+        beside = prepared.observed.whitened(prepared.beside)
+        left = left - prepared.beside @ _least_squares(beside, prepared.observed.whitened(left))
+    white = prepared.observed.whitened(left)
+    shapes = sum(len(_free_shapes(term.candidate)) for term in terms)
+    return left, float(white @ white), len(white) - int(np.linalg.matrix_rank(design)) - shapes
+
+
+def _free_shapes(candidate: Candidate) -> tuple[str, ...]:
+    """The shapes of a candidate that may take any value between those of the grid."""
+    if candidate.outside:
+        return ()
+    return tuple(name for name, value in candidate.shapes.items() if name not in _WHOLE and value > 0.0)
+
+
+def _rss_with(prepared: Prepared, terms: Sequence[Term], place: int, shapes: Mapping[str, float]) -> float:
+    """The sum of squares left with other shapes of one term, all sizes fitted anew."""
+    candidate = replace(terms[place].candidate, shapes=MappingProxyType(dict(shapes)))
+    columns = columns_of(prepared.observed, candidate)
+    if columns is None:
+        return float("inf")
+    changed = [
+        term if k != place else Term(candidate, term.sizes, columns, columns @ term.sizes)
+        for k, term in enumerate(terms)
+    ]
+    design, _ = _design(prepared, changed)
+    white = prepared.observed.whitened(prepared.observed.residual)
+    left = white - design @ _least_squares(design, white)
+    return float(left @ left)
+
+
+def _rss_at(
+    prepared: Prepared, terms: Sequence[Term], place: int, shapes: Mapping[str, float], name: str, logarithm: float
+) -> float:
+    return _rss_with(prepared, terms, place, {**shapes, name: float(np.exp(logarithm))})
+
+
+def _shapes_found(prepared: Prepared, terms: list[Term]) -> list[Term]:
+    for _, place in itertools.product(range(_SWEEPS), range(len(terms))):
+        candidate = terms[place].candidate
+        for name in _free_shapes(candidate):
+            shapes = dict(terms[place].candidate.shapes)
+            middle = np.log(shapes[name])
+
+            left = partial(_rss_at, prepared, terms, place, shapes, name)
+            reach = (middle - 1.2, middle + 1.2)
+            found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
+            if float(found.fun) < left(middle):
+                shapes[name] = float(np.exp(found.x))
+                new = replace(candidate, shapes=MappingProxyType(shapes))
+                columns = columns_of(prepared.observed, new)
+                if columns is not None:
+                    terms = [t if k != place else _term(prepared, new, t.sizes, columns) for k, t in enumerate(terms)]
+    return terms
+
+
+def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple[list[Array], list[NDArray[np.bool_]]]:
+    """Standard errors of every term's sizes, and whether the data tell each of them from the others."""
+    design, spans = _design(prepared, terms)
+    further: list[Array] = []
+    for place, term in enumerate(terms):
+        for name in _free_shapes(term.candidate):
+            shapes = dict(term.candidate.shapes)
+            shapes[name] *= 1.0 + 1e-3
+            other = columns_of(prepared.observed, replace(term.candidate, shapes=MappingProxyType(shapes)))
+            if other is not None:
+                change = (other @ term.sizes - terms[place].columns @ term.sizes) / 1e-3
+                further.append(prepared.observed.whitened(change))
+    full = np.column_stack([design, *further]) if further else design
+    size = np.linalg.norm(full, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
+    good = singular > 1e-9 * singular[0]
+    covariance = (vt[good].T / singular[good] ** 2) @ vt[good] * variance
+    error = np.sqrt(np.diag(covariance)) / size
+    sure = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
+    return [error[span] for span in spans], [sure[span] for span in spans]
+
+
+def _parameters(
+    prepared: Prepared, terms: Sequence[Term], place: int, errors: Array, told: NDArray[np.bool_], freedom: int
+) -> tuple[FittedParameter, ...]:
+    term = terms[place]
+    candidate = term.candidate
+    factor = t_quantile(freedom)
+    at = tuple(index + 1 for index in candidate.at)
+    ending = f"_{at[0]}" if len(at) == 1 else ""
+    if candidate.effect == "joint_compliance" and prepared.observed.unknown_masses:
+        return (_sag(prepared, term, errors, factor, at),)
+    found: list[FittedParameter] = []
+    fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), strict=True)
+    for name, value, error, sure in fitted:
+        low, high = bounds(candidate, name, prepared)
+        reach = factor * error if sure else float("inf")
+        kind = "dimensionless" if candidate.share else _kind(prepared, candidate, name)
+        interval = (value - reach, value + reach)
+        found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval, not low < value < high))
+    for name in _free_shapes(candidate):
+        kind = _kind(prepared, candidate, name)
+        value = candidate.shapes[name]
+        interval = _profile(prepared, terms, place, name, factor, freedom)
+        found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
+    for name, value in candidate.shapes.items():
+        if name in _WHOLE:
+            kind = _kind(prepared, candidate, name)
+            found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
+    return tuple(found)
+
+
+def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
+    effect = EFFECTS[candidate.effect]
+    joints = [prepared.observed.arm.joints[index] for index in candidate.at]
+    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
+    return kind_at(parameter_of(effect, name), slides=slides)
+
+
+def _sag(prepared: Prepared, term: Term, errors: Array, factor: float, at: tuple[int, ...]) -> FittedParameter:
+    """Where the links' masses are unknown, the drive's compliance cannot be had by itself: the most that the joint sags
+    under their weight over the recording stands for it."""
+    index = at[0] - 1
+    unit = prepared.observed.signature("encoder_offset", Candidate("", (index,), (), {}).settings({"offset": 1.0}))
+    reach = np.sum(unit**2, axis=1)
+    angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
+    most = int(np.argmax(np.abs(angle)))
+    parts = np.einsum("cd,c->d", term.columns[most], unit[most]) / reach[most]
+    error = float(np.sqrt(np.sum((parts * errors) ** 2)))
+    value = float(angle[most])
+    kind = "angle" if prepared.observed.arm.joints[index].revolute else "length"
+    return FittedParameter(f"sag_{at[0]}", "sag", at, kind, value, (value - factor * error, value + factor * error))
+
+
+def _profile(
+    prepared: Prepared, terms: Sequence[Term], place: int, name: str, factor: float, freedom: int
+) -> tuple[float, float]:
+    """The values of a shape between which the likelihood falls by less than the t quantile allows."""
+    shapes = dict(terms[place].candidate.shapes)
+    best = shapes[name]
+    least = _rss_with(prepared, terms, place, shapes)
+    limit = least * (1.0 + factor**2 / max(freedom, 1))
+    ends: list[float] = []
+    for direction in (-1.0, 1.0):
+        inside, end = 0.0, float("inf")
+        for step in np.linspace(0.0, np.log(30.0), _SCAN)[1:].tolist():
+            if _rss_with(prepared, terms, place, {**shapes, name: best * float(np.exp(direction * step))}) > limit:
+                end = step
+                break
+            inside = step
+        if np.isfinite(end):
+            for _ in range(12):
+                middle = 0.5 * (inside + end)
+                trial = best * float(np.exp(direction * middle))
+                over = _rss_with(prepared, terms, place, {**shapes, name: trial}) > limit
+                inside, end = (inside, middle) if over else (middle, end)
+            ends.append(best * float(np.exp(direction * end)))
+        else:
+            ends.append(0.0 if direction < 0.0 else float("inf"))
+    return ends[0], ends[1]

@@ -1,0 +1,119 @@
+"""What a diagnosis says in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.effects import EFFECTS
+from materials.quantities import format_quantity
+
+from .prepare import Prepared
+from .result import Alternative, Finding, FittedParameter, Unknown
+
+
+def place_of(effect: str, at: Sequence[int]) -> str:
+    """Where an effect acts, in words: " at joint 2", " at links 1, 2 and 3" or nothing."""
+    if not at:
+        return ""
+    kind = "link" if effect in EFFECTS and EFFECTS[effect].place == "link" else "joint"
+    numbers = [str(number) for number in at]
+    if len(numbers) == 1:
+        return f" at {kind} {numbers[0]}"
+    return f" at {kind}s {', '.join(numbers[:-1])} and {numbers[-1]}"
+
+
+def name_of(effect: str, at: Sequence[int]) -> str:
+    """An effect and where it acts, in words."""
+    title = EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
+    return f"{title}{place_of(effect, at)}"
+
+
+def size_of(parameter: FittedParameter) -> str:
+    """A parameter with its interval, in words."""
+    value = format_quantity(parameter.value, parameter.kind, digits=3)
+    low, high = parameter.interval
+    if parameter.value == low == high:
+        return f"{parameter.parameter} {value}"
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return f"{parameter.parameter} {value}, which the data do not bound"
+    unit = value.partition(" ")[2] or None
+    ends = [format_quantity(end, parameter.kind, unit, digits=3).partition(" ")[0] for end in (low, high)]
+    return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]})"
+
+
+def reading_of(
+    effect: str, at: Sequence[int], parameters: Sequence[FittedParameter], others: Sequence[Alternative]
+) -> str:
+    """A finding in one sentence."""
+    sizes = "; ".join(size_of(parameter) for parameter in parameters)
+    text = f"{name_of(effect, at)}: {sizes}." if sizes else f"{name_of(effect, at)}."
+    if others:
+        names = [name_of(other.effect, other.at) for other in others[:4]]
+        more = f" and {len(others) - 4} more" if len(others) > 4 else ""
+        text += f" The data cannot tell it from {'; '.join(names)}{more}."
+    return text[0].upper() + text[1:]
+
+
+def verdict_sentence(
+    findings: Sequence[Finding],
+    unknown: Unknown | None,
+    rms_before: float,
+    rms_after: float,
+    noise_floor: float | None,
+    p_value: float,
+) -> str:
+    """The plain answer."""
+    if not findings and unknown is None:
+        level = "the noise floor" if noise_floor is not None else "scatter"
+        return (
+            f"No mismatch beyond {level}: what remains, {_mm(rms_before)} RMS, is what chance leaves "
+            f"(p = {p_value:.2g} for the best of all explanations)."
+        )
+    named = "; ".join(
+        f"{name_of(f.effect, f.at)}" + (f", {size_of(f.parameters[0])}" if f.parameters else "") for f in findings
+    )
+    share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
+    after = _remains(rms_after, noise_floor)
+    if unknown is None:
+        text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({_mm(rms_before)} RMS); {after}."
+        doubtful = [f for f in findings if f.alternatives]
+        if doubtful:
+            text += " The data cannot tell every name from its alternatives; see there."
+        return text
+    on = ", ".join(unknown.depends_on) or "nothing that was recorded"
+    text = f"Unknown: {unknown.shape}, {_mm(unknown.amplitude)} RMS, depending on {on}"
+    if unknown.since is not None:
+        text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
+    text += "; nothing in the library explains it."
+    return text + (f" Beside it: {named}." if named else "")
+
+
+def _remains(rms_after: float, noise_floor: float | None) -> str:
+    if noise_floor is None:
+        return f"{_mm(rms_after)} RMS remain, and no repeats say how much of that is noise"
+    if rms_after <= 1.1 * noise_floor:
+        return f"what remains, {_mm(rms_after)}, is the noise floor"
+    return f"{_mm(rms_after)} RMS remain, {rms_after / noise_floor:.1f} times the noise floor"
+
+
+def _mm(value: float) -> str:
+    return f"{1e3 * value:.3g} mm"
+
+
+def null_vectors(prepared: Prepared) -> tuple[str, ...]:
+    """What the nuisances cannot tell apart among themselves, and what of the library they swallow, as sentences."""
+    found: list[str] = []
+    beside = prepared.observed.whitened(prepared.beside)
+    if beside.shape[1]:
+        size = np.linalg.norm(beside, axis=0)
+        unit = np.where(size > 0.0, size, 1.0)
+        _, singular, vt = np.linalg.svd(beside / unit, full_matrices=False)
+        for value, row in zip(singular, vt, strict=True):
+            if value <= 1e-8 * singular[0]:
+                parts = [name for name, weight in zip(prepared.beside_names, row, strict=True) if abs(weight) > 0.1]
+                found.append(f"These poses do not tell apart: {', '.join(parts)}.")
+    names = sorted({(c.effect, tuple(i + 1 for i in c.at)) for c in prepared.pool.invisible if not c.outside})
+    found += [f"What is left free swallows the {name_of(effect, at)} wholly." for effect, at in names]
+    return tuple(found)

@@ -1,0 +1,216 @@
+"""A recording that a model would give: for trying things out, for illustration and for tests.
+
+The physics is the library's own, so a diagnosis that finds it again proves consistency and nothing more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from scipy.stats import qmc
+
+from arm.chain import REFERENCE_TEMPERATURE, Arm
+from arm.error import active_effects
+from arm.model import beams_of
+from arm.recorded import Asked, Channels, seen, seen_of_model
+from arm.statics import PoseState, solve
+
+from .conditions import conditions_of
+from .recording import Recording
+
+Array = NDArray[np.float64]
+Sides = Literal["both", "one", "random"]
+
+_BETWEEN_READINGS, _BETWEEN_VISITS = 2.0, 20.0
+"""s; how long a reading and a move take where no hours are given."""
+_OUTLIERS = (10.0, 50.0)
+"""Standard deviations by which an outlier is off, from and to."""
+_BASE_TARGET = (0.1, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to record: every one of `poses` with every payload (kg; none: the arm's own), from every side, `repeats`
+    times in a row.
+
+    `noise` is the tip's standard deviation for each component (m). `sides` both: each pose is come to twice, every
+    joint the second time from the other side; one: all joints upwards; random. `temperature` (K, from and to) wanders
+    between the two; `hours` is how long it all takes. `free_frame` measures in a frame that stands anywhere.
+    `outliers` is the share of readings that are off by 10 to 50 standard deviations. `joint_side` and `commands` add
+    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands.
+    """
+
+    poses: int
+    noise: float = 15e-6
+    repeats: int = 3
+    payloads: tuple[float, ...] = ()
+    sides: Sides = "both"
+    temperature: tuple[float, float] | None = None
+    hours: float | None = None
+    seed: int = 1
+    free_frame: bool = False
+    outliers: float = 0.0
+    joint_side: bool = False
+    commands: bool = False
+    base_target: bool = False
+    encoder_noise: float = 2e-6
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A simulated recording; `error` (N, 3) is what the model's physics moves the tip by (m), `idle` names effects of
+    the arm's `effects` that move nothing in it."""
+
+    recording: Recording
+    error: Array
+    idle: tuple[str, ...]
+
+
+def simulate(arm: Arm, plan: Plan) -> Simulation:
+    """A recording of an arm with all the physics of its model; play has come to lie by load and side of approach.
+
+    Poses are a scrambled Sobol sequence over the joint ranges, in the order in which it runs, so that neighbours in
+    time are not neighbours in space. Rows come out as poses * payloads * sides * repeats.
+    Raises what `arm.model.beams_of` raises where the arm lacks a figure, ValueError for a plan without rows.
+    """
+    if plan.poses < 1 or plan.repeats < 1:
+        raise ValueError("a recording has at least one pose and one reading of it")
+    random = np.random.default_rng(plan.seed)
+    bare = _visited(arm, plan, random)
+    state = _state(bare, arm)
+    asked = Asked(
+        bare.size,
+        joint_side=plan.joint_side,
+        base_target=_BASE_TARGET if plan.base_target else None,
+        command=plan.commands,
+    )
+    moved = seen_of_model(state, active_effects(arm), asked)
+    width = 2 if arm.planar() else 3
+    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (bare.size,)) for x in state.tip()], axis=1)
+    tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
+    tip = tip + _outliers(plan, random, tip.shape)
+    base = None
+    if moved.base is not None:
+        base = np.array(_BASE_TARGET) + moved.base + plan.noise * random.standard_normal((bare.size, 3))
+    if plan.free_frame:
+        tip, base = _elsewhere(random, tip, base)
+    recording = replace(
+        bare,
+        tip=tip,
+        joint_side=_encoders(bare.q, moved.joint_side, plan, random, 1.0),
+        commanded=_encoders(bare.q, moved.command, plan, random, -1.0, noisy=False),
+        base_target=base,
+        frame="free" if plan.free_frame else "known",
+    )
+    return Simulation(recording, moved.tip, _idle(state, arm, asked))
+
+
+def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
+    """Joint coordinates and conditions of every reading, the tip still to come."""
+    sobol = qmc.Sobol(arm.size, scramble=True, rng=random)
+    low = np.array([joint.range[0] for joint in arm.joints])
+    span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
+    unit = sobol.random_base2(max(1, math.ceil(math.log2(plan.poses))))[: plan.poses]
+    poses = _written(low + span * unit, arm)
+    payloads = plan.payloads or (None,)
+    q, sides, mass = [], [], []
+    for payload in payloads:
+        order = random.permutation(plan.poses) if len(payloads) > 1 else np.arange(plan.poses)
+        for pose in order.tolist():
+            first = np.ones(arm.size) if plan.sides == "one" else random.choice([-1.0, 1.0], arm.size)
+            for side in (first, -first) if plan.sides == "both" else (first,):
+                q.append(poses[pose])
+                sides.append(side)
+                mass.append(np.nan if payload is None else payload)
+    visits = len(q)
+    rows = visits * plan.repeats
+    time = np.arange(rows) * _BETWEEN_READINGS + np.repeat(np.arange(visits), plan.repeats) * _BETWEEN_VISITS
+    if plan.hours is not None and rows > 1:
+        time = time * (3600.0 * plan.hours / time[-1])
+    return Recording(
+        file="",
+        q=np.repeat(np.array(q), plan.repeats, axis=0),
+        tip=np.zeros((rows, 2)),
+        row=np.arange(1, rows + 1),
+        time=np.round(time, 1),
+        sides=np.repeat(np.array(sides), plan.repeats, axis=0),
+        payload_mass=np.repeat(np.array(mass), plan.repeats) if plan.payloads else None,
+        temperature=None if plan.temperature is None else _temperature(time, plan.temperature, random),
+    )
+
+
+def _written(q: Array, arm: Arm) -> Array:
+    """Coordinates rounded to what a file holds of them: 1e-5 deg or 1e-5 mm."""
+    unit = np.array([math.radians(1e-5) if joint.revolute else 1e-8 for joint in arm.joints])
+    return np.round(q / unit) * unit
+
+
+def _temperature(time: Array, limits: tuple[float, float], random: np.random.Generator) -> Array:
+    """A slow walk that touches both limits (K): no line in time, so that drift and warming can be told apart."""
+    phase = time / max(float(time[-1]), 1.0)
+    waves = sum(
+        np.sin(2.0 * math.pi * (cycles * phase + random.uniform())) / cycles for cycles in (0.7, 1.6, 2.9)
+    )
+    waves = np.asarray(waves, dtype=float)
+    spread = float(np.ptp(waves))
+    share = (waves - waves.min()) / spread if spread > 0.0 else np.zeros_like(waves)
+    celsius = limits[0] + (limits[1] - limits[0]) * share - (REFERENCE_TEMPERATURE - 20.0)
+    return np.round(celsius, 3) + (REFERENCE_TEMPERATURE - 20.0)
+
+
+def _state(recording: Recording, arm: Arm) -> PoseState:
+    return solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm),
+        payload_mass=recording.payload_mass,
+    )
+
+
+def _outliers(plan: Plan, random: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    rows, width = shape
+    off = random.uniform(size=rows) < plan.outliers
+    direction = random.standard_normal((rows, width))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    size = plan.noise * random.uniform(*_OUTLIERS, size=rows)
+    return np.where(off, size, 0.0)[:, None] * direction
+
+
+def _encoders(
+    q: Array, moved: Array | None, plan: Plan, random: np.random.Generator, sign: float, *, noisy: bool = True
+) -> Array | None:
+    if moved is None:
+        return None
+    return q + sign * moved + (plan.encoder_noise * random.standard_normal(q.shape) if noisy else 0.0)
+
+
+def _elsewhere(random: np.random.Generator, tip: Array, base: Array | None) -> tuple[Array, Array | None]:
+    """The measured points from an instrument that stands some metres away, turned anyhow."""
+    width = tip.shape[1]
+    if width == 2:
+        turn = Rotation.from_euler("z", random.uniform(-math.pi, math.pi)).as_matrix()
+    else:
+        turn = Rotation.from_quat(random.standard_normal(4)).as_matrix()
+    shift = random.uniform(-2.0, 2.0, 3)
+    moved = tip @ turn[:width, :width].T + shift[:width]
+    return moved, None if base is None else base @ turn.T + shift
+
+
+def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
+    """Effects of the arm's `effects` that no instrument of this recording sees anything of."""
+    added = active_effects(arm)[len(active_effects(arm)) - len(arm.effects) :]
+
+    def silent(channels: Channels) -> bool:
+        parts: Sequence[Array | None] = (channels.tip, channels.joint_side, channels.base, channels.command)
+        return all(part is None or not np.any(part) for part in parts)
+
+    return tuple(
+        each.effect.id for each in added if silent(seen(state, each.effect, each.settings, asked))
+    )

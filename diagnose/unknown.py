@@ -1,0 +1,183 @@
+"""What nothing in the library explains: what it depends on, its shape, and why each near entry was rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fit import displacement, fit, impossible, remaining
+from .forms import SENTENCES
+from .gaussian_process import smooth_model
+from .held_out import residual_held_out
+from .locate import depends_on
+from .naming import Namer
+from .observed import rms_length
+from .result import Dependence, Form, RejectedForm, Unknown
+from .search import gains, products
+
+Array = NDArray[np.float64]
+Folds = NDArray[np.int64]
+
+_FORMS = 5
+_NEAR = 12
+
+_DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "step_in_time": ("time",),
+        "joint_step_in_time": ("time",),
+        "periodic_in_time": ("time",),
+        "trend_in_time": ("time",),
+        "smooth_in_time": ("time",),
+        "spring_to_a_point": ("position",),
+        "constant_force": ("position",),
+        "force_field": ("position",),
+        "field_over_position": ("position",),
+        "region": ("position",),
+        "temperature": ("temperature_degC",),
+        "payload_and_position": ("payload_kg", "position"),
+        "side_of_approach": ("side",),
+        "velocity": ("velocity",),
+    }
+)
+
+
+def describe(
+    namer: Namer, known: Sequence[int], outside: Sequence[int], dependences: Sequence[Dependence], folds: Folds
+) -> Unknown:
+    """Describe what is left beside the `known` groups, led by the `outside` forms that won."""
+    prepared, observed = namer.prepared, namer.prepared.observed
+    whole = fit(prepared, [*known, *outside])
+    moved = displacement(prepared, whole, outside)[:, : observed.components]
+    ranked = _ranked_forms(namer, known, folds)
+    leading = ranked[0].name if ranked else "nothing simple"
+    on = _depends(namer, outside, dependences)
+    left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
+    inputs = _inputs(namer)
+    beside = [prepared.columns[m][:, : observed.components] for m in known]
+    model = smooth_model(inputs, left, beside)
+    share = _predicted_share(inputs, left, beside, folds)
+    return Unknown(
+        depends_on=on,
+        amplitude=rms_length(moved),
+        shape=SENTENCES.get(leading, leading.replace("_", " ")),
+        forms=tuple(ranked),
+        rejected=rejected_forms(namer, known, outside),
+        since=since(namer, outside),
+        decide=_decides(on),
+        predicted=model.predict(inputs),
+        held_out_share=share,
+    )
+
+
+def since(namer: Namer, outside: Sequence[int]) -> float | None:
+    """Since when (s, or the number of the reading where no time was recorded: None then) a step is seen."""
+    if namer.prepared.observed.recording.time is None:
+        return None
+    for member in outside:
+        shapes = namer.pool.groups[member].candidate.shapes
+        if "since" in shapes:
+            return float(shapes["since"])
+    return None
+
+
+def _depends(namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence]) -> tuple[str, ...]:
+    found: list[str] = []
+    for member in outside:
+        candidate = namer.pool.groups[member].candidate
+        if candidate.effect == "smooth_function_of_joint":
+            found.append(f"q{candidate.at[0] + 1}")
+        elif candidate.effect == "other_column":
+            found += list(candidate.shapes)
+        else:
+            found += _DEPENDS.get(candidate.effect, ())
+    return tuple(dict.fromkeys([*found, *depends_on(dependences)]))
+
+
+def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form]:
+    """The forms that describe most of what the known physics leaves, the best variant of each, checked on held-out
+    rows."""
+    prepared, observed = namer.prepared, namer.prepared.observed
+    given = products(namer.pool, prepared.vector)
+    given = given.beside(namer.pool.columns(list(known))) if known else given
+    gained = gains(namer.pool, given)
+    price = np.array([group.rank for group in namer.pool.groups]) * np.log(namer.criterion.count)
+    worth = -namer.criterion.count * np.log1p(-np.minimum(gained / max(given.rss, 1e-300), 1.0 - 1e-12)) - price
+    base = residual_held_out(observed, [prepared.beside, *(prepared.columns[m] for m in known)], folds)
+    total = float(np.sum(base**2))
+    found: list[Form] = []
+    seen: set[str] = set()
+    for number in np.argsort(-worth).tolist():
+        candidate = namer.pool.groups[number].candidate
+        if not candidate.outside or candidate.effect in seen or worth[number] <= 0.0 or len(found) >= _FORMS:
+            continue
+        seen.add(candidate.effect)
+        columns = [prepared.beside, *(prepared.columns[m] for m in known), prepared.columns[number]]
+        left = residual_held_out(observed, columns, folds)
+        share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
+        sentence = SENTENCES.get(candidate.effect, candidate.effect)
+        found.append(Form(candidate.effect, float(gained[number] / given.rss), share, sentence))
+    return found
+
+
+def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) -> tuple[RejectedForm, ...]:
+    """The entries of the library that came nearest without being taken, and why."""
+    prepared = namer.prepared
+    start = products(namer.pool, prepared.vector)
+    given = start.beside(namer.pool.columns(list(known))) if known else start
+    gained = gains(namer.pool, given)
+    whole = [*known, *others]
+    best = namer.criterion_of(whole)
+    found: list[RejectedForm] = []
+    seen: set[object] = {namer.pool.groups[m].candidate.family for m in known}
+    for number in np.argsort(-gained).tolist():
+        group = namer.pool.groups[number]
+        if not namer.library[number] or group.candidate.family in seen or len(found) >= _NEAR:
+            continue
+        seen.add(group.candidate.family)
+        trial = [*known, number]
+        fitted = fit(prepared, trial)
+        share = float(gained[number] / max(start.rss, 1e-300))
+        reason = impossible(prepared, fitted)
+        if reason is None:
+            worse = namer.criterion_of(trial) - best
+            explained = 100.0 * float(gained[number]) / max(given.rss, 1e-300)
+            reason = f"explains {explained:.0f} % of what is left, and its criterion is worse by {worse:.0f}"
+        at = tuple(index + 1 for index in group.candidate.at)
+        found.append(RejectedForm(group.candidate.effect, at, share, reason))
+    return tuple(found)
+
+
+def _inputs(namer: Namer) -> Array:
+    recording = namer.prepared.observed.recording
+    further = (recording.time, recording.temperature, recording.payload_mass)
+    columns = [values[:, None] for values in further if values is not None and np.ptp(values) > 0.0]
+    return np.concatenate([recording.q, *columns], axis=1)
+
+
+def _predicted_share(inputs: Array, left: Array, known: Sequence[Array], folds: Folds) -> float:
+    """The share of the sum of squares that the smooth model predicts on folds that it has not seen."""
+    missed, total = 0.0, 0.0
+    for fold in np.unique(folds).tolist():
+        out = folds == fold
+        if out.all() or (~out).sum() < 8:
+            continue
+        model = smooth_model(inputs[~out], left[~out], [part[~out] for part in known])
+        missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
+        total += float(np.sum(left[out] ** 2))
+    return 1.0 - missed / total if total > 0.0 else 0.0
+
+
+def _decides(on: Sequence[str]) -> str:
+    """Which recording would tell more."""
+    if "time" in on:
+        return "visit the same few poses again and again for as long as it takes, with a target on the base as well"
+    if "temperature_degC" in on:
+        return "warm the arm up and let it cool at a few fixed poses, with a temperature at each link"
+    if any(name.startswith(("dir", "side", "velocity")) for name in on):
+        return "visit each pose from both sides of every joint, slowly and fast"
+    if "payload_kg" in on:
+        return "visit the same poses with three payloads, and with a side force at the tip"
+    return "a dense grid of poses where the displacement is largest, each with two payloads and from both sides"
