@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,83 @@ if TYPE_CHECKING:
     from sections.properties import SectionProperties
 
 
+QUARTERS = 4
+"""Into how many parts a tapered link can be cut (see `arm.modes`)."""
+STATIONS = tuple(k / 60 for k in range(61))
+"""Where along a tapered link its stress is looked at, as a share of its length from its joint."""
+
+
+@dataclass(frozen=True)
+class BendingFactors:
+    """How much more a tapered link bends than a uniform one that bends as much under a force at its end.
+
+    Deflection and slope of the far end, under the link's own weight and under a moment at its end. (The slope under a
+    force is the deflection under a moment, by Maxwell's theorem.)
+    """
+
+    weight_deflection: float = 1.0
+    moment_deflection: float = 1.0
+    moment_slope: float = 1.0
+    weight_slope: float = 1.0
+
+
+UNIFORM_BENDING = BendingFactors()
+"""Of a uniform link."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A cut of a tapered link at a `share` of its length: the share of its weight beyond, that weight's moment about
+    the cut (per weight and length), and the section's figures over those at the joint."""
+
+    share: float
+    weight_beyond: float
+    moment_beyond: float
+    area: float
+    section_modulus_y: float
+    section_modulus_z: float
+    torsion_modulus: float
+
+
+@dataclass(frozen=True)
+class Part:
+    """A quarter of a tapered link: its effective rigidities over those of the whole link, and its own taper."""
+
+    rigidities: Mapping[str, float]
+    taper: Taper
+
+
+@dataclass(frozen=True)
+class Taper:
+    """What a tapered link is against a uniform one of its effective rigidities and its mean mass per length.
+
+    `balance` is where its centre of mass is, as a share of its length from its joint. `axial_weight` and so on say how
+    much more it gives under its own weight; `column_height` and `column_width` how much more compression it holds.
+    `density` is the mass per length over its mean at the ends of its `parts`. Plain numbers, whatever the length.
+    """
+
+    balance: float = 0.5
+    height: BendingFactors = UNIFORM_BENDING
+    width: BendingFactors = UNIFORM_BENDING
+    axial_weight: float = 1.0
+    shear_height_weight: float = 1.0
+    shear_width_weight: float = 1.0
+    column_height: float = 1.0
+    column_width: float = 1.0
+    parts: tuple[Part, ...] = ()
+    density: tuple[float, ...] = ()
+    stations: tuple[Station, ...] = ()
+
+
+UNIFORM = Taper()
+"""A link that is the same all along."""
+
+
 @dataclass(frozen=True)
 class Beam:
-    """The rigidities of a straight uniform link, or those of a rigid one (None: it does not give in that way).
+    """The rigidities of a straight link, or those of a rigid one (None: it does not give in that way).
 
+    Those of a tapered link are the effective ones under a force at its far end, and `taper` tells the rest.
     `height` is the direction in the section's plane along which its height lies: `flexural_rigidity_height` (E I_y,
     N*m^2) resists bending in the plane of link and height, `flexural_rigidity_width` (E I_z) bending across it;
     `flexural_rigidity_coupling` (E I_yz) is zero but for sections without an axis of symmetry.
@@ -35,6 +109,7 @@ class Beam:
     lumped_mass: Scalar = 0.0
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0
+    taper: Taper = UNIFORM
 
 
 def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialValues, *, shear: bool = True) -> Beam:

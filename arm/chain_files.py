@@ -10,8 +10,9 @@ from typing import cast
 from materials.catalogue import Catalogue
 from materials.quantities import InputError, read_number, read_quantity, shown
 from materials.reading import Mapping
-from sections import SectionError, build, load_stock
+from sections import SectionError, load_stock
 from sections.section import Section
+from sections.taper import build_tapered
 
 from .chain import (
     FloatVector,
@@ -185,14 +186,14 @@ def _section(mapping: Mapping) -> tuple[Section, str | None]:
 
 
 def read_section(body: Mapping) -> Section:
-    """The section that a mapping describes: its shape and dimensions."""
+    """The section that a mapping describes: its shape and dimensions, pairs (joint, far end) where it is tapered."""
     shape = body.text("shape")
     dimensions: dict[str, object] = {}
     for name, value in body.content.items():
         if name != "shape" and body.has(name):
             dimensions[name] = _dimension(body, name, value)
     try:
-        return build(shape, dimensions)
+        return build_tapered(shape, dimensions)
     except SectionError as error:
         raise InputError(body.file, body.path_of(error.key), error.message) from None
 

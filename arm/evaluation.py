@@ -147,7 +147,7 @@ def evaluate(
         strength=strength,
         frequency=frequency,
         compliance=compliance_at(arm, beams, where, planar=model.planar),
-        warnings=tuple(warnings_of(strength)),
+        warnings=(*idle_effects(arm), *warnings_of(strength)),
         unknown=MappingProxyType(unknown),
     )
 
@@ -258,6 +258,19 @@ def compliance_at(arm: Arm, beams: Sequence[Beam], q: Sequence[float], *, planar
 
 def _unit_force(axis: int) -> tuple[float, float, float]:
     return (float(axis == 0), float(axis == 1), float(axis == 2))
+
+
+def idle_effects(arm: Arm) -> list[str]:
+    """One line for each of the arm's `effects` that says nothing of a design, for want of what only a recording
+    holds."""
+    lines: list[str] = []
+    for entry in arm.effects:
+        requires = EFFECTS[entry.effect].requires  # but for warming: a design has its arm's temperature
+        missing = ["time under load" if name == "loaded_for" else name for name in requires if name != "warming"]
+        if missing:
+            needs = " and ".join(missing)
+            lines.append(f"{entry.effect} adds nothing here: it needs what only a recording holds ({needs})")
+    return lines
 
 
 def warnings_of(strength: StrengthResult) -> list[str]:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import cast
 
 from materials.catalogue import Catalogue, load_catalogue
-from materials.quantities import shown
+from materials.quantities import format_quantity, shown
 from materials.reading import Mapping, load_yaml, nearest
 
 from .chain import (
@@ -22,7 +22,7 @@ from .chain import (
     Statistics,
 )
 from .chain_files import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
-from .effects import EFFECTS, Effect, kind_at
+from .effects import EFFECTS, Effect, Parameter, kind_at
 from .vectors import IDENTITY, ZERO, cross, norm
 
 
@@ -124,19 +124,48 @@ def _effects(mapping: Mapping, joints: tuple[Joint, ...], left_out: frozenset[st
             if name not in EFFECTS:
                 raise entry.error("effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
             at = _places(entry, len(joints))
+            _check_places(entry, EFFECTS[name], at, joints)
             slides = acts_on_slides(EFFECTS[name], at, joints)
             values: dict[str, float] = {}
             for parameter in EFFECTS[name].parameters:
                 if entry.has(parameter.name):
-                    value = values[parameter.name] = entry.quantity(parameter.name, kind_at(parameter, slides=slides))
-                    if value < 0.0 <= parameter.lower or value == 0.0 < parameter.lower:
-                        bound = "must be positive" if parameter.lower > 0.0 else "cannot be negative"
-                        raise entry.error(parameter.name, f"{bound}, not {shown(entry.content[parameter.name])}")
+                    kind = kind_at(parameter, slides=slides)
+                    value = values[parameter.name] = entry.quantity(parameter.name, kind)
+                    _check_parameter(entry, parameter, kind, value)
+                    if kind != kind_at(parameter, slides=True) and _mixed(EFFECTS[name], at, joints):
+                        message = f"names slides too, whose {parameter.name} has another unit; write an entry for each"
+                        raise entry.error("at", message)
+            if (lacking := EFFECTS[name].lacking(values)) is not None:
+                raise entry.error("effect", f"{name} moves nothing as it stands; give {lacking}")
             found.append(EffectEntry(name, at, MappingProxyType(values)))
         if EFFECTS[name].automatic and not values and name not in left_out:
             message = f"{name} is in the model already; give what it adds, or leave it out of the rest (leave_out)"
             raise entry.error("effect", message)
     return tuple(found)
+
+
+def _check_places(entry: Mapping, effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> None:
+    if at and effect.place in ("base", "tip"):
+        raise entry.error("at", f"{effect.id} acts at the {effect.place} as a whole; leave `at` out")
+    for number in at:
+        if not effect.can_act(number - 1, revolute=joints[number - 1].revolute):
+            raise entry.error("at", f"{effect.id} acts on {effect.only} only, which joint {number} is not among")
+
+
+def _check_parameter(entry: Mapping, parameter: Parameter, kind: str, value: float) -> None:
+    given = shown(entry.content[parameter.name])
+    if value < 0.0 <= parameter.lower or value == 0.0 < parameter.lower:
+        bound = "must be positive" if parameter.lower > 0.0 else "cannot be negative"
+        raise entry.error(parameter.name, f"{bound}, not {given}")
+    if not parameter.lower <= value <= parameter.upper:
+        low, high = (format_quantity(bound, kind) for bound in (parameter.lower, parameter.upper))
+        raise entry.error(parameter.name, f"must lie between {low} and {high}, not {given}")
+
+
+def _mixed(effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> bool:
+    """Whether an effect on joints acts on some that turn and some that slide (from 1; none: all)."""
+    named = [joints[number - 1].revolute for number in at] or [joint.revolute for joint in joints]
+    return effect.place == "joint" and len(set(named)) > 1
 
 
 def acts_on_slides(effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> bool:

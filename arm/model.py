@@ -15,12 +15,15 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from .beam import Beam, elastic_beam
+from sections.taper import Tapered
+
+from .beam import UNIFORM, Beam, elastic_beam
 from .chain import Arm, Link, LoadCase, askew
 from .compile import VectorFunction, vectorise
 from .error import TipError, active_effects, tip_error
 from .kinematics import parts, place, symbols
 from .statics import PoseState, solve
+from .taper import tapered_beam
 
 Array = NDArray[np.float64]
 
@@ -70,6 +73,8 @@ def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
     if link.material is None:
         raise PropertyNeeded(f"link {index + 1} has a section but no material")
     material = link.material.at(arm.temperature)
+    if isinstance(link.section, Tapered):
+        return tapered_beam(link.length, link.section, material, shear=shear)
     section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
     return elastic_beam(link.length, section, material, shear=shear)
 
@@ -178,7 +183,9 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
                 expansion = link.material.at(arm.temperature).thermal_expansion
             if link.section is None or not askew(link.section):
                 values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
-            beams.append(Beam(**values, thermal_expansion=expansion))
+            # Plain factors, whatever the length, so that uniform links cost no more than ever.
+            taper = _beam(arm, index, link).taper if isinstance(link.section, Tapered) else UNIFORM
+            beams.append(Beam(**values, thermal_expansion=expansion, taper=taper))
         else:
             rigid = _beam(arm, index, link)
             beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at))

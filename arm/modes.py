@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .beam import Beam
+from .beam import QUARTERS, Beam
 from .chain import Arm, Joint, Link, LoadCase
 from .effects import EFFECTS, Settings
 from .error import ActiveEffect, active_effects, displacements
@@ -26,7 +26,7 @@ from .vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
 
 Array = NDArray[np.float64]
 
-SEGMENTS = 4
+SEGMENTS = QUARTERS
 """Pieces of each elastic link; even, for Simpson's rule."""
 _SIMPSON = (1.0 / 12.0, 4.0 / 12.0, 2.0 / 12.0, 4.0 / 12.0, 1.0 / 12.0)
 _ALWAYS = ("link_bending", "slope_propagation", "axial", "torsion", "joint_compliance")
@@ -88,12 +88,21 @@ def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
 
 def segment_beams(arm: SegmentedArm, beams: Sequence[Beam]) -> list[Beam]:
     """Each link's beam, shared out among its segments (weightless: masses enter on their own)."""
-    return [_segment(beams[owner], kind) for owner, kind in zip(arm.owner, arm.kinds, strict=True)]
+    found: list[Beam] = []
+    for index, (owner, kind) in enumerate(zip(arm.owner, arm.kinds, strict=True)):
+        number = sum(1 for k in range(index) if arm.owner[k] == owner and arm.kinds[k] == "part")
+        found.append(_segment(beams[owner], kind, number))
+    return found
 
 
-def _segment(beam: Beam, kind: SegmentKind) -> Beam:
+def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
     if kind == "head":
         return Beam(length=0.0)
+    if kind == "part" and beam.taper.parts:
+        part = beam.taper.parts[number]
+        own = {name: times(ratio, getattr(beam, name)) for name, ratio in part.rigidities.items()}
+        length = times(1.0 / SEGMENTS, beam.length)
+        return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, taper=part.taper, **own)
     if kind == "part":
         return replace(beam, length=times(1.0 / SEGMENTS, beam.length), mass_per_length=0.0, lumped_mass=0.0)
     return Beam(length=beam.lumped_at if kind == "before" else minus(beam.length, beam.lumped_at))
@@ -113,9 +122,10 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
             masses[nodes[0]] = masses[nodes[0]] + beam.lumped_mass
             continue
         total = times(beam.mass_per_length, beam.length)
-        for node, weight in zip([start, *nodes], _SIMPSON, strict=True):
+        density = beam.taper.density or (1.0,) * len(_SIMPSON)
+        for node, weight, share in zip([start, *nodes], _SIMPSON, density, strict=True):
             if node >= 0:
-                masses[node] = masses[node] + weight * total
+                masses[node] = masses[node] + weight * share * total
     masses[-1] = masses[-1] + payload
     return masses
 

@@ -65,7 +65,8 @@ class JointState:
 class PoseState:
     """The arm at a pose under a load: all that an effect may ask.
 
-    `gravity` (m/s^2) is the one that the loads were taken with, `conditions` what held beyond pose and load.
+    `gravity` (m/s^2), `payload_mass` (kg) and `tip_force` (N) are those that the loads were taken with, `conditions`
+    what held beyond pose and load.
     """
 
     joints: tuple[JointState, ...]
@@ -79,6 +80,8 @@ class PoseState:
     frames: Frames
     gravity: Vector
     conditions: Conditions
+    payload_mass: Scalar
+    tip_force: Vector
 
     def tip(self) -> Vector:
         """The tip's nominal position, m."""
@@ -111,8 +114,9 @@ def solve(
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
     held = Conditions() if conditions is None else conditions
     pull: Vector = arm.gravity if gravity is None else gravity
-    force: Vector = case.force if tip_force is None else tip_force
-    force = add(force, scale(case.mass if payload_mass is None else payload_mass, pull))
+    pushed: Vector = case.force if tip_force is None else tip_force
+    carried = case.mass if payload_mass is None else payload_mass
+    force = add(pushed, scale(carried, pull))
     moment: Vector = add(case.moment, cross(placed.tool, force))
     joints: list[JointState] = []
     links: list[LinkState] = []
@@ -123,7 +127,7 @@ def solve(
             force = add(force, point_forces[index])
         ends[index] = moment
         weight = scale(times(beam.mass_per_length, beam.length), pull)
-        half = add(force, scale(0.5, weight))
+        half = add(force, scale(beam.taper.balance, weight))
         base_moment = add(moment, cross(frame.vector, half))
         base_force = add(force, weight)
         if not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
@@ -183,4 +187,6 @@ def solve(
         placed,
         pull,
         held,
+        carried,
+        pushed,
     )

@@ -19,6 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from .beam import Station
 from .chain import Arm, LoadCase
 from .compile import VectorFunction, vectorise
 from .effects.link_bending import bent_end, in_both_planes
@@ -79,7 +80,7 @@ def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
     s = ca.SX.sym("s", len(STRENGTH_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
     links = tuple(index for index, link in enumerate(arm.links) if link.elastic)
-    stress = [_stress(state.links[i], _entries(s, i), x) for i in links for x in STATIONS]
+    stress = [each for i in links for each in _stresses(state.links[i], _entries(s, i))]
     compression = [_compression(state, i) for i in links]
     deflection = [_deflection(state.links[i]) for i in links]
     return StrengthCase(links, (q, p, s), (_column(stress), _column(compression), _column(deflection)))
@@ -100,11 +101,41 @@ def _magnitude(value: Scalar) -> Scalar:
 
 
 def _stress(link: LinkState, section: Sequence[Any], share: float) -> Scalar:
-    area, modulus_y, modulus_z, torsion_modulus = section
     rest = times(1.0 - share, link.beam.length)
     beyond = scale(1.0 - share, link.weight)
+    half = scale(0.5, beyond)
+    return _stress_of(link, section, rest, beyond, half)
+
+
+def _stresses(link: LinkState, section: Sequence[Any]) -> list[Scalar]:
+    """The stresses at `STATIONS`; of a tapered link each is the greatest of the stations nearest to it."""
+    stations = link.beam.taper.stations
+    if not stations:
+        return [_stress(link, section, share) for share in STATIONS]
+    groups: list[Scalar] = [None] * len(STATIONS)
+    for at in stations:
+        own = [value * ratio for value, ratio in zip(section, _ratios(at), strict=True)]
+        rest = 1.0 - at.share
+        beyond = scale(at.weight_beyond, link.weight)
+        # The lever of the weight beyond is its moment over it, here as a share of the rest of the link.
+        half = scale(at.moment_beyond / rest if rest > 0.0 else 0.0, link.weight)
+        stress = _stress_of(link, own, times(rest, link.beam.length), beyond, half)
+        nearest = min(range(len(STATIONS)), key=lambda k: abs(STATIONS[k] - at.share))
+        groups[nearest] = stress if groups[nearest] is None else ca.fmax(groups[nearest], stress)
+    return groups
+
+
+def _ratios(at: Station) -> tuple[float, ...]:
+    """In the order of `STRENGTH_FIELDS`."""
+    return tuple(getattr(at, name) for name in STRENGTH_FIELDS)
+
+
+def _stress_of(link: LinkState, section: Sequence[Any], rest: Scalar, beyond: Vector, half: Vector) -> Scalar:
+    """The stress a distance `rest` (m) from the far end; `beyond` is the weight from there on, and `half` what at the
+    far end has its moment."""
+    area, modulus_y, modulus_z, torsion_modulus = section
     force: Vector = add(link.force, beyond)
-    moment = add(link.moment, cross(scale(rest, link.along), add(link.force, scale(0.5, beyond))))
+    moment = add(link.moment, cross(scale(rest, link.along), add(link.force, half)))
     axial = _magnitude(dot(force, link.along)) / area
     in_height, in_width = dot(moment, link.width), times(-1.0, dot(moment, link.height))
     if not (isinstance(link.beam.flexural_rigidity_coupling, float) and link.beam.flexural_rigidity_coupling == 0.0):
@@ -125,7 +156,8 @@ def _compression(state: PoseState, index: int) -> Scalar:
     in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
     assert in_height is not None
     assert in_width is not None
-    weaker = ca.fmin(in_height, in_width)
+    taper = link.beam.taper
+    weaker = ca.fmin(times(taper.column_height, in_height), times(taper.column_width, in_width))
     return pressing * (4.0 / math.pi**2) * length * length / weaker
 
 

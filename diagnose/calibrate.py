@@ -2,7 +2,8 @@
 
 D. Freedman & D. Lane, J. Business & Economic Statistics 1 (1983) 292, doi:10.1080/07350015.1983.10509354: what the
 smaller model leaves is permuted and added back to its fit. Visits are moved whole, so that scatter which readings of
-one visit share stays with them. The statistic is the largest over all candidates, which makes the p-value that of the
+one visit share stays with them, and each visit's sign is drawn anew: a constant displacement would survive any order.
+That asks for errors that are as often one way as the other. The statistic is the largest over all candidates, which makes the p-value that of the
 whole search for one more effect.
 """
 
@@ -74,7 +75,7 @@ def one_more(
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
         count = min(_CHUNK, draws - start)
-        permuted = np.stack([table[permutation(visits, rng)].reshape(-1) for _ in range(count)], axis=1)
+        permuted = np.stack([shuffled(table, visits, rng).reshape(-1) for _ in range(count)], axis=1)
         permuted -= given.basis @ (given.basis.T @ permuted)
         found = _statistic(beside, permuted, criterion)
         for values, usable in zip(drawn, among, strict=True):
@@ -95,6 +96,16 @@ def permutation(visits: Sequence[NDArray[np.int64]], rng: np.random.Generator) -
     order = rng.permutation(len(visits))
     rows = np.concatenate([visits[number] for number in order.tolist()])
     return np.roll(rows, int(rng.integers(len(rows)))) if len(visits) < len(rows) else rows
+
+
+def shuffled(table: Array, visits: Sequence[NDArray[np.int64]], rng: np.random.Generator) -> Array:
+    """Readings (N, C) with whole visits in random order, each with a random sign."""
+    signs = np.empty(len(table))
+    flips = rng.choice((-1.0, 1.0), len(visits))
+    for rows, flip in zip(visits, flips.tolist(), strict=True):
+        signs[rows] = flip
+    rows = permutation(visits, rng)
+    return table[rows] * signs[rows, None]
 
 
 def p_value(observed: float, drawn: Array) -> float:

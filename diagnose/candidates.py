@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.beam import Beam
+from arm.chain import LoadCase
 from arm.effects import EFFECTS, Effect, Parameter, Settings
 from arm.statics import PoseState, solve
 
@@ -98,8 +100,14 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
             continue
         for candidate in _of_effect(observed, effect):
             columns = columns_of(observed, candidate)
-            if columns is not None:
-                yield candidate, columns
+            if columns is None:
+                continue
+            moving = columns.any(axis=(0, 1))
+            if columns.shape[2] == len(candidate.sizes) and not moving.all():
+                # In the plane a shift out of it, say, moves nothing: no size of this candidate.
+                sizes = tuple(name for name, moves in zip(candidate.sizes, moving.tolist(), strict=True) if moves)
+                candidate, columns = replace(candidate, sizes=sizes), columns[:, :, moving]
+            yield candidate, columns
 
 
 def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
@@ -129,7 +137,8 @@ def parameter_of(effect: Effect, name: str) -> Parameter:
 def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
     sizes = tuple(parameter.name for parameter in effect.parameters if parameter.role == "size")
     if effect.automatic and effect.id in observed.arm.leave_out:
-        yield Candidate(effect.id, _places(observed, effect), ("share",), MappingProxyType({}), share=True)
+        acting = tuple(i for i in _places(observed, effect) if observed.signature(effect.id, Settings((i,))).any())
+        yield Candidate(effect.id, acting, ("share",), MappingProxyType({}), share=True)
     if not sizes:
         return
     shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
@@ -172,8 +181,6 @@ def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
 def _unknown_weight(observed: Observed, joint: int) -> Array:
     """How the drive of `joint` gives under links of unknown weight, (N, C, d): for each of them beyond the joint its
     mass at its own joint and its first moment along itself, times the compliance, in rad/(N*m) * kg and kg*m."""
-    from dataclasses import replace
-
     parts: list[Array] = []
     for index in observed.unknown_masses:
         if index < joint:
@@ -188,11 +195,6 @@ def _unknown_weight(observed: Observed, joint: int) -> Array:
 
 def _weighing(state: PoseState, link: int, at: float) -> PoseState:
     """The same poses where only one link weighs: 1 kg at `at` m along it."""
-    from dataclasses import replace
-
-    from arm.beam import Beam
-    from arm.chain import LoadCase
-
     arm = state.arm
     bare = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
     beams = [

@@ -6,11 +6,9 @@ more than half a per cent of the reach.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +19,7 @@ from materials.quantities import InputError, format_quantity
 from .placement import Placement, nominal, placed, turn_of
 from .recording import Recording, RejectedRow
 from .row_lists import rows_text
+from .unit_slips import IN_A_ROW, UnitChange, unit_changes, widest
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -32,49 +31,6 @@ _BETTER = 0.2
 _FAR, _GROSS, _STILL = 10.0, 5e-3, 1e-3
 _SHORT, _MOST_JUMPS = 3, 0.2
 _MANY_STILL = 0.2
-_LENGTHS = (1e3, 1e-3, 1e6, 1e-6, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4)
-_IN_A_ROW = (1e3, 1e-3, math.degrees(1.0), math.radians(1.0))
-"""Single rows slip between m and mm, deg and rad; odder units come by the file."""
-_LENGTH_SIZES = MappingProxyType({"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254})
-_ANGLE_SIZES = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
-_TIP = ("x", "y", "z")
-
-
-@dataclass(frozen=True)
-class _Change:
-    """A change of unit that may bring joints and tip together: factors on q (n,) and on the tip (D,), and how to say
-    it, column by column."""
-
-    q: Array
-    tip: Array
-    columns: tuple[str, ...]
-    factors: tuple[float, ...]
-
-    def said(self) -> str:
-        """`x_mm, y_mm seem to be in m`."""
-        units = [_unit_of_numbers(name, factor) for name, factor in zip(self.columns, self.factors, strict=True)]
-        by_unit: dict[str, list[str]] = {}
-        for name, unit in zip(self.columns, units, strict=True):
-            by_unit.setdefault(unit, []).append(name)
-        parts = [
-            f"{', '.join(names)} {'seems' if len(names) == 1 else 'seem'} to be in {unit}"
-            for unit, names in by_unit.items()
-        ]
-        return " and ".join(parts)
-
-    def right_headers(self) -> str:
-        """The headers that would be right."""
-        return ", ".join(
-            f"{name.rpartition('_')[0]}_{_unit_of_numbers(name, factor)}"
-            for name, factor in zip(self.columns, self.factors, strict=True)
-        )
-
-
-def _unit_of_numbers(header: str, factor: float) -> str:
-    """The unit in which a column's numbers are, where they fit with `factor` times the unit of its header."""
-    sizes = _ANGLE_SIZES if header.rpartition("_")[2] in _ANGLE_SIZES else _LENGTH_SIZES
-    wanted = factor * sizes.get(header.rpartition("_")[2], 1.0)
-    return next((unit for unit, size in sizes.items() if math.isclose(size, wanted)), f"{factor:.5g} of their unit")
 
 
 def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
@@ -126,40 +82,10 @@ def _length(value: float) -> str:
     return format_quantity(value, "length", digits=3)
 
 
-def _changes(arm: Arm, width: int, headers: Mapping[str, str]) -> Iterator[_Change]:
-    """Every change of unit that people forget: one column, all of a kind, or all angles and all lengths together."""
-    turns = [k for k, joint in enumerate(arm.joints) if joint.revolute]
-    slides = [k for k, joint in enumerate(arm.joints) if not joint.revolute]
-    names_q = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size)]
-    names_tip = [headers.get(name, name) for name in _TIP[:width]]
-
-    def change(joints: list[int], by: float, axes: list[int], by_tip: float) -> _Change:
-        q, tip = np.ones(arm.size), np.ones(width)
-        q[joints], tip[axes] = by, by_tip
-        names = (*(names_q[k] for k in joints), *(names_tip[k] for k in axes))
-        return _Change(q, tip, names, (*[by] * len(joints), *[by_tip] * len(axes)))
-
-    def groups(members: list[int]) -> list[list[int]]:
-        return ([members] if members else []) + ([[k] for k in members] if len(members) > 1 else [])
-
-    angles = (math.degrees(1.0), math.radians(1.0))
-    for axes, factor in itertools.product(groups(list(range(width))), _LENGTHS):
-        yield change([], 1.0, axes, factor)
-    for joints, factor in itertools.product(groups(turns), angles):
-        yield change(joints, factor, [], 1.0)
-    for joints, factor in itertools.product(groups(slides), _LENGTHS):
-        yield change(joints, factor, [], 1.0)
-    if turns:
-        for by_angle, by_length in itertools.product(angles, _LENGTHS):
-            yield change(turns, by_angle, list(range(width)), by_length)
-
-
-def _refuse_units(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
-) -> None:
+def _refuse_units(recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]) -> None:
     """Raise where another unit of a column makes joints and tip agree."""
-    best: tuple[float, _Change] | None = None
-    for change in _changes(arm, recording.tip.shape[1], headers):
+    best: tuple[float, float, UnitChange] | None = None
+    for change in unit_changes(arm, recording.tip.shape[1], headers):
         tried = placed(
             arm,
             recording.q * change.q,
@@ -167,12 +93,14 @@ def _refuse_units(
             frame=recording.frame == "free",
             tool=recording.tool == "free",
         )
-        good = tried.misfit < _much(tried, reach)
-        if good and tried.misfit < _BETTER * place.misfit and (best is None or tried.misfit < 0.999 * best[0]):
-            best = (tried.misfit, change)
+        # Relative to the motion: in units that are small enough, everything is close to everything.
+        share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
+        good = share < _WHOLE and tried.misfit < _BETTER * place.misfit
+        if good and (best is None or share < 0.999 * best[0]):
+            best = (share, tried.misfit, change)
     if best is None:
         return
-    misfit, change = best
+    _, misfit, change = best
     message = (
         f"{change.said()}: then the middle reading is {_length(misfit)} from the nominal tip, and not "
         f"{_length(place.misfit)}; write {change.right_headers()} in the header"
@@ -283,9 +211,7 @@ def _moves(recording: Recording, rows: NDArray[np.int64], index: int, limit: flo
     return elsewhere or bool((np.ptp(recording.tip[rows], axis=0) > limit).any())
 
 
-def _distance_with_joint_free(
-    recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int
-) -> Array:
+def _distance_with_joint_free(recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int) -> Array:
     """How far the measured tips of some rows are from what the arm can reach by moving one joint alone, m."""
     q = recording.q[rows]
     goal = (place.modelled + place.residual)[rows]
@@ -332,12 +258,12 @@ def _slipped(
         return found
     near = max(0.5 * limit, 3.0 * place.misfit)
     closest = np.minimum(near, 0.1 * place.distance[bad])
-    for change in _changes(arm, recording.tip.shape[1], headers):
-        if not all(factor in _IN_A_ROW for factor in change.factors):
+    for change in unit_changes(arm, recording.tip.shape[1], headers):
+        if not all(factor in IN_A_ROW for factor in change.factors):
             continue
         # Small numbers fit much: a column is only made smaller where it is too large for any arm.
         smaller_q, smaller_tip = change.q < 1.0, change.tip < 1.0
-        beyond = np.where(smaller_q, np.abs(recording.q[bad]) > _widest(arm), True).all(axis=1)
+        beyond = np.where(smaller_q, np.abs(recording.q[bad]) > widest(arm), True).all(axis=1)
         beyond &= np.where(smaller_tip, np.abs(recording.tip[bad]) > 2.0 * reach, True).all(axis=1)
         tips, axes = nominal(arm, recording.q[bad] * change.q, recording.tip.shape[1])
         measured = (recording.tip[bad] * change.tip) @ place.rotation.T + place.translation
@@ -347,16 +273,6 @@ def _slipped(
         for index in bad[fits].tolist():
             found[index] = change.said()
     return found
-
-
-def _widest(arm: Arm) -> Array:
-    """What no coordinate exceeds, rad or m."""
-    return np.array(
-        [
-            2.0 * max(math.pi, *map(abs, joint.range)) if joint.revolute else 2.0 * max(map(abs, joint.range))
-            for joint in arm.joints
-        ]
-    )
 
 
 def _jumps(recording: Recording, place: Placement, gross: Mask) -> tuple[dict[int, str], list[str]]:

@@ -1,8 +1,9 @@
 """Two recordings of one arm, before and after a service say: what changed.
 
 Both are diagnosed, and then both are fitted with one common model, the union of what was found: a parameter that only
-one of them shows is thereby measured in the other as well. Differences are tested as z values and adjusted for their
-number by Holm's method (S. Holm, Scand. J. Statist. 6 (1979) 65-70).
+one of them shows is thereby measured in the other as well. Differences are tested by their standard errors (Student's
+t, the fewer degrees of freedom of both) and adjusted for their number by Holm's method (S. Holm, Scand. J. Statist. 6
+(1979) 65-70).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from scipy import stats
 
 from arm.chain import Arm
 from arm.effects import EFFECTS, kind_at
+from arm.kinematics import tip_position
 
 from .candidates import Candidate, columns_of, parameter_of
 from .fit import t_quantile
@@ -107,7 +109,7 @@ def compare(arm: Arm, first: Diagnosis, second: Diagnosis) -> Comparison:
         changes=changes,
         unexplained=(fitted[0].rms, fitted[1].rms),
         shared=shared_poses(arm, first, second),
-        regions=regions(first, second),
+        regions=regions(arm, first, second),
         figures=sides,
         notes=(*notes, *_unequal(first.recording, second.recording)),
     )
@@ -163,16 +165,16 @@ class CommonFit:
 def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate]) -> CommonFit:
     """Fit the common model to the tip's readings of a recording, beside its nuisances.
 
-    Standard errors are the larger of the plain ones and of those that let each visit have an error of its own
-    (J. G. MacKinnon & H. White, J. Econometrics 29 (1985) 305-325, for the idea; visits are the clusters).
+    Standard errors are the larger of the plain ones and of those that let each visit have an error of its own (K.-Y.
+    Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
     observed = observe(arm, recording)
     width = observed.components
     beside = nuisances(observed)[0][:, :width]
     columns = [_columns(observed, term)[:, :width] for term in terms]
     design = np.concatenate([beside, *columns], axis=2)
-    full = design.reshape(-1, design.shape[2])
     target = observed.residual[:, :width].reshape(-1)
+    full = design.reshape(len(target), design.shape[2])
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
@@ -184,8 +186,11 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate]) -> Co
     freedom = max(len(target) - int(good.sum()), 1)
     covariance = inverse * float(left @ left) / freedom
     told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    clustered = _clustered(scaled, left, inverse, observed.block, width)
-    variance = np.maximum(np.diag(covariance), clustered)
+    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed.block, width)
+    variance = np.maximum(plain, clustered)
+    if np.any(clustered > plain):
+        # Errors that visits share are known from as many values as there are visits.
+        freedom = max(min(freedom, int(observed.block.max()) + 1 - int(good.sum())), 1)
     errors = np.where(told & (np.linalg.norm(full, axis=0) > 0.0), np.sqrt(variance) / size, np.inf)
     edges = np.cumsum([beside.shape[2], *(each.shape[2] for each in columns)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
@@ -224,8 +229,9 @@ def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit]) 
             ]
             error = float(np.hypot(errors[0], errors[1]))
             difference = values[1] - values[0]
-            reach = 1.959964 * error
-            p = float(2.0 * stats.norm.sf(abs(difference) / error)) if 0.0 < error < np.inf else 1.0
+            freedom = min(each.freedom for each in fitted)
+            reach = t_quantile(freedom) * error
+            p = float(2.0 * stats.t.sf(abs(difference) / error, freedom)) if 0.0 < error < np.inf else 1.0
             span = (difference - reach, difference + reach)
             found.append(Change(term.effect, pair[0], pair[1], difference, span, p, 1.0))
     adjusted = holm([each.p_value for each in found])
@@ -291,12 +297,13 @@ def _load(recording: Recording, arm: Arm) -> Array:
     return recording.payload_mass
 
 
-def regions(first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]:
+def regions(arm: Arm, first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]:
     """The mismatch in boxes of the workspace where both recordings have readings."""
-    tips = [each.recording.tip for each in (first, second)]
     residuals = (first.residual_before, second.residual_before)
-    if tips[0].shape[1] != tips[1].shape[1]:
+    if residuals[0].shape[1] != residuals[1].shape[1]:
         return ()
+    # Where the tip nominally is: measured positions may stand in a frame of their own.
+    tips = [tip_position(arm, each.recording.q)[:, : residuals[0].shape[1]] for each in (first, second)]
     every = np.concatenate(tips)
     lower, upper = every.min(axis=0), every.max(axis=0)
     span = np.where(upper > lower, upper - lower, 1.0)

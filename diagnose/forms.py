@@ -6,7 +6,8 @@ They compete with the library under the same criterion and the same calibration.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -30,6 +31,7 @@ SENTENCES = MappingProxyType(
         "smooth_in_time": "something that wanders with time",
         "spring_to_a_point": "a spring to a fixed point (a cable or hose that pulls), acting through what bends",
         "constant_force": "a constant force at the tip, acting through what bends",
+        "pull_of_a_point": "a pull towards a point (a magnet) that weakens with distance, acting through what bends",
         "force_field": "a force at the tip that varies over the workspace, acting through what bends",
         "field_over_position": "a smooth field over the tip's position",
         "smooth_function_of_joint": "a smooth function of one joint's coordinate",
@@ -45,6 +47,8 @@ SENTENCES = MappingProxyType(
 _STEPS_IN_TIME = 40
 _PERIODS = 40
 _REGIONS = 12
+_CORE = 0.15
+"""m; nearer than this a pull grows no further, since what pulls has a size."""
 _LARGE = 4000
 """Readings beyond which fewer change points, periods and regions are tried."""
 
@@ -184,12 +188,29 @@ def _forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     yield _form("constant_force"), np.stack(constant, axis=2)
     pull = response((tip[0], tip[1], tip[2] if width == 3 else zero))
     yield _form("spring_to_a_point"), np.stack([*constant, -pull], axis=2)
+    for point, power in itertools.product(_points_around(tip, width), (1.0, 3.0)):
+        away = [tip[axis] - point[axis] if axis < width else zero for axis in range(3)]
+        distance = np.sqrt(away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
+        weakening = 1.0 / (distance**2 + _CORE**2) ** (0.5 * power)
+        drawn = response((-away[0] * weakening, -away[1] * weakening, -away[2] * weakening))
+        shape = {f"at_{axis}": value for axis, value in zip("xyz", point, strict=False)}
+        yield _form("pull_of_a_point", shapes={**shape, "power": power}), drawn[:, :, None]
     place = _scaled_position(observed)
     field = [along(axis, place[:, other]) for axis in range(width) for other in range(width)]
     yield _form("force_field", shapes={"order": 1.0}), np.stack([*constant, *field], axis=2)
     if width == 2 and observed.rows > 60:
         curved = [along(a, place[:, i] * place[:, j]) for a in range(2) for i in range(2) for j in range(i, 2)]
         yield _form("force_field", shapes={"order": 2.0}), np.stack([*constant, *field, *curved], axis=2)
+
+
+def _points_around(tip: Sequence[Array], width: int) -> list[tuple[float, ...]]:
+    """A coarse grid of points in and around the recorded part of the workspace, m."""
+    spans: list[list[float]] = []
+    for axis in range(width):
+        low, high = float(tip[axis].min()), float(tip[axis].max())
+        margin = 0.15 * (high - low)
+        spans.append(np.linspace(low - margin, high + margin, 6 if width == 2 else 4).tolist())
+    return list(itertools.product(*spans))
 
 
 def _with_covariates(observed: Observed, axes: Array) -> Iterator[tuple[Candidate, Array]]:

@@ -52,8 +52,8 @@ class Pose:
 def iso_figures(recording: Recording, arm: Arm) -> tuple[Covered, ...]:
     """Every figure that the recording supports, in SI (m; m/N for the static compliance).
 
-    Pose accuracy needs to know where the base frame stands: it is left out where the recording leaves frame or tool
-    free. Figures of several poses are the worst of them, `count` the readings that the worst rests on.
+    Pose accuracy and reversal need to know where the base frame stands: they are left out where the recording leaves
+    frame or tool free. Figures of several poses are the worst of them, `count` the readings that the worst rests on.
     """
     poses = poses_of(recording, arm)
     found: list[Covered] = []
@@ -68,7 +68,7 @@ def iso_figures(recording: Recording, arm: Arm) -> tuple[Covered, ...]:
         found += _worst(accuracy_drifts(recording, poses), "dAP", name, ISO_9283)
     name = "static compliance, worst pose"
     found += _worst(static_compliances(recording, arm, poses), "C", name, ISO_9283)
-    for joint in range(arm.size):
+    for joint in range(arm.size if known else 0):
         reversals = joint_reversals(recording, arm, poses, joint)
         if reversals:
             values = np.array([value for value, _ in reversals])

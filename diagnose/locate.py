@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arm.effects import Settings
 
-from .calibrate import p_value, permutation
+from .calibrate import p_value, shuffled
 from .observed import Observed
 from .pool import orthonormal
 from .prepare import Prepared
@@ -68,7 +68,7 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     table = prepared.vector.reshape(-1, width)
     draws: list[Array] = []
     for _ in range(_DRAWS):
-        moved = prepared.pool.projected(table[permutation(prepared.visits, rng)].reshape(-1))
+        moved = prepared.pool.projected(shuffled(table, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
     spread = drawn.std(axis=0) + 1e-12

@@ -111,16 +111,20 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
     if min(gate[0].p_value, gate[1].p_value) > FALSE_ALARM:
         return Named((), (), (), gate, None)
     members, p_values = _of_library(namer)
-    tell(0.7)
-    outside: tuple[int, ...] = ()
+    tell(0.6)
     members, outside, p_values = _against_forms(namer, members, p_values)
+    if not outside and len(members) > 1:
+        members, p_values = _carried_on(namer, members, p_values)
+        tell(0.8)
+        if len(members) > 3:
+            members, outside, p_values = _against_forms(namer, members, p_values)
     left = namer.test((*members, *outside))
     tell(1.0)
     return Named(members, outside, p_values, gate, left)
 
 
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """The library's best answer every part of which passes its own test, carried on beyond three where more is left."""
+    """The library's best answer of up to three, every part of which passes its own test."""
     subsets = namer.best(namer.library, 3)
     ranked = sorted(subsets.values(), key=lambda subset: subset.criterion)
     chosen: tuple[int, ...] = ()
@@ -134,8 +138,6 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
         if all(p <= FALSE_ALARM for p in p_values):
             chosen = subset.members
             break
-    if len(chosen) >= 2 or (len(chosen) == 1 and 2 not in subsets):
-        chosen, p_values = _carried_on(namer, chosen, p_values)
     return (chosen, p_values) if chosen else ((), ())
 
 
@@ -210,15 +212,13 @@ def _against_forms(
     """Whether something outside the library is at work, instead of what was named or beside it."""
     everything = np.ones(len(namer.library), dtype=bool)
     own = namer.criterion_of(members)
-    if len(members) <= 2:
-        rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
-        best = min(rivals, key=lambda subset: subset.criterion, default=None)
-        if best is not None and best.criterion < own - _MARGIN:
-            outside = tuple(m for m in best.members if not namer.library[m])
-            inside = tuple(m for m in best.members if namer.library[m])
-            tested = namer.test(inside)[1]
-            if tested.p_value <= FALSE_ALARM:
-                return _still_there(namer, inside, outside)
+    rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
+    best = min(rivals, key=lambda subset: subset.criterion, default=None)
+    if best is not None and best.criterion < own - (_MARGIN if len(members) <= 2 else 0.0):
+        outside = tuple(m for m in best.members if not namer.library[m])
+        inside = tuple(m for m in best.members if namer.library[m])
+        if namer.test(inside)[1].p_value <= FALSE_ALARM:
+            return _still_there(namer, inside, outside)
     tested = namer.test(members)[1]
     if tested.p_value <= FALSE_ALARM and tested.best >= 0:
         wider = fit(namer.prepared, (*members, tested.best))

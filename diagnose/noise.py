@@ -45,10 +45,11 @@ class NoiseFloor:
 
     `sigma` (m) is the standard deviation of each component, None where nobody knows (`source` none);
     `degrees_of_freedom` that it rests on for each component (0: declared); `rms_m` is the RMS length of the error
-    vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off, None
-    where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from repeats of their own
-    pose, `doubtful` rows that disagree in pairs, of which nobody can say which is wrong. `resolution` (m) is given
-    where readings are too coarse to show their noise. `sentence` says it all for people, `warnings` what is odd.
+    vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off (where
+    it is known), None where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from
+    repeats of their own pose, `doubtful` rows that disagree in pairs, of which nobody can say which is wrong.
+    `resolution` (m) is given where readings are too coarse to show their noise. `sentence` says it all for people,
+    `warnings` what is odd.
     """
 
     sigma: tuple[float, ...] | None
@@ -116,7 +117,8 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
         sentence += f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(max(step))})."
     if drift is not None:
         moved = f"had moved by {_length(drift)} RMS" if drift > 0.0 else "had not moved"
-        sentence += f" What was measured again at the same pose later {moved} beyond the noise."
+        beyond = "noise included" if sigma is None else "beyond the noise"
+        sentence += f" What was measured again at the same pose later {moved}, {beyond}."
     if cleaned.doubtful:
         rows = rows_text(cleaned.doubtful)
         warnings.append(f"Repeats disagree in {rows}, and nothing says which of a pair is wrong.")

@@ -6,14 +6,12 @@ Whatever is left out of the result is said: rows in `rejected` with the reason, 
 from __future__ import annotations
 
 import datetime
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from arm.chain import Arm
 from materials.quantities import InputError, shown
@@ -21,6 +19,7 @@ from materials.reading import nearest
 
 from .checks import checked
 from .column_formula import Formula, read_condition, read_formula
+from .reading_assembly import ReadColumn, assembled
 from .reading_columns import ColumnMeaning, UnitMissing, example_headers, meaning_of
 from .reading_settings import ReadingSettings, find_settings, read_settings
 from .recording import Recording, RejectedRow
@@ -34,16 +33,6 @@ _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s",
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _MOSTLY_BLANK = 0.5
 _UNIT_LENGTH = 0.01
-
-
-@dataclass(frozen=True)
-class _Column:
-    """A column as read: what it means, its header, its values (SI), and how to say what is wrong with a cell."""
-
-    meaning: ColumnMeaning
-    header: str
-    values: Array
-    fault: Callable[[int], str]
 
 
 def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Recording:
@@ -65,8 +54,9 @@ def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Record
     _require(columns, table, arm, held)
     columns, rejected, said = _faults(columns, table)
     warnings += said
-    rejected += _not_unit(columns, table)
-    recording = _assembled(path, columns, strangers, table, arm, held)
+    known = {each.row for each in rejected}
+    rejected += [each for each in _not_unit(columns, table) if each.row not in known]
+    recording = assembled(path, columns, strangers, table, arm, held)
     recording = replace(recording, rejected=(*table.ragged, *rejected), warnings=(*warnings, *recording.warnings))
     bad = {each.row for each in recording.rejected}
     recording = recording.kept(np.array([row not in bad for row in recording.row.tolist()], dtype=bool))
@@ -99,10 +89,10 @@ def _chosen_rows(table: Table, held: ReadingSettings) -> tuple[Table, list[str]]
 
 def _columns(
     table: Table, held: ReadingSettings, arm: Arm
-) -> tuple[dict[str, _Column], dict[str, Array], list[str]]:
+) -> tuple[dict[str, ReadColumn], dict[str, Array], list[str]]:
     """Our columns by name (`q1`, `x`), the numbers of strangers, and sentences about what is not used."""
     warnings: list[str] = []
-    found: dict[str, _Column] = {}
+    found: dict[str, ReadColumn] = {}
     used: set[str] = set(held.ignore)
     for name in held.ignore:
         if name not in table.columns:
@@ -124,7 +114,7 @@ def _columns(
         try:
             meaning = meaning_of(header, arm, file=table.file)
         except UnitMissing as error:
-            if not held.columns and "_" not in header.partition("_")[2].replace("link", ""):
+            if not held.columns and not error.stranger:
                 raise
             meaning = None
             if header not in used:
@@ -154,14 +144,16 @@ def _known_headers(arm: Arm) -> list[str]:
     return [*_KNOWN, *joints, *(f"temperature_link{number}_degC" for number in range(1, arm.size + 1))]
 
 
-def _plain(table: Table, header: str, meaning: ColumnMeaning) -> _Column:
+def _plain(table: Table, header: str, meaning: ColumnMeaning) -> ReadColumn:
     def fault(index: int) -> str:
         return table.fault(header, index) or f"{header} is not finite"
 
-    return _Column(meaning, header, table.numbers(header) * meaning.factor + meaning.offset, fault)
+    return ReadColumn(meaning, header, table.numbers(header) * meaning.factor + meaning.offset, fault)
 
 
-def _by_formula(table: Table, header: str, meaning: ColumnMeaning, formula: Formula, held: ReadingSettings) -> _Column:
+def _by_formula(
+    table: Table, header: str, meaning: ColumnMeaning, formula: Formula, held: ReadingSettings
+) -> ReadColumn:
     if meaning.base == "time" and held.time_format is not None:
         if formula.columns != (formula.text.strip("`"),):
             raise InputError(held.file, f"columns.{header}", "is a time stamp; it names one column and nothing else")
@@ -174,10 +166,10 @@ def _by_formula(table: Table, header: str, meaning: ColumnMeaning, formula: Form
         return f"{header} = {formula.text} is not finite"
 
     values = formula.value(table.numbers, len(table.row)) * meaning.factor + meaning.offset
-    return _Column(meaning, header, values, fault)
+    return ReadColumn(meaning, header, values, fault)
 
 
-def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> _Column:
+def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:
     """Time stamps in s from the first one."""
     values = np.full(len(table.row), np.nan)
     stamps = [_stamp(table.text(column, index), str(held.time_format)) for index in range(len(table.row))]
@@ -195,7 +187,7 @@ def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held
         text = table.text(column, index)
         return f"{column} is {shown(text)}, not a time ({held.time_format})" if text else f"{column} is blank"
 
-    return _Column(meaning, header, values, fault)
+    return ReadColumn(meaning, header, values, fault)
 
 
 def _stamp(text: str, form: str) -> datetime.datetime | None:
@@ -207,7 +199,7 @@ def _stamp(text: str, form: str) -> datetime.datetime | None:
         return None
 
 
-def _require(columns: dict[str, _Column], table: Table, arm: Arm, held: ReadingSettings) -> None:
+def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings) -> None:
     wanted = [(f"q{k + 1}", example_headers("q", arm, k)) for k in range(arm.size)]
     wanted += [(name, example_headers(name, arm)) for name in ("x", "y")]
     if not planar_motion(arm):
@@ -241,7 +233,7 @@ def planar_motion(arm: Arm) -> bool:
     return all(link.end_rotation[2] == (0.0, 0.0, 1.0) for link in arm.links)
 
 
-def _faults(columns: dict[str, _Column], table: Table) -> tuple[dict[str, _Column], list[RejectedRow], list[str]]:
+def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, ReadColumn], list[RejectedRow], list[str]]:
     """Set rows without a number aside; an optional column that is mostly blank is set aside itself."""
     warnings: list[str] = []
     kept = dict(columns)
@@ -257,7 +249,7 @@ def _faults(columns: dict[str, _Column], table: Table) -> tuple[dict[str, _Colum
             where = f"row {table.row[bad[0]]}: {said}" + (f"; so do {len(bad) - 1} more rows" if len(bad) > 1 else "")
             if base in ("q", "x", "y", "z"):
                 comma = "," in said and "not a number" in said and table.decimal == "."
-                hint = "; decimal commas need `decimal: \",\"` in recording.yaml" if comma else ""
+                hint = '; decimal commas need `decimal: ","` in recording.yaml' if comma else ""
                 raise InputError(table.file, column.header, f"holds no numbers in most rows ({where}){hint}")
             warnings.append(f"{column.header} is not used, because most of its cells hold no number ({where}).")
             del kept[name]
@@ -277,7 +269,7 @@ def _faults(columns: dict[str, _Column], table: Table) -> tuple[dict[str, _Colum
     return kept, rejected, warnings
 
 
-def _not_unit(columns: dict[str, _Column], table: Table) -> list[RejectedRow]:
+def _not_unit(columns: dict[str, ReadColumn], table: Table) -> list[RejectedRow]:
     """Rows whose quaternion is none: a rotation's has the length 1."""
     if any(name not in columns for name in _QUATERNION):
         return []
@@ -289,102 +281,3 @@ def _not_unit(columns: dict[str, _Column], table: Table) -> list[RejectedRow]:
     return [
         RejectedRow(int(table.row[k]), f"qw, qx, qy, qz have the length {length[k]:.4g}, not 1") for k in wrong.tolist()
     ]
-
-
-def _assembled(
-    path: Path,
-    columns: dict[str, _Column],
-    strangers: dict[str, Array],
-    table: Table,
-    arm: Arm,
-    held: ReadingSettings,
-) -> Recording:
-    warnings: list[str] = []
-
-    def one(name: str) -> Array | None:
-        return columns[name].values if name in columns else None
-
-    def stacked(names: Sequence[str]) -> Array:
-        return np.stack([columns[name].values for name in names], axis=1)
-
-    def each_joint(base: str) -> Array | None:
-        names = [f"{base}{k + 1}" for k in range(arm.size)]
-        there = [name for name in names if name in columns]
-        if not there:
-            return None
-        if len(there) < len(names):
-            lacking = ", ".join(name for name in names if name not in columns)
-            warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
-            return None
-        return stacked(names)
-
-    total = len(table.row)
-    sides = None
-    if any(f"dir{k + 1}" in columns for k in range(arm.size)):
-        sides = np.stack(
-            [columns[f"dir{k + 1}"].values if f"dir{k + 1}" in columns else np.zeros(total) for k in range(arm.size)],
-            axis=1,
-        )
-        lacking = [f"dir{k + 1}" for k in range(arm.size) if f"dir{k + 1}" not in columns]
-        if lacking:
-            warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
-    time = one("time")
-    spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
-    return Recording(
-        file=str(path),
-        q=stacked([f"q{k + 1}" for k in range(arm.size)]),
-        tip=stacked(spatial),
-        row=table.row,
-        orientation=_orientation(columns, stacked),
-        time=time,
-        sides=sides,
-        payload_mass=one("payload"),
-        temperature=one("temperature"),
-        link_temperature=_link_temperature(columns, arm, total, warnings),
-        velocity=each_joint("v"),
-        acceleration=each_joint("a"),
-        commanded=each_joint("c"),
-        joint_side=each_joint("j"),
-        torque=each_joint("tau"),
-        force=_in_space(columns, ("fx", "fy", "fz"), total),
-        base_target=_in_space(columns, ("basex", "basey", "basez"), total),
-        sigma=held.sigma,
-        frame=held.frame,
-        tool=held.tool,
-        warnings=tuple(warnings),
-        other=MappingProxyType(strangers),
-        settings=held.file,
-    )
-
-
-def _in_space(columns: dict[str, _Column], names: Sequence[str], total: int) -> Array | None:
-    """Three components; the third is 0 where a recording in the plane leaves it out."""
-    if names[0] not in columns:
-        return None
-    return np.stack([columns[name].values if name in columns else np.zeros(total) for name in names], axis=1)
-
-
-def _orientation(columns: dict[str, _Column], stacked: Callable[[Sequence[str]], Array]) -> Array | None:
-    """Rotation matrices (N, 3, 3), nan where a row has none; angles turn about the fixed x, y and z, in this order."""
-    names = ("qx", "qy", "qz", "qw") if "qw" in columns else ("rx", "ry", "rz")
-    if names[0] not in columns:
-        return None
-    values = stacked(names)
-    good = np.isfinite(values).all(axis=1) & (("rx" in names) | (np.abs(values).max(axis=1) > 0.0))
-    matrices = np.full((len(values), 3, 3), np.nan)
-    if good.any():
-        turns = Rotation.from_quat(values[good]) if "qw" in columns else Rotation.from_euler("xyz", values[good])
-        matrices[good] = turns.as_matrix()
-    return matrices
-
-
-def _link_temperature(columns: dict[str, _Column], arm: Arm, total: int, warnings: list[str]) -> Array | None:
-    names = [f"temperature_link{k + 1}" for k in range(arm.size)]
-    lacking = [name for name in names if name not in columns]
-    if len(lacking) == arm.size:
-        return None
-    if lacking:
-        instead = "temperature" if "temperature" in columns else "the arm file's temperature"
-        warnings.append(f"There is no {', '.join(lacking)}: {instead} counts for those links.")
-    rest = columns["temperature"].values if "temperature" in columns else np.full(total, arm.temperature)
-    return np.stack([columns[name].values if name in columns else rest for name in names], axis=1)

@@ -4,37 +4,44 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from arm.chain import Arm
 from materials.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
-_WHOLE = re.compile(
-    r"(time|payload|temperature|x|y|z|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+_WHOLE = re.compile(r"(time|payload|temperature|x|y|z|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?")
+_TURNS = MappingProxyType(
+    {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
 )
-_TURNS = {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
-_SLIDES = {"q": "length", "c": "length", "j": "length", "v": "speed", "a": "acceleration", "tau": "force"}
-_KINDS = {
-    "time": "time",
-    "payload": "mass",
-    "temperature": "temperature",
-    **dict.fromkeys(("x", "y", "z", "basex", "basey", "basez"), "length"),
-    **dict.fromkeys(("fx", "fy", "fz"), "force"),
-    **dict.fromkeys(("rx", "ry", "rz"), "angle"),
-}
-_SUFFIXES = {
-    "time": ("s", "min", "h"),
-    "mass": ("kg", "g"),
-    "temperature": ("degC", "K"),
-    "length": ("mm", "m", "um"),
-    "force": ("N",),
-    "angle": ("deg", "rad"),
-    "angular_speed": ("deg_s", "rad_s"),
-    "speed": ("mm_s", "m_s"),
-    "angular_acceleration": ("deg_s2", "rad_s2"),
-    "acceleration": ("mm_s2", "m_s2"),
-    "torque": ("Nm",),
-}
+_SLIDES = MappingProxyType(
+    {"q": "length", "c": "length", "j": "length", "v": "speed", "a": "acceleration", "tau": "force"}
+)
+_KINDS = MappingProxyType(
+    {
+        "time": "time",
+        "payload": "mass",
+        "temperature": "temperature",
+        **dict.fromkeys(("x", "y", "z", "basex", "basey", "basez"), "length"),
+        **dict.fromkeys(("fx", "fy", "fz"), "force"),
+        **dict.fromkeys(("rx", "ry", "rz"), "angle"),
+    }
+)
+_SUFFIXES = MappingProxyType(
+    {
+        "time": ("s", "min", "h"),
+        "mass": ("kg", "g"),
+        "temperature": ("degC", "K"),
+        "length": ("mm", "m", "um"),
+        "force": ("N",),
+        "angle": ("deg", "rad"),
+        "angular_speed": ("deg_s", "rad_s"),
+        "speed": ("mm_s", "m_s"),
+        "angular_acceleration": ("deg_s2", "rad_s2"),
+        "acceleration": ("mm_s2", "m_s2"),
+        "torque": ("Nm",),
+    }
+)
 
 
 @dataclass(frozen=True)
@@ -54,7 +61,12 @@ class ColumnMeaning:
 
 
 class UnitMissing(InputError):
-    """A known name without a unit that would do; in a foreign file it may be somebody's own column."""
+    """A known name without a unit that would do. In a foreign file it may be somebody's own column; anywhere, where
+    words follow it and not just a unit (`stranger`: x_mean_of_ten)."""
+
+    def __init__(self, file: object, key: str, message: str, *, stranger: bool = False) -> None:
+        super().__init__(file, key, message)
+        self.stranger = stranger
 
 
 def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
@@ -107,9 +119,7 @@ def _bare(header: str, base: str, index: int | None, suffix: str | None, file: o
     return ColumnMeaning(base, index, 1.0)
 
 
-def _with_unit(
-    header: str, base: str, index: int | None, kind: str, suffix: str | None, file: object
-) -> ColumnMeaning:
+def _with_unit(header: str, base: str, index: int | None, kind: str, suffix: str | None, file: object) -> ColumnMeaning:
     name = header if suffix is None else header[: -len(suffix) - 1]
     would_do = " or ".join(f"{name}_{each}" for each in _SUFFIXES[kind])
     if suffix is None:
@@ -122,5 +132,6 @@ def _with_unit(
     except InputError:
         article = "an" if kind_of(kind).name[0] in "aeiou" else "a"
         message = f"'{suffix}' is no unit of {article} {kind.replace('_', ' ')}; write {would_do} in the header"
-        raise UnitMissing(file, header, message) from None
+        words = 3 if kind in ("angular_speed", "speed", "angular_acceleration", "acceleration") else 2
+        raise UnitMissing(file, header, message, stranger=len(suffix.split("_")) >= words) from None
     return ColumnMeaning(base, index, one - nothing, nothing)

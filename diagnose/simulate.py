@@ -154,10 +154,9 @@ def _written(q: Array, arm: Arm) -> Array:
 def _temperature(time: Array, limits: tuple[float, float], random: np.random.Generator) -> Array:
     """A slow walk that touches both limits (K): no line in time, so that drift and warming can be told apart."""
     phase = time / max(float(time[-1]), 1.0)
-    waves = sum(
-        np.sin(2.0 * math.pi * (cycles * phase + random.uniform())) / cycles for cycles in (0.7, 1.6, 2.9)
-    )
-    waves = np.asarray(waves, dtype=float)
+    waves = np.zeros_like(phase)
+    for cycles in (1.4, 2.3, 3.7):
+        waves += np.sin(2.0 * math.pi * (cycles * phase + random.uniform())) / cycles
     spread = float(np.ptp(waves))
     share = (waves - waves.min()) / spread if spread > 0.0 else np.zeros_like(waves)
     celsius = limits[0] + (limits[1] - limits[0]) * share - (REFERENCE_TEMPERATURE - 20.0)

@@ -12,6 +12,7 @@ from arm.chain import Arm, Link, LoadCase
 from arm.workspace import Workspace
 from arm.writing import material_to_value, section_to_mapping
 from materials.quantities import format_quantity
+from sections.taper import Tapered
 
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
@@ -66,10 +67,17 @@ def _compliance(arm: Arm, compliance: Compliance) -> dict[str, Any]:
     }
 
 
-def _dimensions(link: Link) -> dict[str, float]:
+def _dimensions(link: Link) -> dict[str, float | list[float]]:
+    """The dimensions in mm; of a tapered link both ends."""
     if link.section is None:
         return {}
-    return {name: 1e3 * float(x) for name, x in link.section.given().items() if isinstance(x, float | int)}
+    found: dict[str, float | list[float]] = {}
+    for name, x in link.section.given().items():
+        if isinstance(x, float | int):
+            found[name] = 1e3 * float(x)
+        elif isinstance(link.section, Tapered):
+            found[name] = [1e3 * float(each) for each in x]
+    return found
 
 
 def _rounded_section(link: Link) -> dict[str, Any] | None:

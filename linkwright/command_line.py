@@ -12,7 +12,21 @@ from linkwright.screen.console import OutputClosed, drop_output
 from materials.quantities import InputError
 
 from .as_json import program_version
-from .commands import effects, evaluate, figures, materials, optimize, seam, sections, tables
+from .commands import (
+    compare,
+    compensate,
+    diagnose,
+    effects,
+    evaluate,
+    figures,
+    materials,
+    optimize,
+    seam,
+    sections,
+    simulate,
+    tables,
+    tradeoff,
+)
 from .commands.groups import PLAIN
 
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
@@ -47,6 +61,11 @@ def command_line() -> typer.Typer:
     made.command("tables", help=tables.HELP)(tables.tables)
     made.command("figures", help=figures.HELP)(figures.figures)
     made.command("seam", help=seam.HELP)(seam.seam)
+    made.command("simulate", help=simulate.HELP)(simulate.simulate)
+    made.command("tradeoff", help=tradeoff.HELP)(tradeoff.tradeoff)
+    made.command("diagnose", help=diagnose.HELP)(diagnose.diagnose)
+    made.command("compare", help=compare.HELP)(compare.compare)
+    made.command("compensate", help=compensate.HELP)(compensate.compensate)
     made.add_typer(materials.group(), name="materials")
     made.add_typer(sections.group(), name="sections")
     made.add_typer(effects.group(), name="effects")

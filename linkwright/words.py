@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import cast
 
 from arm.chain import Arm, Link, LoadCase
 from arm.effects import EFFECTS
@@ -62,11 +63,17 @@ def shape_words(shape: str | None, dimensions: Mapping[str, float]) -> str:
     if shape is None:
         return "rigid"
     parts = [
-        f"{name.replace('_', ' ')} {figure(1e3 * value, 5)}"
+        f"{name.replace('_', ' ')} {' to '.join(figure(1e3 * each, 5) for each in ends)}"
         for name, value in dimensions.items()
-        if isinstance(value, float | int)  # pyright: ignore[reportUnnecessaryIsInstance] - a polygon has points
+        if (ends := _ends(value))
     ]
     return f"{shape.replace('_', ' ')}: {', '.join(parts)} mm" if parts else shape.replace("_", " ")
+
+
+def _ends(value: object) -> tuple[float, ...]:
+    """One length, or those at both ends of a taper; none for the points of a polygon."""
+    ends = cast(tuple[object, ...], value) if isinstance(value, tuple) else (value,)
+    return tuple(float(each) for each in ends if isinstance(each, float | int))
 
 
 def section_words(link: Link) -> str:

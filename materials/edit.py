@@ -7,6 +7,7 @@ its sources, into the file first, where it hides the shipped one.
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -126,41 +127,71 @@ def land(path: Path | str, before: str | None, text: str) -> str:
     Raises `InputError` where it is no catalogue, or the file is no longer as it was `before`.
     """
 
+    return land_yaml(path, before, text, check=lambda changed: _check(path, changed))
+
+
+def land_yaml(path: Path | str, before: str | None, text: str, *, check: Callable[[str], object]) -> str:
+    """Put an edited text in place of any file of ours; `check` raises `InputError` where it is not what it should be.
+
+    Raises `InputError` as well where the file is no longer as it was `before`.
+    """
+
     def whole(current: str | None) -> tuple[str, str]:
         if current != before:
             raise InputError(path, "", "has been changed by somebody else meanwhile; nothing was written")
-        read_layer(Mapping(parse_yaml(text, file=path), file=path), Path(path).stem)
+        check(text)
         return text, "edited the file"
 
     return edit_text(path, whole)
 
 
-def uses(path: Path | str, name: str) -> bool:
-    """Tell whether an arm or problem file names the material anywhere under a key `material`. Raises `InputError`."""
-    return _names_material(load_yaml(path).content, name)
+def edit_yaml(
+    path: Path | str, change: Callable[[YamlText], str], *, new_file: str, check: Callable[[str], object]
+) -> str:
+    """Change a file of ours under its lock, in its journal; returns what `change` says that it did.
+
+    `new_file` is the text that a missing or empty file begins as. `check` gets the whole text that would land and
+    raises `InputError` where it may not.
+    """
+
+    def whole(before: str | None) -> tuple[str, str]:
+        document = YamlText(new_file if before is None or not before.strip() else before, file=path)
+        what = change(document)
+        check(document.text)
+        return document.text, what
+
+    return edit_text(path, whole)
 
 
-def _names_material(value: object, name: str) -> bool:
+def uses(
+    path: Path | str, name: str, *, key: str = "material", same: Callable[[str, str], bool] = operator.eq
+) -> bool:
+    """Tell whether an arm or problem file has the name anywhere under the key, alone or in a list.
+
+    `same` tells whether two names mean the same. Raises `InputError`.
+    """
+    return _names(load_yaml(path).content, key, lambda other: isinstance(other, str) and same(other, name))
+
+
+def _names(value: object, wanted: str, meant: Callable[[object], bool]) -> bool:
     if isinstance(value, dict):
         for key, inner in cast(dict[str, object], value).items():
             listed = cast(list[object], inner) if isinstance(inner, list) else [inner]
-            if key == "material" and name in listed:
+            if key == wanted and any(meant(each) for each in listed):
                 return True
-            if _names_material(inner, name):
+            if _names(inner, wanted, meant):
                 return True
     if isinstance(value, list):
-        return any(_names_material(inner, name) for inner in cast(list[object], value))
+        return any(_names(inner, wanted, meant) for inner in cast(list[object], value))
     return False
 
 
 def _edit(path: Path | str, change: Callable[[YamlText], str]) -> str:
-    def whole(before: str | None) -> tuple[str, str]:
-        document = YamlText(NEW_FILE if before is None or not before.strip() else before, file=path)
-        what = change(document)
-        read_layer(Mapping(parse_yaml(document.text, file=path), file=path), Path(path).stem)
-        return document.text, what
+    return edit_yaml(path, change, new_file=NEW_FILE, check=lambda text: _check(path, text))
 
-    return edit_text(path, whole)
+
+def _check(path: Path | str, text: str) -> None:
+    read_layer(Mapping(parse_yaml(text, file=path), file=path), Path(path).stem)
 
 
 def _has(document: YamlText, name: str) -> bool:

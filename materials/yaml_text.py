@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
-from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from materials.quantities import InputError
 from materials.reading import parse_yaml
 
 Pair = tuple[Node, Node]
+
+Place: TypeAlias = Sequence[str | int]
+"""A path into the text: the keys of mappings and the numbers (from 0) of entries of lists on the way."""
 
 
 class YamlText:
@@ -36,25 +39,32 @@ class YamlText:
         self.data: dict[str, Any] = cast(dict[str, Any], content)
         self._newline = "\r\n" if "\r\n" in text else "\n"
 
-    def get(self, path: Sequence[str]) -> Any:
-        """Return the value at a path of keys, None where there is none."""
+    def get(self, path: Place) -> Any:
+        """Return the value at a path, None where there is none."""
         value: Any = self.data
         for key in path:
-            if not isinstance(value, dict) or key not in value:
+            if isinstance(value, list) and isinstance(key, int):
+                entries = cast(list[Any], value)
+                value = entries[key] if 0 <= key < len(entries) else None
+            elif isinstance(value, dict) and key in value:
+                value = cast(dict[Any, Any], value)[key]
+            else:
                 return None
-            value = cast(dict[str, Any], value)[key]
         return value
 
-    def set(self, path: Sequence[str], value: Any, *, block: bool = False) -> None:
+    def set(self, path: Place, value: Any, *, block: bool = False) -> None:
         """Set the value at a path; keys that are missing on the way are put at the end of their mapping.
 
         A new value is written on one line (`{value: 1 GPa}`), with `block` as lines of its own where its mapping is
         written so. Raises `InputError` where something on the way is no mapping.
         """
+        if isinstance(path[-1], int):
+            self._set_entry(path[:-1], path[-1], value)
+            return
         depth = self._depth_present(path)
         for key in reversed(path[depth + 1 :]):
             value = {key: value}
-        where, key = path[:depth], path[depth]
+        where, key = path[:depth], str(path[depth])
         mapping = self._node(where)
         pair = _find(mapping, key)
         if pair is not None:
@@ -66,7 +76,29 @@ class YamlText:
         target[key] = value
         self._confirm(path)
 
-    def extend(self, path: Sequence[str], more: Mapping[str, Any]) -> None:
+    def append(self, path: Place, *values: Any) -> None:
+        """Put entries at the end of the list at a path, written as the list is: on lines of their own, or inline.
+
+        Raises `InputError` where there is no list.
+        """
+        node = self._list_node(path)
+        entries = cast(list[Node], node.value)
+        if not values:
+            return
+        if node.flow_style and entries:
+            self._splice_at(self._end(entries[-1], 0), "".join(f", {flow_text(value)}" for value in values))
+        elif node.flow_style:
+            self._open_empty_list(node, values)
+        else:
+            column = node.start_mark.column
+            at = self._line_end(self._end(entries[-1], column))
+            lines = "".join(self._entry_lines(value, column) for value in values)
+            needs_break = at > 0 and not self.text[:at].endswith("\n")
+            self._splice_at(at, (self._newline if needs_break else "") + lines)
+        cast(list[Any], self.get(path)).extend(values)
+        self._confirm(path)
+
+    def extend(self, path: Place, more: Mapping[str, Any]) -> None:
         """Put keys that are not there yet at the end of a mapping, in one go: what `set` would do one by one."""
         rest = dict(more)
         while rest:
@@ -84,13 +116,19 @@ class YamlText:
             rest = {}
         self._confirm(path)
 
-    def remove(self, path: Sequence[str]) -> None:
-        """Take a key and its value away; comments before and after it stay. Raises `InputError` for no such key."""
+    def remove(self, path: Place) -> None:
+        """Take a key and its value, or an entry of a list, away; comments before and after it stay.
+
+        Raises `InputError` for no such key.
+        """
+        if isinstance(path[-1], int):
+            self._remove_entry(path[:-1], path[-1])
+            return
         mapping = self._node(path[:-1])
         pairs = cast(list[Pair], mapping.value)
         index = next((i for i, pair in enumerate(pairs) if _key(pair) == path[-1]), None)
         if index is None:
-            raise InputError(self.file, ".".join(path), "is not there")
+            raise InputError(self.file, shown_path(path), "is not there")
         key_node, value_node = pairs[index]
         start, end = key_node.start_mark.index, self._end(value_node, key_node.start_mark.column)
         if mapping.flow_style:
@@ -106,12 +144,12 @@ class YamlText:
         del self._mapping_at(path[:-1])[path[-1]]
         self._confirm(path)
 
-    def rename(self, path: Sequence[str], name: str) -> None:
+    def rename(self, path: Place, name: str) -> None:
         """Give the key at the end of a path another name, at its place. Raises `InputError`."""
         mapping = self._node(path[:-1])
-        pair = _find(mapping, path[-1])
+        pair = _find(mapping, str(path[-1]))
         if pair is None:
-            raise InputError(self.file, ".".join(path), "is not there")
+            raise InputError(self.file, shown_path(path), "is not there")
         self._splice(pair[0].start_mark.index, pair[0].end_mark.index, flow_text(name, key=True))
         holder = self._mapping_at(path[:-1])
         renamed = {name if key == path[-1] else key: value for key, value in holder.items()}
@@ -119,7 +157,7 @@ class YamlText:
         holder.update(renamed)
         self._confirm(path)
 
-    def _mapping_at(self, path: Sequence[str]) -> dict[str, Any]:
+    def _mapping_at(self, path: Place) -> dict[str, Any]:
         value: Any = self.data
         for key in path:
             if value[key] is None:
@@ -127,30 +165,106 @@ class YamlText:
             value = value[key]
         return cast(dict[str, Any], value)
 
-    def _depth_present(self, path: Sequence[str]) -> int:
+    def _depth_present(self, path: Place) -> int:
         """How many of the path's mappings are there; a null counts as one that is not."""
-        value: Any = self.data
-        for depth, key in enumerate(path[:-1]):
-            value = value.get(key)
+        for depth in range(1, len(path)):
+            value = self.get(path[:depth])
             if value is None:
-                return depth
-            if not isinstance(value, dict):
-                raise InputError(self.file, ".".join(path[: depth + 1]), "holds no keys of its own")
+                return depth - 1
+            following = list if isinstance(path[depth], int) else dict
+            if not isinstance(value, following):
+                raise InputError(self.file, shown_path(path[:depth]), "holds no keys of its own")
         return len(path) - 1
 
-    def _node(self, path: Sequence[str]) -> MappingNode:
+    def _any_node(self, path: Place) -> Any:
         try:
             node: Any = YAML(typ="safe", pure=True).compose(self.text)
         except YAMLError as error:
             raise InputError(self.file, "", f"cannot be edited in place: {error}") from None
         for key in path:
-            pair = _find(node, key) if isinstance(node, MappingNode) else None
-            node = None if pair is None else pair[1]
-        if not isinstance(node, MappingNode):
-            raise InputError(self.file, ".".join(path), "holds no keys of its own")
+            if isinstance(key, int):
+                entries = cast(list[Node], node.value) if isinstance(node, SequenceNode) else []
+                node = entries[key] if 0 <= key < len(entries) else None
+            else:
+                pair = _find(node, key) if isinstance(node, MappingNode) else None
+                node = None if pair is None else pair[1]
         return node
 
-    def _insert(self, where: Sequence[str], mapping: MappingNode, key: str, value: Any, block: bool) -> None:
+    def _node(self, path: Place) -> MappingNode:
+        node = self._any_node(path)
+        if not isinstance(node, MappingNode):
+            raise InputError(self.file, shown_path(path), "holds no keys of its own")
+        return node
+
+    def _list_node(self, path: Place) -> SequenceNode:
+        node = self._any_node(path)
+        if not isinstance(node, SequenceNode):
+            raise InputError(self.file, shown_path(path), "is no list")
+        return node
+
+    def _entry_of(self, path: Place, index: int) -> tuple[SequenceNode, Node]:
+        node = self._list_node(path)
+        entries = cast(list[Node], node.value)
+        if not 0 <= index < len(entries):
+            raise InputError(self.file, shown_path([*path, index]), "is not there")
+        return node, entries[index]
+
+    def _set_entry(self, path: Place, index: int, value: Any) -> None:
+        node, entry = self._entry_of(path, index)
+        self._splice(entry.start_mark.index, self._end(entry, node.start_mark.column), flow_text(value))
+        self.get(path)[index] = value
+        self._confirm([*path, index])
+
+    def _remove_entry(self, path: Place, index: int) -> None:
+        node, entry = self._entry_of(path, index)
+        entries = cast(list[Node], node.value)
+        start, end = entry.start_mark.index, self._end(entry, node.start_mark.column)
+        if node.flow_style:
+            if index + 1 < len(entries):
+                end = entries[index + 1].start_mark.index
+            elif index > 0:
+                start = self._end(entries[index - 1], 0)
+            self._splice(start, end, "")
+        else:
+            start = self.text.rfind("-", 0, start)
+            if len(entries) == 1:
+                self._splice(start, end, "[]")
+            else:
+                self._splice(self._line_start(start), self._line_end(end), "")
+        del self.get(path)[index]
+        self._confirm([*path, index])
+
+    def _entry_lines(self, value: Any, column: int) -> str:
+        """An entry of a list as lines, from its dash on; a mapping one line a key, lists of lists one line an entry."""
+        if not isinstance(value, dict) or not value:
+            return " " * column + f"- {flow_text(value)}" + self._newline
+        lines: list[str] = []
+        for key, inner in cast(dict[str, Any], value).items():
+            head = " " * (column + 2) + flow_text(key, key=True) + ":"
+            entries = cast(list[Any], inner) if isinstance(inner, list) else []
+            if entries and all(isinstance(entry, list) for entry in entries):
+                lines += [head, *(" " * (column + 4) + f"- {flow_text(entry)}" for entry in entries)]
+            else:
+                lines.append(f"{head} {flow_text(inner)}")
+        lines[0] = " " * column + "- " + lines[0].lstrip(" ")
+        return "".join(line + self._newline for line in lines)
+
+    def _open_empty_list(self, node: SequenceNode, values: Sequence[Any]) -> None:
+        """Make lines of an empty `[]`; a comment after it stays."""
+        start, end = node.start_mark.index, node.end_mark.index
+        alone = not self.text[self._line_start(start) : start].strip()
+        column = self._indent_of_line(start) + (0 if alone else 2)
+        at = self._line_end(end)
+        needs_break = at == end or not self.text[:at].endswith("\n")
+        lines = "".join(self._entry_lines(value, column) for value in values)
+        self._splice_at(at, (self._newline if needs_break else "") + lines)
+        rest = self.text[end : self._line_end(end)].strip()
+        if alone:
+            self._splice(self._line_start(start), self._line_end(end) if not rest else end, "")
+        else:
+            self._splice(start if rest else len(self.text[:start].rstrip(" ")), end, "")
+
+    def _insert(self, where: Place, mapping: MappingNode, key: str, value: Any, block: bool) -> None:
         pairs = cast(list[Pair], mapping.value)
         written = flow_text(key, key=True)
         if mapping.flow_style and pairs:
@@ -235,14 +349,21 @@ class YamlText:
     def _splice_at(self, index: int, new: str) -> None:
         self._splice(index, index, new)
 
-    def _confirm(self, path: Sequence[str]) -> None:
+    def _confirm(self, path: Place) -> None:
         """Refuse a splice that did not do exactly what it was for."""
         try:
             now = parse_yaml(self.text, file=self.file)
         except InputError:
             now = None
         if json.dumps(now) != json.dumps(self.data):
-            raise InputError(self.file, ".".join(path), "cannot be changed without touching the rest; edit it by hand")
+            message = "cannot be changed without touching the rest; edit it by hand"
+            raise InputError(self.file, shown_path(path), message)
+
+
+def shown_path(path: Place) -> str:
+    """A path for messages: `tables[2].rows[14]`, entries counted from 1."""
+    parts = "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in path)
+    return parts.removeprefix(".")
 
 
 def _key(pair: Pair) -> str:

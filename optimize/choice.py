@@ -238,12 +238,12 @@ def _rank(candidate: Candidate) -> float:
     return math.inf if candidate.objective is None else candidate.objective
 
 
-def _link_by_link(problem: Problem, chooser: Chooser) -> None:
-    """Coordinate search: the best combination in which all links agree, then one link at a time until none improves."""
+def uniform(problem: Problem) -> list[Combination]:
+    """The combinations in which all links that can agree do."""
     shapes, materials = options(problem)
     kinds = list(dict.fromkeys(itertools.chain.from_iterable(shapes)))
     stuffs = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
-    uniform = [
+    found = [
         Combination(
             tuple(shape if shape in own else next(iter(own)) for own in shapes),
             tuple(material if material in own else next(iter(own)) for own in materials),
@@ -251,20 +251,31 @@ def _link_by_link(problem: Problem, chooser: Chooser) -> None:
         for shape in kinds
         for material in stuffs
     ]
-    chooser.try_all(list(dict.fromkeys(uniform)))
+    return list(dict.fromkeys(found))
+
+
+def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Combination]:
+    """The combinations that differ from one in a link (from 0), or in all links where they must agree."""
+    shapes, materials = options(problem)
+    trials: list[Combination] = []
+    for shape, material in itertools.product(shapes[link], materials[link]):
+        new_shapes = tuple(shape if k == link else own for k, own in enumerate(pick.shapes))
+        new_materials = tuple(material if k == link else own for k, own in enumerate(pick.materials))
+        if "section" in problem.same or "size" in problem.same:
+            new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
+        if "material" in problem.same:
+            new_materials = tuple(material if own is not None else None for own in pick.materials)
+        trials.append(Combination(new_shapes, new_materials))
+    return list(dict.fromkeys(trials))
+
+
+def _link_by_link(problem: Problem, chooser: Chooser) -> None:
+    """Coordinate search: the best combination in which all links agree, then one link at a time until none improves."""
+    chooser.try_all(uniform(problem))
     improved = True
     while improved and chooser.best is not None:
         before = chooser.objective
-        for link in range(len(shapes)):
-            pick = chooser.best[0]
-            trials: list[Combination] = []
-            for shape, material in itertools.product(shapes[link], materials[link]):
-                new_shapes = tuple(shape if k == link else own for k, own in enumerate(pick.shapes))
-                new_materials = tuple(material if k == link else own for k, own in enumerate(pick.materials))
-                if "section" in problem.same or "size" in problem.same:
-                    new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
-                if "material" in problem.same:
-                    new_materials = tuple(material if own is not None else None for own in pick.materials)
-                trials.append(Combination(new_shapes, new_materials))
-            chooser.try_all([trial for trial in dict.fromkeys(trials) if trial not in chooser.candidates])
+        for link in range(problem.arm.size):
+            trials = one_link_changed(problem, chooser.best[0], link)
+            chooser.try_all([trial for trial in trials if trial not in chooser.candidates])
         improved = chooser.objective < before * (1.0 - 1e-6)

@@ -25,7 +25,7 @@ from materials.material import Material
 
 from .design import DesignSpace, arm_of, numeric_beams
 from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
-from .problem import Problem
+from .problem import Limit, Problem
 from .program import Program, Solution, anchored, carried_mass, fixed_error
 from .result import Iteration
 
@@ -113,14 +113,30 @@ class Exchange:
             self._program = Program(self.space, self.context.model, self.context.strengths, room)
         return self._program
 
-    def bound(self, materials: Array, pool: Pool, start: Array) -> tuple[Solution, float] | None:
-        """The solution for the pool alone, and its objective: no design near it does better. None where infeasible."""
+    def set_limits(self, limits: tuple[Limit, ...]) -> None:
+        """Give the problem's limits other values; what is compiled stays."""
+        self.context = replace(self.context, problem=replace(self.context.problem, limits=limits))
+
+    def bound(
+        self, materials: Array, pool: Pool, start: Array, *, push: int | None = None
+    ) -> tuple[Solution, float] | None:
+        """The solution for the pool alone, and its objective: no design near it does better. None where infeasible.
+
+        `push` as for `run`.
+        """
         program = self.program(pool, spare=False)
         # Anchored poses that turn as far as they like can only make the bound lower.
-        solution = program.solve(start, materials, pool, turn=20.0)
+        solution = program.solve(start, materials, pool, turn=20.0, limits=self.context.problem.limits, push=push)
         if not solution.solved:
             return None
-        return solution, objective_of(self.context, program, solution.x, materials, solution.error)
+        return solution, self._objective(program, solution, materials, push)
+
+    def _objective(self, program: Program, solution: Solution, materials: Array, push: int | None) -> float:
+        if push is None:
+            return objective_of(self.context, program, solution.x, materials, solution.error)
+        limit = self.context.problem.limits[push]
+        scale = 1.0 / limit.value if limit.relation == ">=" else limit.value
+        return scale * math.exp(solution.slacks[push])
 
     def run(
         self,
@@ -131,28 +147,31 @@ class Exchange:
         *,
         give_up_above: float = math.inf,
         log: Log | None = None,
+        push: int | None = None,
     ) -> Exchanged | None:
         """The exchange from a start; None where the finite problem has no solution.
 
-        `give_up_above`: an objective that is known to be reached by other choices.
+        `give_up_above`: an objective that is known to be reached by other choices. With `push` the limit of that number
+        is made as tight as it can be: the objective is then its value, or the reciprocal where more is better.
         """
+        limits = self.context.problem.limits
         iterations: list[Iteration] = []
         last, error = start, 1e-3
         best: Exchanged | None = None
         for number in range(1, _MOST_ROUNDS + 1):
             program = self.program(pool)
-            solution = program.solve(last, materials, pool, error=error)
+            solution = program.solve(last, materials, pool, error=error, limits=limits, push=push)
             if not solution.solved:
-                solution = program.solve(start, materials, pool, error=error)
+                solution = program.solve(start, materials, pool, error=error, limits=limits, push=push)
             if not solution.solved:
                 return None
-            objective = objective_of(self.context, program, solution.x, materials, solution.error)
+            objective = self._objective(program, solution, materials, push)
             change = _change(self.space, last, solution.x) if number > 1 else math.nan
             last, error = solution.x, solution.error
             if objective > give_up_above * (1.0 + 1e-9) and not solution.turned:
                 return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
             try:
-                found = self._judge(last, solution, chosen, pool)
+                found = self._judge(last, solution, chosen, pool, push)
             except Unreachable as missing:
                 # The new lengths are too short for a place that the start reaches: from now on a pose holds on to it.
                 grown = pool.with_errors(self._reaching(missing.point, start, chosen)) if self._anchors else pool
@@ -189,9 +208,11 @@ class Exchange:
         found = self._judge(solution.x, solution, chosen, pool)
         return found.pool if found.violation > TOLERANCE else pool
 
-    def _judge(self, x: Array, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> _Judged:
+    def _judge(
+        self, x: Array, solution: Solution, chosen: Sequence[Material | None], pool: Pool, push: int | None = None
+    ) -> _Judged:
         """How much worse the design is than its program believes, with the poses that show it."""
-        context = self.context
+        context = self.context if push is None else _pushed(self.context, push, solution.slacks[push])
         arm = arm_of(self.space, x, chosen)
         p = numeric_beams(arm, context.problem.load_cases)
         violation, certified, worst = -math.inf, True, None
@@ -210,7 +231,7 @@ class Exchange:
             cuts = tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED])
             grown = grown.with_errors(cuts)
         violation, grown = self._judge_strength(arm, p, violation, grown)
-        violation, grown = self._judge_modes(arm, p, violation, grown)
+        violation, grown = self._judge_modes(context, arm, p, violation, grown)
         return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
 
     def _judge_strength(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
@@ -233,8 +254,9 @@ class Exchange:
                     cuts.append(StrengthCut(*place))
         return violation, pool.with_strengths(tuple(cuts))
 
-    def _judge_modes(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
-        context = self.context
+    def _judge_modes(
+        self, context: Context, arm: Arm, p: Array, violation: float, pool: Pool
+    ) -> tuple[float, Pool]:
         limit = context.limit("first_frequency")
         if limit is None:
             return violation, pool
@@ -250,6 +272,14 @@ class _Judged:
     worst: WorstCase | None
     pool: Pool
     added: bool
+
+
+def _pushed(context: Context, number: int, slack: float) -> Context:
+    """The context with one limit moved by the slack of its logarithm."""
+    limits = list(context.problem.limits)
+    limit = limits[number]
+    limits[number] = replace(limit, value=limit.value * math.exp(-slack if limit.relation == ">=" else slack))
+    return replace(context, problem=replace(context.problem, limits=tuple(limits)))
 
 
 def _change(space: DesignSpace, old: Array, new: Array) -> float:

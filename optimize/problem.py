@@ -19,6 +19,7 @@ from materials.material import Material
 from materials.quantities import Bound, format_quantity, read_bound, read_quantity, shown
 from materials.reading import Mapping, load_yaml, nearest
 from sections import SHAPES
+from sections.taper import Tapered
 
 Objective = Literal["max_error", "mass", "total_mass", "cost"]
 Relation = Literal["<=", "==", ">="]
@@ -304,6 +305,10 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
         if reason is not None:
             raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
+    for number, link in enumerate(problem.arm.links, start=1):
+        if problem.shapes is None and isinstance(link.section, Tapered):
+            would_do = "name uniform shapes for the links: choose: {section: [...]}"
+            raise mapping.error("choose", f"link {number} is tapered, and tapers are not optimised; {would_do}")
     own = {link.section.shape for link in problem.arm.links if link.section is not None}
     for shape in sorted(own):
         if problem.shapes is None and not _can_be_chosen(shape):

@@ -4,16 +4,17 @@ derivatives.
 minimise y over (x, y) subject to log |e(x; pose)|^2 <= 2 y for every pose of the pool: the worst error is then exp(y)
 mm
 plus the sum of the clearance discs' radii, which no design changes. Masses and errors enter through their logarithms:
-where they are posynomials of the dimensions, the problem is convex. Poses, play and materials are parameters, so one
-compiled program serves every round of the exchange and every choice of materials. Every limit has a slack, fixed at
-zero unless an infeasible problem is to be explained.
+where they are posynomials of the dimensions, the problem is convex. Poses, play, materials and the values of limits are
+parameters, so one compiled program serves every round of the exchange, every choice of materials and every point of a
+trade-off. Every limit has a slack, fixed at zero unless an infeasible problem is to be explained, or that limit itself
+is pushed as far as it goes.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -26,7 +27,7 @@ from arm.workspace import climbing_bounds, joint_box
 
 from .design import MATERIAL_FIELDS, DesignSpace, expressions
 from .pool import ErrorCut, ModeCut, Pool, Room, StrengthCut
-from .problem import Problem
+from .problem import Limit, Problem
 from .rows import (
     MM,
     OWN_ROWS,
@@ -44,6 +45,8 @@ from .rows import (
 Array = NDArray[np.float64]
 
 _INSIDE = 1e-6
+_FARTHEST = 30.0
+"""How far (in its logarithm) a limit can be pushed."""
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
 TURN = 0.5
@@ -112,10 +115,12 @@ class Program:
         """`room`: how many binding poses of each kind there is room for."""
         self.space, self.model, self.room = space, model, room
         problem = space.problem
-        limits = problem.limits
+        levels = symbol("level", len(problem.limits))
+        limits = tuple(replace(limit, value=levels[k]) for k, limit in enumerate(problem.limits))
         self._anchored = anchored(space)
         x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
         materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
+        pushed = symbol("pushed", len(limits))
         design = expressions(space, x, materials)
         self.fixed_error = fixed_error(model)
         worst = self.fixed_error + ca.exp(y) / MM
@@ -142,12 +147,14 @@ class Program:
             "total_mass": ca.log(design.mass + carried_mass(problem)),
             "cost": ca.log(ca.SX(design.cost)),
         }[problem.minimize]
-        parameters = [materials, weights, *errors.parameters, *stress.parameters, *modes.parameters]
+        parameters = [materials, weights, pushed, levels, *errors.parameters, *stress.parameters, *modes.parameters]
         every = [*rows, *errors.equalities]
         program = {
             "x": ca.vertcat(x, y, slack, *errors.unknowns),
             "p": ca.vertcat(*parameters),
-            "f": weights[0] * objective + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack))),
+            "f": weights[0] * objective
+            + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack)))
+            + ca.dot(pushed, slack),
             "g": ca.vertcat(*every) if every else ca.SX(0, 1),
         }
         self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
@@ -177,14 +184,18 @@ class Program:
         error: float = 1e-3,
         relax: bool = False,
         turn: float = TURN,
+        limits: Sequence[Limit] | None = None,
+        push: int | None = None,
     ) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m).
 
         With `relax` the limits may give way and the least relaxation is sought instead of the objective. `turn` is how
-        far (rad) anchored poses may turn their joints.
+        far (rad) anchored poses may turn their joints. `limits` are the problem's with other values. With `push` the
+        limit of that number is made as tight as it can be instead of the objective: its slack is how far it went.
         """
         lower, upper = self.space.bounds()
-        count = len(self.space.problem.limits)
+        own = self.space.problem.limits if limits is None else limits
+        count = len(own)
         y = math.log(max(error - self.fixed_error, 1e-12) * MM)
         errors, strengths = filled(pool.errors, self.room.errors), filled(pool.strengths, self.room.strengths)
         modes = [pool.modes[min(slot, len(pool.modes) - 1)] for slot in range(self.room.modes)]
@@ -193,16 +204,20 @@ class Program:
             values += list(cut.q)
         for mode in modes:
             values += [*mode.q, mode.payload, *mode.shape]
-        give = 10.0 if relax else 0.0
-        equal = np.array([-give if limit.relation == "==" else 0.0 for limit in self.space.problem.limits])
+        give = np.full(count, 10.0 if relax else 0.0)
+        equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
+        slack, pushed = 0.05 * give, np.zeros(count)
+        if push is not None:
+            give[push], equal[push], pushed[push] = _FARTHEST, -_FARTHEST, 1.0
+        weights = (0.0, 1.0) if relax else (0.0 if push is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
         least, most = self._turns(np.array(unknowns), turn)
         result = self._solver(
-            x0=[*inside, y, *([0.5 * give / 10.0] * count), *unknowns],
-            p=[*materials, *((0.0, 1.0) if relax else (1.0, 0.0)), *values],
+            x0=[*inside, y, *slack, *unknowns],
+            p=[*materials, *weights, *pushed, *(limit.value for limit in own), *values],
             lbx=[*lower, -40.0, *equal, *least],
-            ubx=[*upper, 40.0, *([give] * count), *most],
+            ubx=[*upper, 40.0, *give, *most],
             lbg=self._lower,
             ubg=np.zeros(len(self._lower)),
         )

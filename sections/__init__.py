@@ -18,6 +18,7 @@ from sections.section import (
 from sections.shapes import (
     SHAPES,
     Angle,
+    Channel,
     Circle,
     Ellipse,
     EllipticalTube,
@@ -30,6 +31,7 @@ from sections.shapes import (
     RectangularTube,
     Triangle,
     TriangularTube,
+    TSection,
     Tube,
 )
 from sections.stock import Stock, StockSize, load_stock, section_from_name
@@ -39,6 +41,7 @@ __all__ = [
     "SHAPES",
     "Angle",
     "Bounds",
+    "Channel",
     "Circle",
     "Constraint",
     "DesignVariable",
@@ -59,6 +62,7 @@ __all__ = [
     "SectionProperties",
     "Stock",
     "StockSize",
+    "TSection",
     "Triangle",
     "TriangularTube",
     "Tube",

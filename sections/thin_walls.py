@@ -260,3 +260,13 @@ def i_section_shear_factors(
     lower = along_z(bottom.width, 2.0 * centroid, bottom.thickness)
     bending_z, poisson_z, poisson_y = (0.5 * (a + b) for a, b in zip(upper, lower, strict=True))
     return bending_y + poisson * poisson_y, bending_z + poisson * poisson_z
+
+
+def i_section_bending_shear(width: Number, height: Number, flange: Number, web: Number) -> tuple[Number, Number]:
+    """A / A_sy and A / A_sz at nu = 0 of an I-section with equal flanges, from its dimensions alone (m)."""
+    clear = height - 2.0 * flange
+    area = 2.0 * width * flange + clear * web
+    second_moment_y = (width * height**3 - (width - web) * clear**3) / 12.0
+    second_moment_z = (2.0 * flange * width**3 + clear * web**3) / 12.0
+    moments = (area, 0.5 * height, second_moment_y, second_moment_z)
+    return i_section_shear_factors(Flange(width, flange), None, height, web, 0.0, *moments)

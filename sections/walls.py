@@ -14,11 +14,13 @@ from sections.numeric import Number, maximum, sqrt
 from sections.section import Constraint, Section
 from sections.shapes import (
     Angle,
+    Channel,
     EllipticalTube,
     ISection,
     OctagonalTube,
     RectangularTube,
     TriangularTube,
+    TSection,
     Tube,
 )
 
@@ -156,6 +158,26 @@ def _angle(section: Angle, web: WallKind) -> tuple[Wall, ...]:
     )
 
 
+def _channel(section: Channel, web: WallKind) -> tuple[Wall, ...]:
+    overhang = section.width - section.web_thickness
+    clear = section.height - 2.0 * section.flange_thickness
+    return (
+        Wall("flange", "the flanges", "outstand", overhang / section.flange_thickness),
+        Wall("web", "the web", web, clear / section.web_thickness),
+    )
+
+
+def _t_section(section: TSection, web: WallKind) -> tuple[Wall, ...]:
+    """The web's free edge may be the compressed one, so it counts as an outstand too."""
+    del web
+    overhang = 0.5 * (section.width - section.web_thickness)
+    clear = section.height - section.flange_thickness
+    return (
+        Wall("flange", "the flange", "outstand", overhang / section.flange_thickness),
+        Wall("web", "the web", "outstand", clear / section.web_thickness),
+    )
+
+
 def _octagonal(section: OctagonalTube, web: WallKind) -> tuple[Wall, ...]:
     del web
     side = (section.width - 2.0 * section.thickness) * 0.41421356237309503
@@ -178,6 +200,8 @@ _MAKERS: Mapping[type[Section], Callable[[Any, WallKind], tuple[Wall, ...]]] = M
         EllipticalTube: _elliptical,
         RectangularTube: _rectangular,
         ISection: _i_section,
+        Channel: _channel,
+        TSection: _t_section,
         Angle: _angle,
         OctagonalTube: _octagonal,
         TriangularTube: _triangular,

@@ -14,7 +14,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         rigidity = link.beam.axial_rigidity
         if rigidity is None or not settings.acts_at(index):
             continue
-        mean_force = dot(add(link.force, scale(0.5, link.weight)), link.along)
+        mean_force = dot(add(link.force, scale(0.5 * link.beam.taper.axial_weight, link.weight)), link.along)
         yield Twist("link", index, scale(times(mean_force, link.beam.length / rigidity), link.along))
 
 

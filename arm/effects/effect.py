@@ -6,7 +6,7 @@ dp_tip = dp_i + dphi_i x (p_tip - p_i). Simulation, optimiser and diagnosis all 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
@@ -16,6 +16,12 @@ from ..vectors import ZERO, Scalar, Vector, scale
 
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""
+
+Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "loaded_for"]
+"""What an effect may ask of the conditions of a reading; the fields of `arm.conditions.Conditions`."""
+
+Only = Literal["joints that turn", "joints that slide", "joints after the first"]
+"""Which joints an effect can move, where not all."""
 
 Role = Literal["size", "shape", "given"]
 """How a parameter enters: the displacement grows from nothing with a `size`; a `shape` (a lag, a threshold, an order)
@@ -83,10 +89,21 @@ class Settings:
         return not self.at or index in self.at
 
 
+_ON_SLIDES: Mapping[str, str] = MappingProxyType(
+    {
+        "angle": "length",
+        "angle_per_temperature": "length_per_temperature",
+        "compliance": "linear_compliance",
+        "torque": "force",
+        "torsional_stiffness": "linear_stiffness",
+    }
+)
+"""The kinds of quantity of turning joints and what takes their place along a slide."""
+
+
 def kind_at(parameter: Parameter, *, slides: bool) -> str:
     """A parameter's kind of quantity where the effect acts on slides: a length for an angle, N/m for N*m/rad."""
-    linear = {"angle": "length", "torsional_stiffness": "linear_stiffness"}
-    return linear.get(parameter.kind, parameter.kind) if slides else parameter.kind
+    return _ON_SLIDES.get(parameter.kind, parameter.kind) if slides else parameter.kind
 
 
 def no_twists(state: PoseState, settings: Settings) -> Iterable[Twist]:
@@ -111,7 +128,9 @@ class Effect:
     `seated` says where the play came to lie, by the load or by the side of approach.
     `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
     tries one parameter for all of them. `before_encoder` marks what moves the joint away from its command but is seen
-    by the encoder: it moves the tip only as long as the coordinates are commands.
+    by the encoder: it moves the tip only as long as the coordinates are commands. `requires` names the conditions
+    without which it moves nothing, `enough` the sets of parameters of which an entry must hold one to say anything
+    (none named: any one parameter that is a size), `only` the joints outside which it moves nothing.
     """
 
     id: str
@@ -128,6 +147,32 @@ class Effect:
     seated: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
     together: bool = False
     before_encoder: bool = False
+    requires: tuple[Condition, ...] = ()
+    enough: tuple[tuple[str, ...], ...] = ()
+    only: Only | None = None
+
+    def can_act(self, index: int, *, revolute: bool) -> bool:
+        """Whether the effect can move anything at joint `index` (from 0), or at the link it carries."""
+        if self.only == "joints after the first":
+            return index > 0
+        return self.only is None or revolute == (self.only == "joints that turn")
+
+    @property
+    def sizes(self) -> tuple[Parameter, ...]:
+        """The parameters with which the displacement grows from nothing."""
+        return tuple(parameter for parameter in self.parameters if parameter.role == "size")
+
+    @property
+    def shapes(self) -> tuple[Parameter, ...]:
+        """The parameters that change the pattern, and are searched on their grids."""
+        return tuple(parameter for parameter in self.parameters if parameter.role == "shape")
+
+    def lacking(self, given: Collection[str]) -> str | None:
+        """What parameters named `given` lack for the effect to move anything, as words; None where they do."""
+        sets = self.enough or tuple((parameter.name,) for parameter in self.sizes)
+        if self.automatic or not sets or any(set(each) <= set(given) for each in sets):
+            return None
+        return ", or ".join(" and ".join(each) for each in sets)
 
 
 def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, ...]:

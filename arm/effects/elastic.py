@@ -1,33 +1,26 @@
 """All that gives in an arm under load, as one response: for effects that are loads the model does not know of.
 
 A payload heavier than declared, hoses along a link or a tilted base move the tip through everything that bends. The
-response is linear in the loads, so it is that of the additional loads alone.
+response is linear in the loads, so it is that of the additional loads alone. What does not answer in proportion
+(hardening drives, creep) or is seen by the encoder (a servo's droop) does not take part.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import MappingProxyType
 
+from ..beam import Beam
 from ..chain import LoadCase
 from ..statics import PoseState, solve
 from ..vectors import ZERO, Scalar, Vector
-from .axial import AXIAL
+from .base_compliance import BASE_COMPLIANCE
 from .effect import Effect, Settings, Twist
 from .joint_compliance import JOINT_COMPLIANCE
-from .link_bending import LINK_BENDING
-from .shear_deformation import SHEAR_DEFORMATION
-from .slope_propagation import SLOPE_PROPAGATION
-from .torsion import TORSION
+from .link_modulus import LINK_ELASTIC, LINK_MODULUS
 
-ELASTIC: tuple[Effect, ...] = (
-    LINK_BENDING,
-    SLOPE_PROPAGATION,
-    AXIAL,
-    TORSION,
-    SHEAR_DEFORMATION,
-    JOINT_COMPLIANCE,
-)
+ELASTIC: tuple[Effect, ...] = (*LINK_ELASTIC, JOINT_COMPLIANCE, LINK_MODULUS, BASE_COMPLIANCE)
 """What answers to loads in proportion."""
 
 
@@ -35,7 +28,7 @@ def elastic_twists(state: PoseState) -> Iterator[Twist]:
     """What gives under the loads of `state`: the arm's own physics less `leave_out`, and what its `effects` add."""
     arm = state.arm
     for effect in ELASTIC:
-        if effect.id not in arm.leave_out:
+        if effect.automatic and effect.id not in arm.leave_out:
             yield from effect.twists(state, Settings())
         for entry in arm.effects:
             if entry.effect == effect.id:
@@ -49,32 +42,47 @@ def under_other_loads(
     gravity: Vector | None = None,
     payload_mass: Scalar | None = None,
     tip_force: Vector | None = None,
+    tip_moment: tuple[float, float, float] | None = None,
     point_forces: tuple[Vector, ...] | None = None,
+    link_masses: tuple[Scalar, ...] | None = None,
     weightless: bool = False,
 ) -> PoseState:
-    """The same pose under other loads: another gravity (m/s^2), payload (kg), force at the tip (N) or at the links'
-    far ends (N).
+    """The same pose under other loads: another gravity (m/s^2), payload (kg), force (N) and moment (N*m) at the tip,
+    forces at the links' far ends (N), masses spread along the links in place of their own (kg).
 
-    With `weightless`, only the loads named here act: links and joints weigh nothing, the payload is `payload_mass` or
-    none.
+    With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
-    arm = state.arm
-    case = LoadCase() if weightless else state.load
-    pull = state.gravity if gravity is None else gravity
-    if weightless and payload_mass is not None:
-        # The payload's weight is then a force at the tip: nothing else may feel gravity.
-        extra = tuple(payload_mass * component for component in pull)
-        force = extra if tip_force is None else tuple(a + b for a, b in zip(extra, tip_force, strict=True))
-        tip_force, payload_mass = (force[0], force[1], force[2]), None
+    arm, case, beams = state.arm, state.load, [link.beam for link in state.links]
+    carried = state.payload_mass if payload_mass is None else payload_mass
+    pushed = state.tip_force if tip_force is None else tip_force
+    if weightless:
+        case = LoadCase()
+        carried = 0.0 if payload_mass is None else payload_mass
+        pushed = ZERO if tip_force is None else tip_force
+        arm = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
+        link_masses = link_masses or (0.0,) * len(beams)
+    if tip_moment is not None:
+        case = replace(case, moment=tip_moment)
+    if link_masses is not None:
+        beams = [_weighing(beam, mass) for beam, mass in zip(beams, link_masses, strict=True)]
     return solve(
         arm,
         [joint.coordinate for joint in state.joints],
-        [link.beam for link in state.links],
+        beams,
         case,
-        gravity=ZERO if weightless else pull,
+        gravity=state.gravity if gravity is None else gravity,
         conditions=state.conditions,
-        payload_mass=payload_mass,
-        tip_force=tip_force,
+        payload_mass=carried,
+        tip_force=pushed,
         point_forces=point_forces,
         frames=state.frames,
     )
+
+
+def _weighing(beam: Beam, mass: Scalar) -> Beam:
+    """The beam with another mass (kg), spread along it as its own is."""
+    if isinstance(mass, float) and mass == 0.0:
+        return replace(beam, mass_per_length=0.0, lumped_mass=0.0)
+    if isinstance(beam.length, float) and beam.length == 0.0:
+        return replace(beam, mass_per_length=0.0, lumped_mass=mass, lumped_at=0.0)
+    return replace(beam, mass_per_length=mass / beam.length, lumped_mass=0.0)

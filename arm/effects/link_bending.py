@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..beam import BendingFactors
 from ..statics import LinkState, PoseState
 from ..vectors import Scalar, Vector, add, dot, minus, plus, scale, times
 from .effect import Effect, Settings, Twist
@@ -30,14 +31,20 @@ def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scala
 def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
     """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w
     L^4/8)/EI."""
-    length = link.beam.length
-    force = add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight))
+    length, taper = link.beam.length, link.beam.taper
 
-    def load(direction: Vector, turning: Vector) -> Scalar:
+    def forces(factors: BendingFactors) -> Vector:
+        return add(scale(1.0 / 3.0, link.force), scale(0.125 * factors.weight_deflection, link.weight))
+
+    def load(force: Vector, direction: Vector, turning: Vector, factors: BendingFactors) -> Scalar:
         """`turning` is the axis about which a positive moment bends towards `direction`."""
-        return plus(times(length, dot(force, direction)), times(0.5, dot(link.moment, turning)))
+        moment = times(0.5 * factors.moment_deflection, dot(link.moment, turning))
+        return plus(times(length, dot(force, direction)), moment)
 
-    towards_height, towards_width = load(link.height, link.width), load(link.width, scale(-1.0, link.height))
+    by_height = forces(taper.height)
+    by_width = by_height if taper.width is taper.height else forces(taper.width)
+    towards_height = load(by_height, link.height, link.width, taper.height)
+    towards_width = load(by_width, link.width, scale(-1.0, link.height), taper.width)
     in_height, in_width = in_both_planes(link, towards_height, towards_width)
     return times(in_height, length * length), times(in_width, length * length)
 

@@ -45,4 +45,6 @@ RAIL_PITCH = Effect(
         ),
     ),
     play=_play,
+    enough=(("angle",),),
+    only="joints that slide",
 )

@@ -43,4 +43,6 @@ RAIL_STRAIGHTNESS = Effect(
         ),
     ),
     play=_play,
+    enough=(("deviation",),),
+    only="joints that slide",
 )

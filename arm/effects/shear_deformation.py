@@ -14,9 +14,13 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         in_height, in_width = link.beam.shear_rigidity_height, link.beam.shear_rigidity_width
         if in_height is None or in_width is None or not settings.acts_at(index):
             continue
-        mean_force = add(link.force, scale(0.5, link.weight))
-        along_height = times(dot(mean_force, link.height), link.beam.length / in_height)
-        along_width = times(dot(mean_force, link.width), link.beam.length / in_width)
+        taper = link.beam.taper
+        by_height = add(link.force, scale(0.5 * taper.shear_height_weight, link.weight))
+        by_width = by_height
+        if taper.shear_width_weight != taper.shear_height_weight:
+            by_width = add(link.force, scale(0.5 * taper.shear_width_weight, link.weight))
+        along_height = times(dot(by_height, link.height), link.beam.length / in_height)
+        along_width = times(dot(by_width, link.width), link.beam.length / in_width)
         yield Twist("link", index, add(scale(along_height, link.height), scale(along_width, link.width)))
 
 

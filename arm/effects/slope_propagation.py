@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..beam import BendingFactors
 from ..statics import LinkState, PoseState
 from ..vectors import Scalar, Vector, add, dot, plus, scale, times
 from .effect import Effect, Settings, Twist
@@ -12,14 +13,21 @@ from .link_bending import in_both_planes
 
 def end_slope(link: LinkState) -> tuple[Scalar, Scalar]:
     """Slope (rad) of a cantilever's far end towards the section's height and width: (F L^2/2 + M L + w L^3/6)/EI."""
-    length = link.beam.length
-    force = add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight))
+    length, taper = link.beam.length, link.beam.taper
 
-    def load(direction: Vector, turning: Vector) -> Scalar:
+    def forces(factors: BendingFactors) -> Vector:
+        return add(
+            scale(0.5 * factors.moment_deflection, link.force), scale(factors.weight_slope * (1.0 / 6.0), link.weight)
+        )
+
+    def load(force: Vector, direction: Vector, turning: Vector, factors: BendingFactors) -> Scalar:
         """`turning` is the axis about which a positive moment bends towards `direction`."""
-        return plus(times(length, dot(force, direction)), dot(link.moment, turning))
+        return plus(times(length, dot(force, direction)), times(factors.moment_slope, dot(link.moment, turning)))
 
-    towards_height, towards_width = load(link.height, link.width), load(link.width, scale(-1.0, link.height))
+    by_height = forces(taper.height)
+    by_width = by_height if taper.width is taper.height else forces(taper.width)
+    towards_height = load(by_height, link.height, link.width, taper.height)
+    towards_width = load(by_width, link.width, scale(-1.0, link.height), taper.width)
     in_height, in_width = in_both_planes(link, towards_height, towards_width)
     return times(in_height, length), times(in_width, length)
 

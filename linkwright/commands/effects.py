@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any
 
 import typer
@@ -27,15 +29,25 @@ Example: linkwright effects show backlash
 """
 
 
+_ROLES: Mapping[str, str] = MappingProxyType(
+    {
+        "size": "a size: without it nothing moves",
+        "shape": "a shape: it changes the pattern, and a diagnosis searches it",
+        "given": "given, not fitted",
+    }
+)
+
+
 def list_effects(json: JsonFile = None) -> None:
     """Run `effects list`."""
     from linkwright.screen.console import console, table
 
     check_target(json)
     _write(json, {"effects": [_as_json(effect) for effect in EFFECTS.values()]})
-    shown = table("effect", "what", "in the model")
+    shown = table("effect", "what", "acts at", "sizes (shapes)", "in the model")
+    shown.columns[0].no_wrap = True
     for effect in EFFECTS.values():
-        shown.add_row(effect.id, effect.title, _when(effect))
+        shown.add_row(effect.id, effect.title, effect.place, _fitted(effect), _when(effect))
     console().print(shown)
 
 
@@ -58,25 +70,64 @@ def show_effect(
     shown.show_header = False
     shown.add_row("moves the tip by", effect.formula)
     shown.add_row("acts at", effect.place)
-    shown.add_row("in the model", _when(effect))
+    in_model = "where the arm has its data" if effect.automatic else "where `effects` names it"
+    shown.add_row("in the model", in_model)
     shown.add_row("shows itself in", effect.needs)
     shown.add_row("cannot be told from", ", ".join(effect.aliases) or "–")
+    if effect.requires:
+        shown.add_row("moves nothing without", ", ".join(name.replace("_", " ") for name in effect.requires))
+    if effect.together:
+        shown.add_row("usually shared", f"by all {effect.place}s: one value may hold for every one")
+    if effect.before_encoder:
+        shown.add_row("seen by the encoder", "moves the tip as long as the coordinates are commands")
     shown.add_row("source", effect.source)
     for parameter in effect.parameters:
-        low, high = _typical(parameter)
-        shown.add_row(f"parameter {parameter.name}", f"{parameter.meaning}; typically {low} to {high}")
+        shown.add_row(f"parameter {parameter.name}", _described(parameter))
     screen.print(shown)
 
 
-def _typical(parameter: Parameter) -> tuple[str, str]:
-    """Both ends of the typical size, in the unit that suits the upper one."""
-    high = format_quantity(parameter.typical[1], parameter.kind, digits=3)
-    unit = high.partition(" ")[2] or None
-    return format_quantity(parameter.typical[0], parameter.kind, unit, digits=3), high
+def _described(parameter: Parameter) -> str:
+    """A parameter's meaning, role, bounds, typical sizes and grid as one sentence."""
+    parts = [
+        f"{parameter.meaning}; {_ROLES[parameter.role]}",
+        f"typically {_span(*parameter.typical, parameter.kind)}",
+        f"bounds {_span(parameter.lower, parameter.upper, parameter.kind)}",
+    ]
+    if parameter.grid:
+        kind = "dimensionless" if parameter.relative_to_load else parameter.kind
+        of = " of the drive's greatest load" if parameter.relative_to_load else ""
+        parts.append(f"searched at {_grid(parameter.grid, kind)}{of}")
+    return "; ".join(parts)
+
+
+def _span(low: float, high: float, kind: str) -> str:
+    """Both ends of a range, each in the unit that suits it; where the lower is 0 or the upper's negative, in one
+    unit."""
+    upper = format_quantity(high, kind, digits=3)
+    alike = upper.partition(" ")[2] if low in (0.0, -high) else ""
+    return f"{format_quantity(low, kind, alike or None, digits=3)} to {upper}"
+
+
+def _grid(values: tuple[float, ...], kind: str) -> str:
+    """The values of a grid, runs of neighbouring whole numbers drawn together."""
+    runs: list[list[float]] = []
+    for value in values:
+        if runs and value == runs[-1][-1] + 1.0:
+            runs[-1].append(value)
+        else:
+            runs.append([value])
+    texts = [[format_quantity(value, kind, digits=4) for value in run] for run in runs]
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(run) for run in texts)
+
+
+def _fitted(effect: Effect) -> str:
+    sizes = ", ".join(parameter.name for parameter in effect.sizes)
+    shapes = ", ".join(parameter.name for parameter in effect.shapes)
+    return f"{sizes} ({shapes})" if shapes else sizes or "–"
 
 
 def _when(effect: Effect) -> str:
-    return "where the arm has its data" if effect.automatic else "where `effects` names it"
+    return "with its data" if effect.automatic else "where named"
 
 
 def _write(json: Path | None, content: dict[str, Any]) -> None:
@@ -90,6 +141,10 @@ def _as_json(effect: Effect) -> dict[str, Any]:
         "formula": effect.formula,
         "place": effect.place,
         "automatic": effect.automatic,
+        "together": effect.together,
+        "before_encoder": effect.before_encoder,
+        "requires": list(effect.requires),
+        "only": effect.only,
         "needs": effect.needs,
         "aliases": list(effect.aliases),
         "source": effect.source,
@@ -102,6 +157,9 @@ def _as_json(effect: Effect) -> dict[str, Any]:
                 "upper": format_quantity(parameter.upper, parameter.kind),
                 "typical": [format_quantity(value, parameter.kind) for value in parameter.typical],
                 "source": parameter.source,
+                "role": parameter.role,
+                "grid": list(parameter.grid),
+                "relative_to_load": parameter.relative_to_load,
             }
             for parameter in effect.parameters
         ],

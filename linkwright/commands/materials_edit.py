@@ -6,6 +6,7 @@ import os
 import shlex
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -107,7 +108,8 @@ def edit_material(
     """Run `materials edit`."""
     path = own(catalogue)
     if key is None:
-        _in_editor(path, name)
+        before, text = draft(path, name)
+        in_editor(path, text, lambda edited: land(path, before, edited))
     elif unset:
         if value is not None:
             raise InputError("", "--unset", "takes no value")
@@ -118,14 +120,13 @@ def edit_material(
         say(set_key(path, name, key, _value(value, key), source=source), path)
 
 
-def _in_editor(path: Path, name: str) -> None:
-    """Hand a copy of the file to the editor, and put it in place once it is closed and sound."""
+def in_editor(path: Path, text: str, land: Callable[[str], str]) -> None:
+    """Hand a copy of a file to the editor, and let `land` put it in place once it is closed and sound."""
     command = shlex.split(os.environ.get("VISUAL", "").strip() or os.environ.get("EDITOR", "").strip())
     if not command:
         raise InputError("", "$EDITOR", "is not set; set it, or give KEY and VALUE")
-    before, text = draft(path, name)
     with tempfile.NamedTemporaryFile(
-        "w", prefix="materials-", suffix=".yaml", delete=False, encoding="utf-8", newline=""
+        "w", prefix=f"{path.stem}-", suffix=".yaml", delete=False, encoding="utf-8", newline=""
     ) as stream:
         stream.write(text)
     copy = Path(stream.name)
@@ -142,7 +143,7 @@ def _in_editor(path: Path, name: str) -> None:
         typer.echo("nothing was changed")
         return
     try:
-        done = land(path, before, edited)
+        done = land(edited)
     except InputError as error:
         raise InputError("", "", f"{error}; nothing was changed, your text is in {copy}") from None
     copy.unlink()

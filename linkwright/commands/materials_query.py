@@ -29,8 +29,8 @@ SHORT: Mapping[PropertyName, str] = MappingProxyType(
 )
 """Headings shorter than the properties' names."""
 DIGITS = 6
-_CONDITION = re.compile(r"\s*(\w+)\s*(<=|>=|==|=|<|>)\s*(.+)")
-_RELATIONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+CONDITION = re.compile(r"\s*(\w+)\s*(<=|>=|==|=|<|>)\s*(.+)")
+RELATIONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {
         "<": lambda one, other: one < other,
         "<=": lambda one, other: one <= other * (1 + 1e-12) if other >= 0 else one <= other,
@@ -52,7 +52,7 @@ class Condition:
 
     def holds(self, material: Material) -> bool:
         """Tell whether the material has the property and keeps the limit at 20 degC."""
-        return material.has(self.name) and _RELATIONS[self.relation](material.need(self.name), self.limit)
+        return material.has(self.name) and RELATIONS[self.relation](material.need(self.name), self.limit)
 
 
 def property_of(text: str, option: str) -> PropertyName:
@@ -66,7 +66,7 @@ def property_of(text: str, option: str) -> PropertyName:
 
 def condition(text: str) -> Condition:
     """`density < 3 g/cm^3` as a condition. Raises `InputError`."""
-    found = _CONDITION.fullmatch(text)
+    found = CONDITION.fullmatch(text)
     if not found:
         raise InputError("", "--where", f"'{text}' is no condition; write e.g. 'density < 3 g/cm^3'")
     name = property_of(found[1], "--where")

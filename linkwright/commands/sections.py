@@ -12,30 +12,51 @@ from linkwright.as_json import program_version
 from linkwright.words import figure
 from linkwright.writing import check_target, write_json
 from materials.quantities import InputError
-from sections import SHAPES, Section, SectionError, SectionProperties, Stock, StockSize, load_stock
+from sections import SHAPES, Section, SectionError, Stock, StockSize
 
+from . import sections_edit, sections_exchange
 from .groups import command_group
 from .options import JsonFile
+from .sections_query import (
+    FIGURES,
+    chosen,
+    chosen_columns,
+    condition,
+    heading,
+    properties_of,
+    unit_of,
+    value_of,
+    written,
+)
+from .sections_stock import StockFile, stock_with
 
-HELP = """The shapes that links can have and the standard sizes: list, show."""
-LIST_HELP = """Every shape with its dimensions, and every stock size.
+HELP = """Shapes and standard sizes: list, show, compare; add, edit, remove, rename, undo; import, export, check."""
+LIST_HELP = """Every shape with its dimensions and every family of stock sizes; with an option, stock sizes one a line.
 
-Example: linkwright sections list --family IPE
+Example: linkwright sections list --family IPE --where 'I_y > 500 cm^4' --sort=-area --columns height,area,W_y
+"""
+COMPARE_HELP = """Several stock sizes side by side.
+
+Example: linkwright sections compare "IPE 80" "RHS 80x40x3" "CHS 60.3x4"
 """
 SHOW_HELP = """One shape, or one stock size with its properties.
 
 Example: linkwright sections show "IPE 80"
 """
-StockFile = Annotated[
-    Path | None,
-    typer.Option("--catalogue", metavar="FILE", help="Stock sizes that add to the shipped ones, or replace them."),
-]
-_POISSON_RATIO = 0.3
-
-
 def list_sections(
     family: Annotated[
-        str | None, typer.Option("--family", metavar="NAME", help="Only the stock sizes of this family, one a line.")
+        list[str] | None,
+        typer.Option("--family", metavar="NAME", help="Only the sizes of this family; may be repeated."),
+    ] = None,
+    where: Annotated[
+        list[str] | None,
+        typer.Option("--where", metavar="CONDITION", help="Only those that keep it, e.g. 'area < 10 cm^2'."),
+    ] = None,
+    sort: Annotated[
+        str | None, typer.Option("--sort", metavar="FIGURE", help="In this order; --sort=-area: largest first.")
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option("--columns", metavar="A,B,...", help="Which figures to show; 'all' for all.")
     ] = None,
     json: JsonFile = None,
     catalogue: StockFile = None,
@@ -44,19 +65,25 @@ def list_sections(
     from linkwright.screen.console import console
 
     check_target(json, catalogue)
-    stock = _stock(catalogue)
+    names = chosen_columns(columns)
+    conditions = [condition(text) for text in where or ()]
+    stock = stock_with(catalogue)
     try:
-        sizes = stock.sizes if family is None else stock.of_family(family)
+        of_families = stock.sizes if not family else [size for each in family for size in stock.of_family(each)]
     except SectionError as error:
         raise InputError("", "--family", error.message) from None
-    shapes = [_shape_json(kind) for kind in SHAPES.values()] if family is None else []
+    sizes = chosen(of_families, conditions, sort)
+    every = not (family or where or sort or columns)
+    shapes = [_shape_json(kind) for kind in SHAPES.values()] if every else []
     _write(json, {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
-    if family is None:
+    if every:
         _print_shapes()
         _print_families(stock)
         console().print("`linkwright sections list --family NAME` lists a family's sizes")
+    elif sizes:
+        _print_sizes(sizes, names, dimensions=not columns)
     else:
-        _print_sizes(sizes)
+        console().print("no stock size is so")
 
 
 def show_section(
@@ -70,7 +97,7 @@ def show_section(
         _write(json, _shape_json(SHAPES[name]))
         _print_shape(SHAPES[name])
         return
-    stock = _stock(catalogue)
+    stock = stock_with(catalogue)
     try:
         size = stock.find(name)
     except SectionError as error:
@@ -81,11 +108,33 @@ def show_section(
     _print_size(size)
 
 
-def _stock(catalogue: Path | None) -> Stock:
+def compare_sections(
+    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="The sizes' names.")],
+    json: JsonFile = None,
+    catalogue: StockFile = None,
+) -> None:
+    """Run `sections compare`."""
+    from linkwright.screen.console import console, table
+
+    check_target(json, catalogue)
+    if len(names) < 2:
+        raise InputError("", "NAME", "needs two sizes or more to compare")
+    stock = stock_with(catalogue)
     try:
-        return load_stock([catalogue] if catalogue is not None else [])
+        sizes = [stock.find(name) for name in names]
     except SectionError as error:
-        raise InputError("", "", error.message) from None
+        raise InputError("", "section", error.message) from None
+    _write(json, {"stock": [_stock_json(size) for size in sizes]})
+    shown = table("what", *(size.name for size in sizes), numbers=tuple(range(1, len(sizes) + 1)))
+    shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))
+    for name in dict.fromkeys(["height", "width", *(name for size in sizes for name in size.dimensions), *FIGURES]):
+        label = FIGURES[name][0] if name in FIGURES else name.replace("_", " ")
+        shown.add_row(f"{label}, {unit_of(name)}", *(written(size, name) for size in sizes))
+    for name in ("second_moment_y", "second_moment_z"):
+        ratios = ((value_of(size, name) or 0.0) / (value_of(size, "area") or 1.0) for size in sizes)
+        label = "I_y" if name.endswith("y") else "I_z"
+        shown.add_row(f"{label} / A, cm²", *(figure(1e4 * ratio, 4) for ratio in ratios))
+    console().print(shown)
 
 
 def _print_shapes() -> None:
@@ -108,18 +157,21 @@ def _print_families(stock: Stock) -> None:
     console().print(shown)
 
 
-def _print_sizes(sizes: tuple[StockSize, ...]) -> None:
+def _print_sizes(sizes: tuple[StockSize, ...], names: tuple[str, ...], *, dimensions: bool) -> None:
     from linkwright.screen.console import console, table
 
-    shown = table("size", "dimensions in mm", "A cm²", "I_y cm⁴", "I_z cm⁴", "J cm⁴", numbers=(2, 3, 4, 5))
+    leading = ("size", "dimensions in mm") if dimensions else ("size",)
+    numbers = tuple(range(len(leading), len(leading) + len(names)))
+    shown = table(*leading, *(heading(name) for name in names), numbers=numbers)
     for size in sizes:
-        found = size.section.properties(_POISSON_RATIO)
-        moments = (found.second_moment_y, found.second_moment_z, found.torsion_constant)
-        dimensions = ", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())
-        shown.add_row(size.name, dimensions, _cm(found.area, 2), *(_cm(value, 4) for value in moments))
+        own = [", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())] if dimensions else []
+        shown.add_row(size.name, *own, *(written(size, name) for name in names))
     console().print(shown)
-    names = ", ".join(name.replace("_", " ") for name in sizes[0].dimensions)
-    console().print(f"dimensions: {names}; {sizes[0].source}", soft_wrap=True)
+    if len({(size.source, tuple(size.dimensions)) for size in sizes}) == 1:
+        words = ", ".join(name.replace("_", " ") for name in sizes[0].dimensions)
+        console().print(f"dimensions: {words}; {sizes[0].source}", soft_wrap=True)
+    else:
+        console().print(f"sources: {'; '.join(dict.fromkeys(size.source for size in sizes))}", soft_wrap=True)
 
 
 def _print_size(size: StockSize) -> None:
@@ -130,32 +182,12 @@ def _print_size(size: StockSize) -> None:
     shown = table("what", "value", "printed", numbers=(1, 2))
     for name, value in size.dimensions.items():
         shown.add_row(name.replace("_", " "), f"{figure(1e3 * value, 5)} mm", "")
-    found = size.section.properties(_POISSON_RATIO)
-    for name, label, power in _SHOWN:
-        unit = "cm" + "\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}\N{SUPERSCRIPT FOUR}"[power - 2]
+    for name, (label, power) in FIGURES.items():
         printed = size.printed.get(f"{name}_cm{power}")
-        shown.add_row(label, f"{_cm(getattr(found, name), power)} {unit}", "" if printed is None else f"{printed:g}")
+        shown.add_row(label, f"{written(size, name)} {unit_of(name)}", "" if printed is None else f"{printed:g}")
     screen.print(shown)
     figures = "printed figures checked against the dimensions" if size.printed else "figures computed"
     screen.print(f"{size.source}; {figures}; from {size.file}", soft_wrap=True)
-
-
-_SHOWN = (
-    ("area", "area", 2),
-    ("second_moment_y", "second moment about y", 4),
-    ("second_moment_z", "second moment about z", 4),
-    ("torsion_constant", "torsion constant", 4),
-    ("shear_area_y", "shear area along y", 2),
-    ("shear_area_z", "shear area along z", 2),
-    ("section_modulus_y", "section modulus about y", 3),
-    ("section_modulus_z", "section modulus about z", 3),
-    ("plastic_modulus_y", "plastic modulus about y", 3),
-    ("plastic_modulus_z", "plastic modulus about z", 3),
-)
-
-
-def _cm(value: float, power: int) -> str:
-    return figure(value * 100.0**power, 4)
 
 
 def _print_shape(kind: type[Section]) -> None:
@@ -169,13 +201,16 @@ def _print_shape(kind: type[Section]) -> None:
 
 
 def _stock_json(size: StockSize) -> dict[str, Any]:
-    found: SectionProperties = size.section.properties(_POISSON_RATIO)
+    found = properties_of(size)
     return {
         "name": size.name,
         "family": size.family,
         "shape": size.shape,
         "dimensions_mm": {name: float(f"{1e3 * value:.10g}") for name, value in size.dimensions.items()},
-        **{f"{name}_cm{power}": float(f"{getattr(found, name) * 100.0**power:.6g}") for name, _, power in _SHOWN},
+        **{
+            f"{name}_cm{power}": float(f"{getattr(found, name) * 100.0**power:.6g}")
+            for name, (_, power) in FIGURES.items()
+        },
         "printed": dict(size.printed) or None,
         "source": size.source,
         "file": size.file,
@@ -203,4 +238,9 @@ def _write(json: Path | None, content: dict[str, Any]) -> None:
 
 def group() -> typer.Typer:
     """The command group."""
-    return command_group(HELP, {"list": (list_sections, LIST_HELP), "show": (show_section, SHOW_HELP)})
+    look = {
+        "list": (list_sections, LIST_HELP),
+        "show": (show_section, SHOW_HELP),
+        "compare": (compare_sections, COMPARE_HELP),
+    }
+    return command_group(HELP, {**look, **sections_edit.commands(), **sections_exchange.commands()})

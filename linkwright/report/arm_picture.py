@@ -57,7 +57,11 @@ class Window:
 
 def skeleton(evaluation: Evaluation) -> Skeleton:
     """The arm of an evaluation at its worst pose: in the x-y plane, or in the upright plane through the tip."""
-    arm, worst = evaluation.arm, evaluation.worst.poses[0]
+    return skeleton_at(evaluation.arm, evaluation.worst.poses[0])
+
+
+def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
+    """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip."""
     frames = place(arm, worst.q)
     project = _projection(arm, np.array(frames.tip(), dtype=float))
     here = np.zeros(3)
@@ -115,20 +119,31 @@ def shared_window(skeletons: Sequence[Skeleton]) -> Window:
     return Window(min(xs) - margin, min(ys) - margin - missing / 2, width, height + missing + below, exaggeration)
 
 
-def arm_picture(arm: Arm, drawn: Skeleton, window: Window, when: str) -> str:
-    """The picture, with a scale bar; `when` is the class of its colours (before, after)."""
+def arm_picture(
+    arm: Arm, drawn: Skeleton, window: Window, when: str, *, marked: int | None = None, about: str = ""
+) -> str:
+    """The picture, with a scale bar; `when` is the class of its colours (before, after).
+
+    `marked` is a joint (from 0) to draw a ring around, `about` what the picture shows where not the worst pose.
+    """
     size = 0.031 * window.width
     joint_radius = 0.012 * window.width
     parts = [_ground(joint_radius)]
     parts += [line(start, end, "lead", 0.006 * window.width) for start, end in drawn.leads]
     parts += [path([_bar(start, end, thickness)], f"link {when}") for start, end, thickness in drawn.links]
     parts += [_joint(point, joint, joint_radius) for point, joint in drawn.joints]
+    if marked is not None:
+        x, y = drawn.joints[marked][0]
+        ring = {"r": 2.6 * joint_radius, "class_": "mark", "stroke_width": 0.7 * joint_radius}
+        parts.append(element("circle", cx=x, cy=y, **ring))
     parts.append(_arrow(drawn.tip, drawn.error, window))
     length = nice_below(0.3 * window.width)
     y = window.top + window.height - 0.02 * window.width
     words = f"{figure(length)} mm"
     parts.append(scale_bar(window.left + 0.03 * window.width, y, length, 0.006 * window.width, size, words))
-    about = f"{arm.name} {when} at its worst pose ({pose(arm, drawn.pose.q)}); error at the tip {mm(drawn.pose.error)}"
+    if not about:
+        where = f"({pose(arm, drawn.pose.q)})"
+        about = f"{arm.name} {when} at its worst pose {where}; error at the tip {mm(drawn.pose.error)}"
     return drawing(window.left, window.top, window.width, window.height, about, *parts)
 
 

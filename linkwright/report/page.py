@@ -54,8 +54,16 @@ def _unbroken(words: str) -> str:
     return re.sub(r"(\d) (?=[a-zA-Z])", "\\1\u00a0", words)
 
 
-def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure]) -> str:
-    """The whole page. It loads nothing: styles, script, figures and plotly stand in the file."""
+WITHOUT_SCRIPT = "Without JavaScript the maps are not drawn; result.json has the figures."
+
+
+def page(
+    title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure], without: str = WITHOUT_SCRIPT
+) -> str:
+    """The whole page. It loads nothing: styles, script, figures and plotly stand in the file.
+
+    `without` says what a reader misses whose browser runs no scripts.
+    """
     folder = files("linkwright.report")
     styles = folder.joinpath("style.css").read_text(encoding="utf-8")
     script = folder.joinpath("script.js").read_text(encoding="utf-8")
@@ -69,7 +77,6 @@ def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Fi
         f'<script type="application/json" id="figures">{data}</script>'
         f"<script>{get_plotlyjs()}</script><script>{script}</script>"
     )
-    without = "Without JavaScript the maps are not drawn; result.json has the figures."
     missing = element("noscript", element("p", without, class_="lead"))
     opening = element(
         "header", element("h1", text(title)), element("p", text(_unbroken(summary)), class_="headline"), missing

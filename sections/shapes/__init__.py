@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from sections.section import Section
 from sections.shapes.angle import Angle
+from sections.shapes.channel import Channel
 from sections.shapes.circle import Circle
 from sections.shapes.ellipse import Ellipse
 from sections.shapes.elliptical_tube import EllipticalTube
@@ -15,6 +16,7 @@ from sections.shapes.octagon import Octagon, OctagonalTube
 from sections.shapes.polygon import Polygon
 from sections.shapes.rectangle import Rectangle
 from sections.shapes.rectangular_tube import RectangularTube
+from sections.shapes.t_section import TSection
 from sections.shapes.triangle import Triangle
 from sections.shapes.triangular_tube import TriangularTube
 from sections.shapes.tube import Tube
@@ -34,6 +36,8 @@ SHAPES: Mapping[str, type[Section]] = MappingProxyType(
             Octagon,
             OctagonalTube,
             ISection,
+            Channel,
+            TSection,
             Angle,
             Polygon,
         )
@@ -44,6 +48,7 @@ SHAPES: Mapping[str, type[Section]] = MappingProxyType(
 __all__ = [
     "SHAPES",
     "Angle",
+    "Channel",
     "Circle",
     "Ellipse",
     "EllipticalTube",
@@ -54,6 +59,7 @@ __all__ = [
     "Polygon",
     "Rectangle",
     "RectangularTube",
+    "TSection",
     "Triangle",
     "TriangularTube",
     "Tube",

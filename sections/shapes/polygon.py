@@ -16,6 +16,11 @@ from sections.properties import SectionProperties
 from sections.saint_venant import SaintVenant, moments, solve
 from sections.section import DesignVariable, Dimension, Outline, Section, SectionError, closed, poisson_square
 
+_THIN = 0.05
+"""Share of the polar moment below which J is that of an open section with thin walls."""
+_FINE = 2.2
+"""How much finer the elements of such a section are."""
+
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
 
@@ -76,7 +81,12 @@ class Polygon(Section):
 
     @cached_property
     def _saint_venant(self) -> SaintVenant:
-        return solve(self._loops)
+        found = solve(self._loops)
+        m = moments(self._loops)
+        if found.torsion_constant > _THIN * (m.yy + m.zz):
+            return found
+        # J is the small difference of two large integrals here: at the usual fineness it can be wrong by 2 %.
+        return solve(self._loops, _FINE)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI) about axes parallel to the given ones; area and second moments exact.

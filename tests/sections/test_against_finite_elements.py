@@ -13,6 +13,7 @@ import pytest
 
 from sections import (
     Angle,
+    Channel,
     Circle,
     Ellipse,
     EllipticalTube,
@@ -25,6 +26,7 @@ from sections import (
     Section,
     Triangle,
     TriangularTube,
+    TSection,
     Tube,
 )
 
@@ -60,6 +62,9 @@ def random_sections() -> list[tuple[Section, float, float]]:
             (ISection(b, h, flange, web), nu, I_TOLERANCE),
             (Angle(b, h, min(b, h) * spread(0.02, 0.25)), nu, 0.011),
         ]
+        for kind, low, high in ((Channel, 0.2, 1.6), (TSection, 0.6, 3.0)):
+            width = h * spread(low, high)
+            cases.append((kind(width, h, h * spread(0.02, 0.25), width * spread(0.02, 0.25)), nu, 0.011))
         if k < 3:
             radius = b * h / (b + math.hypot(b, 2.0 * h))
             cases += [(Octagon(h), nu, 0.002), (OctagonalTube(h, h * spread(0.04, 0.3)), nu, 0.006)]

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from sections import (
     SHAPES,
     Angle,
+    Channel,
     Circle,
     Ellipse,
     EllipticalTube,
@@ -27,6 +28,7 @@ from sections import (
     RectangularTube,
     Section,
     TriangularTube,
+    TSection,
     Tube,
 )
 from sections.numeric import Number
@@ -71,8 +73,8 @@ def sections(draw: st.DrawFn) -> Section:
         return Tube(width, web)
     if kind is RectangularTube:
         return RectangularTube(width, height, flange_thickness=flange, web_thickness=web)
-    if kind is ISection:
-        return ISection(width, height, flange, web)
+    if kind in (ISection, Channel, TSection):
+        return kind(width, height, flange, web)
     if kind is FreeFlangeISection:
         return FreeFlangeISection.from_variables(
             (width, 0.9 * width, height, flange, 0.8 * flange, 0.9 * web)

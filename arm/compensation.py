@@ -1,0 +1,160 @@
+"""The error over the workspace as a table that a controller can subtract: displacements of the tip, and of the joints.
+
+The table holds what is certain: the deterministic part of the model, with play where the load seats it. What depends on
+the side of approach, on time or on a temperature other than the arm file's is not in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from .chain import Arm
+from .error import active_effects
+from .jacobian import jacobian
+from .kinematics import tip_position
+from .model import beams_of
+from .recorded import Asked, seen_of_model
+from .statics import solve
+from .workspace import spread
+
+Array = NDArray[np.float64]
+
+_STEPS = 4
+_SMALLEST = 1e-2
+"""Motions of the tip that the joints make this much worse than the best are left alone: near a singular pose they would
+take joints far from where they belong."""
+_MOST_DEFAULT = 20_000
+_FINEST_DEFAULT = 15
+_CHECKED = 2048
+
+
+@dataclass(frozen=True)
+class Check:
+    """How the table does between its poses, by linear interpolation, at `poses` spread poses: RMS and largest error (m)
+    without it, with displacements subtracted, and with joint corrections added."""
+
+    poses: int
+    rms_without: float
+    largest_without: float
+    rms_subtracted: float
+    largest_subtracted: float
+    rms_corrected: float
+    largest_corrected: float
+
+
+@dataclass(frozen=True)
+class Table:
+    """M poses: `q` (M, n) rad and m, `payload` (M,) kg, `error` (M, 3) m by which the tip is off, `correction` (M, n)
+    to be added to the joint coordinates, and `left` (M,) m, the length of the error with the correction.
+
+    `axes` are the grid's coordinates for each joint, None for poses of one's own; `check` is None then.
+    """
+
+    arm: Arm
+    q: Array
+    payload: Array
+    error: Array
+    correction: Array
+    left: Array
+    axes: tuple[Array, ...] | None
+    check: Check | None
+
+
+def model_error(arm: Arm, q: Array, payload: float) -> Array:
+    """By how much the tip is off at poses q (N, n) with a payload (kg): (N, 3), m.
+
+    Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    """
+    case = replace(arm.payload, mass=payload)
+    state = solve(arm, [q[:, index] for index in range(arm.size)], beams_of(arm, (case,)), case)
+    return seen_of_model(state, active_effects(arm), Asked(len(q))).tip
+
+
+def joint_corrections(arm: Arm, q: Array, payload: float) -> Array:
+    """What to add to the joint coordinates (N, n) so that the tip comes to where it nominally is, the shortest such.
+
+    Least squares through the Jacobian, repeated on the true error; directions in which the joints hardly move the tip
+    stay uncorrected.
+    """
+    goal = tip_position(arm, q)
+    moved = np.zeros_like(q)
+    for _ in range(_STEPS):
+        missing = goal - tip_position(arm, q + moved) - model_error(arm, q + moved, payload)
+        slope = np.swapaxes(jacobian(arm, q + moved), 1, 2)
+        inverse = np.linalg.pinv(slope, rcond=_SMALLEST)
+        moved = moved + np.einsum("nij,nj->ni", inverse, missing)
+    return moved
+
+
+def remaining(arm: Arm, q: Array, correction: Array, payload: float) -> Array:
+    """The length (N,) m of the error that is left with joint corrections (N, n) added."""
+    reached = tip_position(arm, q + correction) + model_error(arm, q + correction, payload)
+    return np.linalg.norm(reached - tip_position(arm, q), axis=1)
+
+
+def default_grid(joints: int, payloads: int = 1) -> int:
+    """How many coordinates of each joint make a table of useful size."""
+    finest = int((_MOST_DEFAULT / payloads) ** (1.0 / joints) + 1e-9)
+    return max(2, min(_FINEST_DEFAULT, finest))
+
+
+def grid_axes(arm: Arm, points: int) -> tuple[Array, ...]:
+    """Evenly spaced coordinates over each joint's range (rad, m)."""
+    return tuple(np.linspace(*joint.range, points) for joint in arm.joints)
+
+
+def table_at(arm: Arm, q: Array, payloads: tuple[float, ...]) -> Table:
+    """The table at poses of one's own (N, n), for each payload (kg)."""
+    parts = [(model_error(arm, q, mass), joint_corrections(arm, q, mass), mass) for mass in payloads]
+    return Table(
+        arm,
+        np.tile(q, (len(payloads), 1)),
+        np.repeat(np.array(payloads), len(q)),
+        np.concatenate([error for error, _, _ in parts]),
+        np.concatenate([moved for _, moved, _ in parts]),
+        np.concatenate([remaining(arm, q, moved, mass) for _, moved, mass in parts]),
+        None,
+        None,
+    )
+
+
+def table_over(arm: Arm, points: int, payloads: tuple[float, ...]) -> Table:
+    """The table over a grid of so many points for each joint, checked between them."""
+    axes = grid_axes(arm, points)
+    q = np.stack([each.reshape(-1) for each in np.meshgrid(*axes, indexing="ij")], axis=1)
+    table = table_at(arm, q, payloads)
+    return replace(table, axes=axes, check=_checked(table, axes, len(q), payloads))
+
+
+def _checked(table: Table, axes: tuple[Array, ...], size: int, payloads: tuple[float, ...]) -> Check:
+    arm = table.arm
+    lower, upper = (np.array([axis[end] for axis in axes]) for end in (0, -1))
+    q = spread(lower, upper, _CHECKED)
+    shape = tuple(len(axis) for axis in axes)
+    found: list[tuple[Array, Array, Array]] = []
+    for number, mass in enumerate(payloads):
+        part = slice(number * size, (number + 1) * size)
+        error = model_error(arm, q, mass)
+        told = RegularGridInterpolator(axes, table.error[part].reshape(*shape, 3))(q)
+        moved = RegularGridInterpolator(axes, table.correction[part].reshape(*shape, arm.size))(q)
+        lengths = [np.linalg.norm(each, axis=1) for each in (error, error - told)]
+        found.append((lengths[0], lengths[1], remaining(arm, q, moved, mass)))
+    without, subtracted, corrected = (np.concatenate([each[k] for each in found]) for k in range(3))
+
+    def rms(values: Array) -> float:
+        return math.sqrt(float(np.mean(values * values)))
+
+    return Check(
+        len(without),
+        rms(without),
+        float(without.max()),
+        rms(subtracted),
+        float(subtracted.max()),
+        rms(corrected),
+        float(corrected.max()),
+    )

@@ -1,0 +1,62 @@
+"""The base gives under the moment that the whole arm puts on it: it tilts, and all tilts with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import Vector, add, cross, is_zero, scale, times
+from .effect import Effect, Parameter, Settings, Twist
+
+
+def base_moment(state: PoseState) -> Vector:
+    """The moment of all loads about the base's origin, N*m: that on the first joint, and its step from the base."""
+    first = state.joints[0]
+    force = add(first.force, scale(first.mass, state.gravity))
+    return add(first.moment, cross(state.leads[0], force))
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    compliance = settings.values.get("compliance", 0.0)
+    about_z = compliance if state.planar else settings.values.get("compliance_about_z", 0.0)
+    if compliance == 0.0 and about_z == 0.0:
+        return
+    moment = base_moment(state)
+    turn: Vector = (times(compliance, moment[0]), times(compliance, moment[1]), times(about_z, moment[2]))
+    if not is_zero(turn):
+        yield Twist("base", 0, rotation=turn)
+
+
+BASE_COMPLIANCE = Effect(
+    id="base_compliance",
+    title="compliance of the base",
+    formula="c M_0 x p, M_0 the moment of all loads about the base's origin; in the plane z x p tau_1 / K_0",
+    place="base",
+    automatic=False,
+    needs="a target on the base",
+    aliases=("joint_compliance",),
+    source="A. H. Slocum, Precision Machine Design (Prentice Hall, 1992), structural loop and foundation",
+    parameters=(
+        Parameter(
+            "compliance",
+            "compliance",
+            "tilt about x and y of the base for one unit of moment (in a planar arm: about z)",
+            0.0,
+            1e-2,
+            (1e-7, 1e-6),
+            "anchored pedestals: 1e6 to 1e7 N*m/rad",
+            role="size",
+        ),
+        Parameter(
+            "compliance_about_z",
+            "compliance",
+            "turn about the base's z for one unit of moment (nothing in a planar arm)",
+            0.0,
+            1e-2,
+            (1e-7, 1e-6),
+            "anchored pedestals: 1e6 to 1e7 N*m/rad",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+)

@@ -1,0 +1,51 @@
+"""The base does not stand plumb: gravity comes from another side, and what bends gives another way.
+
+The measuring frame is taken to stand with the base; where it does not, its own turn is a `frame_misalignment`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import ZERO, Vector, cross, is_zero
+from .effect import Effect, Parameter, Settings, Twist
+from .elastic import elastic_twists, under_other_loads
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    given = settings.values
+    about_x, about_y = (0.0, 0.0) if state.planar else (given.get("about_x", 0.0), given.get("about_y", 0.0))
+    tilt: Vector = (about_x, about_y, given.get("about_z", 0.0))
+    # A base turned by `tilt` sees gravity turned back by it.
+    change = cross(state.gravity, tilt)
+    if not is_zero(change):
+        yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
+
+
+def _turn(axis: str) -> Parameter:
+    return Parameter(
+        f"about_{axis}",
+        "angle",
+        f"turn of the base about {axis} against the plumb line" + ("" if axis == "z" else " (nothing in a planar arm)"),
+        -0.2,
+        0.2,
+        (0.1e-3, 30e-3),
+        "machines levelled by a spirit level: 0.1 mrad; carts and gantries: tens of mrad",
+        role="size",
+    )
+
+
+BASE_TILT = Effect(
+    id="base_tilt",
+    title="tilt of the base against gravity",
+    formula="sum over what bends, under the change of gravity g x tilt",
+    place="base",
+    automatic=False,
+    needs="an inclinometer, or known stiffness",
+    aliases=("joint_compliance", "frame_misalignment"),
+    source="B. Siciliano, L. Sciavicco, L. Villani & G. Oriolo, Robotics: Modelling, Planning and Control "
+    "(Springer, 2009), gravity in the base frame, doi:10.1007/978-1-84628-642-1",
+    parameters=(_turn("x"), _turn("y"), _turn("z")),
+    twists=_twists,
+)

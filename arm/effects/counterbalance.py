@@ -1,0 +1,60 @@
+"""A balancing spring pulls at a link with a torque that goes with the link's angle, and winds up its drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+
+_UPRIGHT: Vector = (0.0, 0.0, 1.0)
+
+
+def link_angle(state: PoseState, index: int) -> tuple[Scalar, Scalar]:
+    """Cosine and sine of the angle of link `index`: in the plane against x, in space against the vertical, about the
+    joint's axis."""
+    along = state.links[index].along
+    if state.planar:
+        return along[0], along[1]
+    up = _UPRIGHT if is_zero(state.gravity) or norm(state.gravity) == 0.0 else unit(scale(-1.0, state.gravity))
+    return dot(along, up), dot(state.joints[index].axis, cross(up, along))
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
+    if of_sine == 0.0 and of_cosine == 0.0:
+        return
+    for index, joint in enumerate(state.joints):
+        if joint.revolute and settings.acts_at(index):
+            cosine, sine = link_angle(state, index)
+            yield from drive_motion(state, index, plus(times(of_sine, sine), times(of_cosine, cosine)))
+
+
+def _torque(name: str) -> Parameter:
+    return Parameter(
+        name,
+        "angle",
+        f"the spring's torque over the drive's stiffness, the part that goes with the {name} of the link's angle",
+        -0.1,
+        0.1,
+        (0.1e-3, 10e-3),
+        "springs of 1e2 to 1e3 N*m on drives of 1e5 to 1e6 N*m/rad",
+        role="size",
+    )
+
+
+COUNTERBALANCE = Effect(
+    id="counterbalance",
+    title="torque of a counterbalance",
+    formula="J_i k sin(phi_i - phi_0)/K_i = J_i (a sin phi_i + b cos phi_i)",
+    place="joint",
+    automatic=False,
+    needs="two payloads",
+    aliases=("joint_compliance",),
+    source="J. L. Herder, Energy-free Systems (doctoral thesis, Delft University of Technology, 2001): "
+    "a balancing spring's torque is a sine of the link's angle",
+    parameters=(_torque("sine"), _torque("cosine")),
+    twists=_twists,
+    only="joints that turn",
+)

@@ -1,0 +1,61 @@
+"""A drive goes on giving under a load that stays: plastic parts, belts, worn seats."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..statics import PoseState
+from ..vectors import times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    compliance, constant = settings.values.get("compliance", 0.0), settings.values.get("time_constant", 0.0)
+    loaded_for = state.conditions.loaded_for
+    if compliance == 0.0 or constant <= 0.0 or loaded_for is None:
+        return
+    share = 1.0 - np.exp(-np.asarray(loaded_for, dtype=float) / constant)
+    for index, joint in enumerate(state.joints):
+        if settings.acts_at(index):
+            yield from drive_motion(state, index, times(compliance * share, joint.drive_load))
+
+
+CREEP = Effect(
+    id="creep",
+    title="creep of the drives",
+    formula="sum J_i tau_i c_i (1 - exp(-t/tc)), t since loading began",
+    place="joint",
+    automatic=False,
+    needs="time, and steps of load",
+    aliases=("thermal_expansion", "joint_compliance"),
+    source="W. N. Findley, J. S. Lai & K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials "
+    "(North-Holland, 1976): Kelvin's model",
+    parameters=(
+        Parameter(
+            "compliance",
+            "compliance",
+            "compliance that the drive gains in the end",
+            0.0,
+            1e-2,
+            (1e-8, 1e-5),
+            "1 to 5 % of the compliance, all of it again in a worn or plastic part",
+            role="size",
+        ),
+        Parameter(
+            "time_constant",
+            "time",
+            "time after which 63 % of it has come",
+            1.0,
+            1e6,
+            (60.0, 7.2e4),
+            "minutes for belts and greases, hours for plastics",
+            role="shape",
+            grid=(60.0, 120.0, 300.0, 600.0, 1200.0, 2400.0, 3600.0, 7200.0, 14400.0, 28800.0, 72000.0),
+        ),
+    ),
+    twists=_twists,
+    requires=("loaded_for",),
+    enough=(("compliance", "time_constant"),),
+)

@@ -1,0 +1,48 @@
+"""An encoder's disc sits off its axis: the reading errs once a turn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import plus, times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from .functions import cosine, sine
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
+    if of_sine == 0.0 and of_cosine == 0.0:
+        return
+    for index, joint in enumerate(state.joints):
+        if joint.revolute and settings.acts_at(index):
+            angle = joint.coordinate
+            yield from drive_motion(state, index, plus(times(of_sine, sine(angle)), times(of_cosine, cosine(angle))))
+
+
+def _amplitude(name: str) -> Parameter:
+    return Parameter(
+        name,
+        "angle",
+        f"error that goes with the {name} of the joint's angle",
+        -0.02,
+        0.02,
+        (0.05e-3, 0.5e-3),
+        "eccentricity over grating radius: some 10 um over 20 to 50 mm",
+        role="size",
+    )
+
+
+ENCODER_ECCENTRICITY = Effect(
+    id="encoder_eccentricity",
+    title="eccentricity of an encoder's disc",
+    formula="sum J_i (a sin q_i + b cos q_i)",
+    place="joint",
+    automatic=False,
+    needs="wide travel of the joint",
+    aliases=("encoder_scale", "gear_transmission_error"),
+    source="A. H. Slocum, Precision Machine Design (Prentice Hall, 1992), rotary encoders",
+    parameters=(_amplitude("sine"), _amplitude("cosine")),
+    twists=_twists,
+    only="joints that turn",
+)

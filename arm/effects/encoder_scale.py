@@ -1,0 +1,41 @@
+"""An encoder counts too much or too little: the error grows with the coordinate. On a slide: the lead of its screw."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    share = settings.values.get("scale", 0.0)
+    for index, joint in enumerate(state.joints):
+        if share != 0.0 and settings.acts_at(index):
+            yield from drive_motion(state, index, times(share, joint.coordinate))
+
+
+ENCODER_SCALE = Effect(
+    id="encoder_scale",
+    title="scale of an encoder or of a gear ratio",
+    formula="sum J_i e_i q_i",
+    place="joint",
+    automatic=False,
+    needs="wide travel of the joint",
+    aliases=("encoder_eccentricity", "joint_coupling"),
+    source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
+    parameters=(
+        Parameter(
+            "scale",
+            "dimensionless",
+            "share of its reading by which the joint stands farther than the encoder reads",
+            -0.1,
+            0.1,
+            (1e-5, 1e-3),
+            "gratings and screws: 1e-5 to 1e-4; belts and wrong ratios: more",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+)

@@ -1,0 +1,64 @@
+"""The arm's base does not stand where the measuring frame has it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ..statics import PoseState
+from ..vectors import Scalar, Vector, is_zero, scale
+from .effect import Effect, Parameter, Settings, Twist
+
+
+def moved_base(state: PoseState, values: Mapping[str, float], factor: Scalar = 1.0) -> Iterator[Twist]:
+    """The base shifted by `x`, `y`, `z` and turned by `about_x`, `about_y`, `about_z`, times a factor; in the plane
+    what leaves it counts nothing."""
+    flat = state.planar
+    shift: Vector = (values.get("x", 0.0), values.get("y", 0.0), 0.0 if flat else values.get("z", 0.0))
+    about_x, about_y = (0.0, 0.0) if flat else (values.get("about_x", 0.0), values.get("about_y", 0.0))
+    turn: Vector = (about_x, about_y, values.get("about_z", 0.0))
+    if not (is_zero(shift) and is_zero(turn)):
+        yield Twist("base", 0, scale(factor, shift), scale(factor, turn))
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from moved_base(state, settings.values)
+
+
+def _shift(name: str) -> Parameter:
+    return Parameter(
+        name,
+        "length",
+        f"shift of the base along {name}",
+        -1.0,
+        1.0,
+        (10e-6, 5e-3),
+        "fits of a measuring frame to a base by hand",
+        role="size",
+    )
+
+
+def _turn(axis: str) -> Parameter:
+    return Parameter(
+        f"about_{axis}",
+        "angle",
+        f"turn of the base about {axis}",
+        -0.2,
+        0.2,
+        (0.1e-3, 1e-3),
+        "fits of a measuring frame to a base by hand",
+        role="size",
+    )
+
+
+FRAME_MISALIGNMENT = Effect(
+    id="frame_misalignment",
+    title="misalignment of the measuring frame",
+    formula="t + r x p; in the plane t + r z x p",
+    place="base",
+    automatic=False,
+    needs="nothing more than poses",
+    aliases=("encoder_offset", "clearance"),
+    source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
+    parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
+    twists=_twists,
+)

@@ -1,0 +1,76 @@
+"""Friction beyond the encoder holds a joint back on the side that it came from, and winds up its drive.
+
+A recording knows the sides. A design does not: there the joint stands anywhere between both, as with backlash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import JointState, PoseState
+from ..vectors import Scalar, plus, times
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, drive_motion
+from .functions import magnitude
+
+
+def _windup(joint: JointState, settings: Settings) -> Scalar:
+    per_load = settings.values.get("windup_per_load", 0.0)
+    grown = 0.0 if per_load == 0.0 else times(per_load, magnitude(joint.drive_load))
+    return plus(settings.values.get("windup", 0.0), grown)
+
+
+def _any(settings: Settings) -> bool:
+    return any(settings.values.get(name, 0.0) != 0.0 for name in ("windup", "windup_per_load"))
+
+
+def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
+    for index, joint in enumerate(state.joints):
+        if _any(settings) and settings.acts_at(index):
+            # Friction works against the last motion, whatever the load: nothing seats it.
+            yield Interval(drive_motion(state, index, _windup(joint, settings)), 0.0)
+
+
+def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    sides = state.conditions.sides
+    if sides is None or not _any(settings):
+        return
+    for index, joint in enumerate(state.joints):
+        if settings.acts_at(index):
+            yield from drive_motion(state, index, times(-1.0, times(sides[index], _windup(joint, settings))))
+
+
+FRICTION_WINDUP = Effect(
+    id="friction_windup",
+    title="wind-up of the drives by friction",
+    formula="sum -J_i s_i (tau_c + mu |tau_i|)/K_i",
+    place="joint",
+    automatic=False,
+    needs="every pose from both sides, with two payloads",
+    aliases=("backlash",),
+    source="B. Armstrong-Helouvry, P. Dupont & C. Canudas de Wit, A survey of models, analysis tools and compensation "
+    "methods for the control of machines with friction, Automatica 30 (1994) 1083-1138",
+    parameters=(
+        Parameter(
+            "windup",
+            "angle",
+            "Coulomb friction over the drive's stiffness, tau_c/K",
+            0.0,
+            0.1,
+            (0.02e-3, 0.3e-3),
+            "friction of a few per cent of the rated torque, on a drive that winds up 1 to 5 mrad at it",
+            role="size",
+        ),
+        Parameter(
+            "windup_per_load",
+            "compliance",
+            "share of the load that friction takes, over the drive's stiffness, mu/K",
+            0.0,
+            1e-2,
+            (1e-8, 1e-5),
+            "a tenth of the drive's compliance",
+            role="size",
+        ),
+    ),
+    play=_play,
+    seated=_seated,
+)

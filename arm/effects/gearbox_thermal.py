@@ -1,0 +1,44 @@
+"""A joint turns a little as its gearbox and housing warm. The warming is that of the link it carries."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from .warming import LAG, warming_of
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    rate = settings.values.get("per_kelvin", 0.0)
+    for index in range(len(state.joints)):
+        if rate != 0.0 and settings.acts_at(index):
+            yield from drive_motion(state, index, times(rate, warming_of(state, index, settings.values)))
+
+
+GEARBOX_THERMAL = Effect(
+    id="gearbox_thermal",
+    title="thermal motion of the joints",
+    formula="sum J_i g_i dT_i, dT_i above 20 degC behind its first-order lag",
+    place="joint",
+    automatic=False,
+    needs="temperature",
+    aliases=("thermal_bending", "frame_drift"),
+    source="ISO 230-3:2020 (determination of thermal effects)",
+    parameters=(
+        Parameter(
+            "per_kelvin",
+            "angle_per_temperature",
+            "motion of the joint for one kelvin of warming above 20 degC",
+            -1e-3,
+            1e-3,
+            (1e-6, 1e-5),
+            "0.01 to 0.1 mrad for 10 K",
+            role="size",
+        ),
+        LAG,
+    ),
+    twists=_twists,
+    requires=("warming",),
+)

@@ -1,0 +1,40 @@
+"""The instrument's metre is not a metre: every measured position is too far out or too near in proportion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import scale
+from .effect import Effect, Parameter, Settings, Twist
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    share = settings.values.get("scale", 0.0)
+    if share != 0.0:
+        yield Twist("tip", len(state.links) - 1, scale(share, state.tip()))
+
+
+INSTRUMENT_SCALE = Effect(
+    id="instrument_scale",
+    title="scale of the measuring instrument",
+    formula="e p",
+    place="tip",
+    automatic=False,
+    needs="a certified length within the measured volume",
+    aliases=("link_length", "thermal_expansion"),
+    source="ISO 10360-10:2021 (laser trackers: length measurement error)",
+    parameters=(
+        Parameter(
+            "scale",
+            "dimensionless",
+            "share by which the instrument reads distances from the base too long",
+            -0.05,
+            0.05,
+            (5e-6, 4e-4),
+            "laser trackers: 5 to 20 ppm; camera systems without a scale bar: hundreds of ppm",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+)

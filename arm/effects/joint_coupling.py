@@ -1,0 +1,43 @@
+"""A drive that runs through the joint before it is dragged along when that joint moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    coupling = settings.values.get("coupling", 0.0)
+    for index in range(1, len(state.joints)):
+        if coupling != 0.0 and settings.acts_at(index):
+            yield from drive_motion(state, index, times(coupling, state.joints[index - 1].coordinate))
+
+
+JOINT_COUPLING = Effect(
+    id="joint_coupling",
+    title="coupling of a joint to the one before it",
+    formula="sum J_i k_i q_(i-1), i from 2",
+    place="joint",
+    automatic=False,
+    needs="both joints' travel, each with the other at several places",
+    aliases=("encoder_scale",),
+    source="J. J. Craig, Introduction to Robotics: Mechanics and Control (3rd ed., Pearson, 2005), "
+    "actuator space and joint space",
+    parameters=(
+        Parameter(
+            "coupling",
+            "dimensionless",
+            "motion of the joint for one unit of the joint before (rad, m)",
+            -0.5,
+            0.5,
+            (1e-4, 1e-2),
+            "what is left of a wrist's or belt's coupling once the controller has taken out its nominal value",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+    only="joints after the first",
+)

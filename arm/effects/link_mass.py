@@ -1,0 +1,42 @@
+"""A link is heavier than the file says (cables, hoses, covers), and what bends gives more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from .effect import Effect, Parameter, Settings, Twist
+from .elastic import elastic_twists, under_other_loads
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    mass = settings.values.get("mass", 0.0)
+    if mass != 0.0:
+        extra = tuple(mass if settings.acts_at(index) else 0.0 for index in range(len(state.links)))
+        yield from elastic_twists(under_other_loads(state, link_masses=extra, weightless=True))
+
+
+LINK_MASS = Effect(
+    id="link_mass",
+    title="extra mass along the links",
+    formula="sum over what bends, under the weight m_i g spread along link i",
+    place="link",
+    automatic=False,
+    needs="known stiffness",
+    aliases=("payload", "joint_compliance"),
+    source="C. G. Atkeson, C. H. An & J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and "
+    "links, International Journal of Robotics Research 5 (1986) 101-119",
+    parameters=(
+        Parameter(
+            "mass",
+            "mass",
+            "mass beyond that of the file, spread along the link as its own is (for each link named)",
+            -100.0,
+            1000.0,
+            (0.2, 5.0),
+            "hose and cable packages: 0.5 to 5 kg a metre",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+)

@@ -1,0 +1,41 @@
+"""The payload is heavier or lighter than declared, and what bends gives more or less."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from .effect import Effect, Parameter, Settings, Twist
+from .elastic import elastic_twists, under_other_loads
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    mass = settings.values.get("mass", 0.0)
+    if mass != 0.0:
+        yield from elastic_twists(under_other_loads(state, payload_mass=mass, weightless=True))
+
+
+PAYLOAD = Effect(
+    id="payload",
+    title="extra mass at the tip",
+    formula="sum over what bends, under the weight m g at the tip",
+    place="tip",
+    automatic=False,
+    needs="known stiffness, or two payloads",
+    aliases=("joint_compliance", "link_mass"),
+    source="C. G. Atkeson, C. H. An & J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and "
+    "links, International Journal of Robotics Research 5 (1986) 101-119",
+    parameters=(
+        Parameter(
+            "mass",
+            "mass",
+            "mass at the tip beyond the payload declared",
+            -100.0,
+            1000.0,
+            (0.1, 3.0),
+            "tool changers, targets, cables and fillings left out of the figure declared",
+            role="size",
+        ),
+    ),
+    twists=_twists,
+)

@@ -1,0 +1,69 @@
+"""The tip sits elsewhere on the last link than the file says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..kinematics import section_directions
+from ..statics import PoseState
+from ..vectors import Vector, add, dot, is_zero, scale, snap
+from .effect import Effect, Parameter, Settings, Twist
+
+
+def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:
+    """Unit vectors along the last link, across it in the plane in which its joint turns it, and out of that plane."""
+    link, joint, last = state.arm.links[-1], state.arm.joints[-1], state.links[-1]
+    if link.height_direction is None:
+        return last.along, last.height, last.width
+    across, out = section_directions(replace(link, height_direction=None), joint)
+    height, width = section_directions(link, joint)
+
+    def in_base_frame(direction: Vector) -> Vector:
+        return add(scale(snap(dot(direction, height)), last.height), scale(snap(dot(direction, width)), last.width))
+
+    return last.along, in_base_frame(across), in_base_frame(out)
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    along, across, out = last_link_axes(state)
+    moved = add(
+        scale(settings.values.get("along", 0.0), along),
+        add(
+            scale(settings.values.get("across", 0.0), across),
+            scale(0.0 if state.planar else settings.values.get("out", 0.0), out),
+        ),
+    )
+    if not is_zero(moved):
+        yield Twist("tip", len(state.links) - 1, moved)
+
+
+def _offset(name: str, direction: str) -> Parameter:
+    return Parameter(
+        name,
+        "length",
+        f"where the tip truly is, {direction}",
+        -0.2,
+        0.2,
+        (0.1e-3, 2e-3),
+        "tool centre points taught by hand",
+        role="size",
+    )
+
+
+TOOL_OFFSET = Effect(
+    id="tool_offset",
+    title="offset of the tool",
+    formula="a u_n + b n_n (+ c u_n x n_n in space)",
+    place="tip",
+    automatic=False,
+    needs="turns of the wrist",
+    aliases=("link_length", "encoder_offset"),
+    source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
+    parameters=(
+        _offset("along", "along the last link"),
+        _offset("across", "across the last link, in the plane in which its joint turns it"),
+        _offset("out", "out of that plane (nothing in a planar arm)"),
+    ),
+    twists=_twists,
+)

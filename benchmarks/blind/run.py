@@ -1,0 +1,115 @@
+"""Asks the tool about each recording, in worker processes, by its public command line alone."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import signal
+import sys
+import time
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from benchmarks.blind.seal import digest, half_of
+
+FAILED = -1
+
+
+class SealedTwiceError(ValueError):
+    """A sealed half has been asked already."""
+
+
+def _late(number: int, frame: FrameType | None) -> None:
+    raise TimeoutError(f"no answer in time (signal {number}, {frame is not None})")
+
+
+def _ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
+    """One question: exit status, seconds, the last line that the tool printed as an error."""
+    from linkwright.command_line import outcome  # the one touch of what is judged
+
+    folder = Path(case)
+    start = time.perf_counter()
+    words = io.StringIO()
+    signal.signal(signal.SIGALRM, _late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(words):
+            status = outcome(["diagnose", str(folder / "arm.yaml"), str(folder / "recording.csv"), "--json", answer])
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    lines = words.getvalue().strip().splitlines()
+    return status, time.perf_counter() - start, lines[-1] if lines else ""
+
+
+def _write(answers: Path, name: str, status: int, seconds: float | None, error: str) -> None:
+    raw = answers / "diagnosis" / f"{name}.json"
+    diagnosis: Any = json.loads(raw.read_text(encoding="utf-8")) if status == 0 and raw.exists() else None
+    record = {"case": name, "status": status, "seconds": seconds, "error": error, "diagnosis": diagnosis}
+    (answers / f"{name}.json").write_text(json.dumps(record) + "\n", encoding="utf-8")
+
+
+def _claim(root: Path, answers: Path) -> None:
+    """A sealed half is asked once: the first folder of answers owns it, and no answer is given twice."""
+    names = {path.name for path in (root / "cases").iterdir()}
+    if half_of(root) != "sealed":
+        return
+    owner = root / "asked.txt"
+    if (root / "scored.txt").exists():
+        raise SealedTwiceError(f"{root}: its truths have been opened; there is no second run")
+    if owner.exists() and owner.read_text(encoding="utf-8").strip() != answers.name:
+        raise SealedTwiceError(f"{root}: asked already, its answers lie in {owner.read_text(encoding='utf-8').strip()}")
+    if answers.exists() and names <= {path.stem for path in answers.glob("*.json")}:
+        raise SealedTwiceError(f"{answers}: all answers are given; a sealed half is not asked twice")
+    owner.write_text(answers.name + "\n", encoding="utf-8")
+
+
+def run(root: Path, answers: Path, jobs: int = 2, limit: int | None = None, seconds: float = 120.0) -> int:
+    """Answers what is not answered yet; returns how many that were. Raises SealedTwiceError."""
+    _claim(root, answers)
+    (answers / "diagnosis").mkdir(parents=True, exist_ok=True)
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    names = sorted(path.name for path in (root / "cases").iterdir())
+    left = [name for name in names if not (answers / f"{name}.json").exists()][:limit]
+    start, done = time.monotonic(), 0
+    for broken in _waves(root, answers, left, jobs, seconds):
+        for name in broken:  # a worker died: each of its wave is asked alone, so that only the culprit fails
+            for _ in _waves(root, answers, [name], 1, seconds, alone=True):
+                pass
+        done = sum((answers / f"{name}.json").exists() for name in left)
+        print(f"{done} of {len(left)} answered, {time.monotonic() - start:.0f} s", file=sys.stderr)
+    if all((answers / f"{name}.json").exists() for name in names):
+        lines = [f"{digest((answers / f'{n}.json').read_bytes())}  {n}.json" for n in names]
+        (answers / "seal.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return done
+
+
+def _waves(root: Path, answers: Path, names: list[str], jobs: int, seconds: float, *, alone: bool = False) -> Any:
+    """Asks in waves of some dozens; yields those of each wave that a dead worker left without an answer."""
+    size = max(1, 16 * jobs)
+    pool = ProcessPoolExecutor(jobs)
+    for at in range(0, len(names), size):
+        wave = names[at : at + size]
+        futures: dict[str, Future[tuple[int, float, str]]] = {
+            name: pool.submit(_ask, str(root / "cases" / name), str(answers / "diagnosis" / f"{name}.json"), seconds)
+            for name in wave
+        }
+        broken = []
+        for name, future in futures.items():
+            error = future.exception()
+            if error is None:
+                _write(answers, name, *future.result())
+            elif isinstance(error, BrokenProcessPool) and not alone:
+                broken.append(name)
+            else:
+                _write(answers, name, FAILED, None, f"{type(error).__name__}: {error}"[:500])
+        if broken:
+            pool.shutdown(wait=False)
+            pool = ProcessPoolExecutor(jobs)
+        yield broken
+    pool.shutdown()

@@ -1,0 +1,131 @@
+"""The columns of a recording put together: what belongs together, what needs its fellows, what is not used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain import Arm
+
+from .reading_columns import ColumnMeaning
+from .reading_settings import ReadingSettings
+from .recording import Recording
+from .table import Table
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ReadColumn:
+    """A column as read: what it means, its header, its values (SI), and how to say what is wrong with a cell."""
+
+    meaning: ColumnMeaning
+    header: str
+    values: Array
+    fault: Callable[[int], str]
+
+
+def assembled(
+    path: Path,
+    columns: dict[str, ReadColumn],
+    strangers: dict[str, Array],
+    table: Table,
+    arm: Arm,
+    held: ReadingSettings,
+) -> Recording:
+    """The recording that the columns make; a kind of column that joints have in part is left out and said."""
+    warnings: list[str] = []
+
+    def one(name: str) -> Array | None:
+        return columns[name].values if name in columns else None
+
+    def stacked(names: Sequence[str]) -> Array:
+        return np.stack([columns[name].values for name in names], axis=1)
+
+    def each_joint(base: str) -> Array | None:
+        names = [f"{base}{k + 1}" for k in range(arm.size)]
+        there = [name for name in names if name in columns]
+        if not there:
+            return None
+        if len(there) < len(names):
+            lacking = ", ".join(name for name in names if name not in columns)
+            warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
+            return None
+        return stacked(names)
+
+    total = len(table.row)
+    sides = None
+    if any(f"dir{k + 1}" in columns for k in range(arm.size)):
+        sides = np.stack(
+            [columns[f"dir{k + 1}"].values if f"dir{k + 1}" in columns else np.zeros(total) for k in range(arm.size)],
+            axis=1,
+        )
+        lacking = [f"dir{k + 1}" for k in range(arm.size) if f"dir{k + 1}" not in columns]
+        if lacking:
+            warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
+    time = one("time")
+    spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
+    return Recording(
+        file=str(path),
+        q=stacked([f"q{k + 1}" for k in range(arm.size)]),
+        tip=stacked(spatial),
+        row=table.row,
+        orientation=_orientation(columns, stacked),
+        time=time,
+        sides=sides,
+        payload_mass=one("payload"),
+        temperature=one("temperature"),
+        link_temperature=_link_temperature(columns, arm, total, warnings),
+        velocity=each_joint("v"),
+        acceleration=each_joint("a"),
+        commanded=each_joint("c"),
+        joint_side=each_joint("j"),
+        torque=each_joint("tau"),
+        force=_in_space(columns, ("fx", "fy", "fz"), total),
+        base_target=_in_space(columns, ("basex", "basey", "basez"), total),
+        sigma=held.sigma,
+        frame=held.frame,
+        tool=held.tool,
+        warnings=tuple(warnings),
+        other=MappingProxyType(strangers),
+        settings=held.file,
+    )
+
+
+def _in_space(columns: dict[str, ReadColumn], names: Sequence[str], total: int) -> Array | None:
+    """Three components; the third is 0 where a recording in the plane leaves it out."""
+    if names[0] not in columns:
+        return None
+    return np.stack([columns[name].values if name in columns else np.zeros(total) for name in names], axis=1)
+
+
+def _orientation(columns: dict[str, ReadColumn], stacked: Callable[[Sequence[str]], Array]) -> Array | None:
+    """Rotation matrices (N, 3, 3), nan where a row has none; angles turn about the fixed x, y and z, in this order."""
+    names = ("qx", "qy", "qz", "qw") if "qw" in columns else ("rx", "ry", "rz")
+    if names[0] not in columns:
+        return None
+    values = stacked(names)
+    good = np.isfinite(values).all(axis=1) & (("rx" in names) | (np.abs(values).max(axis=1) > 0.0))
+    matrices = np.full((len(values), 3, 3), np.nan)
+    if good.any():
+        turns = Rotation.from_quat(values[good]) if "qw" in columns else Rotation.from_euler("xyz", values[good])
+        matrices[good] = turns.as_matrix()
+    return matrices
+
+
+def _link_temperature(columns: dict[str, ReadColumn], arm: Arm, total: int, warnings: list[str]) -> Array | None:
+    names = [f"temperature_link{k + 1}" for k in range(arm.size)]
+    lacking = [name for name in names if name not in columns]
+    if len(lacking) == arm.size:
+        return None
+    if lacking:
+        instead = "temperature" if "temperature" in columns else "the arm file's temperature"
+        warnings.append(f"There is no {', '.join(lacking)}: {instead} counts for those links.")
+    rest = columns["temperature"].values if "temperature" in columns else np.full(total, arm.temperature)
+    return np.stack([columns[name].values if name in columns else rest for name in names], axis=1)

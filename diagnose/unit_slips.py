@@ -1,0 +1,98 @@
+"""Changes of unit that people forget, and how to say them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+
+Array = NDArray[np.float64]
+
+_TIP = ("x", "y", "z")
+_LENGTHS = (1e3, 1e-3, 1e6, 1e-6, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4)
+_LENGTH_SIZES = MappingProxyType({"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254})
+_ANGLE_SIZES = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
+IN_A_ROW = (1e3, 1e-3, math.degrees(1.0), math.radians(1.0))
+"""Single rows slip between m and mm, deg and rad; odder units come by the file."""
+
+
+@dataclass(frozen=True)
+class UnitChange:
+    """A change of unit that may bring joints and tip together: factors on q (n,) and on the tip (D,), and how to say
+    it, column by column."""
+
+    q: Array
+    tip: Array
+    columns: tuple[str, ...]
+    factors: tuple[float, ...]
+
+    def said(self) -> str:
+        """`x_mm, y_mm seem to be in m`."""
+        units = [_unit_of_numbers(name, factor) for name, factor in zip(self.columns, self.factors, strict=True)]
+        by_unit: dict[str, list[str]] = {}
+        for name, unit in zip(self.columns, units, strict=True):
+            by_unit.setdefault(unit, []).append(name)
+        parts = [
+            f"{', '.join(names)} {'seems' if len(names) == 1 else 'seem'} to be in {unit}"
+            for unit, names in by_unit.items()
+        ]
+        return " and ".join(parts)
+
+    def right_headers(self) -> str:
+        """The headers that would be right."""
+        return ", ".join(
+            f"{name.rpartition('_')[0]}_{_unit_of_numbers(name, factor)}"
+            for name, factor in zip(self.columns, self.factors, strict=True)
+        )
+
+
+def _unit_of_numbers(header: str, factor: float) -> str:
+    """The unit in which a column's numbers are, where they fit with `factor` times the unit of its header."""
+    sizes = _ANGLE_SIZES if header.rpartition("_")[2] in _ANGLE_SIZES else _LENGTH_SIZES
+    wanted = factor * sizes.get(header.rpartition("_")[2], 1.0)
+    return next((unit for unit, size in sizes.items() if math.isclose(size, wanted)), f"{factor:.5g} of their unit")
+
+
+def unit_changes(arm: Arm, width: int, headers: Mapping[str, str]) -> Iterator[UnitChange]:
+    """Every change of unit that people forget: one column, all of a kind, or all angles and all lengths together."""
+    turns = [k for k, joint in enumerate(arm.joints) if joint.revolute]
+    slides = [k for k, joint in enumerate(arm.joints) if not joint.revolute]
+    names_q = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size)]
+    names_tip = [headers.get(name, name) for name in _TIP[:width]]
+
+    def change(joints: list[int], by: float, axes: list[int], by_tip: float) -> UnitChange:
+        q, tip = np.ones(arm.size), np.ones(width)
+        q[joints], tip[axes] = by, by_tip
+        names = (*(names_q[k] for k in joints), *(names_tip[k] for k in axes))
+        return UnitChange(q, tip, names, (*[by] * len(joints), *[by_tip] * len(axes)))
+
+    def groups(members: list[int]) -> list[list[int]]:
+        return ([members] if members else []) + ([[k] for k in members] if len(members) > 1 else [])
+
+    angles = (math.degrees(1.0), math.radians(1.0))
+    for axes, factor in itertools.product(groups(list(range(width))), _LENGTHS):
+        yield change([], 1.0, axes, factor)
+    for joints, factor in itertools.product(groups(turns), angles):
+        yield change(joints, factor, [], 1.0)
+    for joints, factor in itertools.product(groups(slides), _LENGTHS):
+        yield change(joints, factor, [], 1.0)
+    if turns:
+        for by_angle, by_length in itertools.product(angles, _LENGTHS):
+            yield change(turns, by_angle, list(range(width)), by_length)
+
+
+def widest(arm: Arm) -> Array:
+    """What no coordinate exceeds, rad or m."""
+    return np.array(
+        [
+            2.0 * max(math.pi, *map(abs, joint.range)) if joint.revolute else 2.0 * max(map(abs, joint.range))
+            for joint in arm.joints
+        ]
+    )

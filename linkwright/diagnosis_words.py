@@ -1,0 +1,202 @@
+"""A diagnosis in words: places, parameters with their intervals, what cannot be told apart; for screen and report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from arm.chain import Arm
+from arm.effects import EFFECTS
+from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
+from materials.quantities import format_quantity
+
+from .words import effect_title, figure, mm, percent, pose, with_unit
+
+VERDICTS = (
+    ("none", "nothing missing", "nothing missing that this recording could show"),
+    ("named", "named", "named"),
+    ("alias_class", "one of several", "one of several that the data cannot tell apart"),
+    ("unknown", "not explained", "nothing in the library explains it"),
+    ("insufficient_data", "cannot say", "the recording cannot say"),
+)
+
+
+def verdict_words(verdict: str, *, short: bool = False) -> str:
+    """A verdict as a phrase, or in two words."""
+    return next((brief if short else full for name, brief, full in VERDICTS if name == verdict), verdict)
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """`a, b and c`."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
+
+
+def place_words(effect: str, at: Sequence[int]) -> str:
+    """Where an effect acts: `joint 2`, `links 1 and 3`; nothing for base, tip and what acts everywhere."""
+    if not at:
+        return ""
+    place = EFFECTS[effect].place if effect in EFFECTS else "joint"
+    place = place if place in ("joint", "link") else "joint"
+    return f"{place}{'s' if len(at) > 1 else ''} {listed([str(number) for number in at])}"
+
+
+def effect_words(effect: str, at: Sequence[int]) -> str:
+    """An effect with its place: `compliance of the drives (joint 2)`."""
+    place = place_words(effect, at)
+    return f"{effect_title(effect)} ({place})" if place else effect_title(effect)
+
+
+def quantity(value: float, kind: str, digits: int = 3, like: float | None = None) -> str:
+    """A figure with its unit; `like` chooses the unit by another figure. A dash where it is not known."""
+    if not math.isfinite(value):
+        return "–"
+    unit = None
+    if like is not None and math.isfinite(like):
+        unit = format_quantity(like, kind).partition(" ")[2] or None
+    written = format_quantity(value, kind, unit, digits) if value else f"0 {unit or ''}".strip()
+    return written.replace("-", "−").replace("*", "·")
+
+
+def value_words(fitted: FittedParameter) -> str:
+    """A fitted value with its unit."""
+    return quantity(fitted.value, fitted.kind, _digits(fitted), _largest(fitted))
+
+
+def interval_words(fitted: FittedParameter) -> str:
+    """The 95 % interval, in the unit of the value."""
+    ends = fitted.interval
+    if not all(math.isfinite(end) for end in ends):
+        return "–"
+    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in ends)
+    number, _, unit = low.partition(" ")
+    return f"{number} to {high}" if high.partition(" ")[2] == unit else f"{low} to {high}"
+
+
+def measured_words(fitted: FittedParameter) -> str:
+    """The value with its 95 % interval beside it."""
+    number, _, unit = value_words(fitted).partition(" ")
+    interval = interval_words(fitted)
+    return f"{number} ({interval.removesuffix(unit).strip()}) {unit}".strip()
+
+
+def _largest(fitted: FittedParameter) -> float:
+    return max((abs(value) for value in (fitted.value, *fitted.interval) if math.isfinite(value)), default=0.0)
+
+
+def _digits(fitted: FittedParameter) -> int:
+    """As many digits as the interval's width supports."""
+    half = 0.5 * (fitted.interval[1] - fitted.interval[0])
+    size = _largest(fitted)
+    if not (math.isfinite(half) and half > 0.0 and size > 0.0):
+        return 3
+    return min(7, max(2, 1 + math.floor(math.log10(size)) - math.floor(math.log10(half))))
+
+
+def parameter_title(fitted: FittedParameter, effect: str) -> str:
+    """A parameter's meaning and where it acts."""
+    known = EFFECTS[effect].parameters if effect in EFFECTS else ()
+    own = fitted.parameter.replace("_", " ")
+    meaning = next((each.meaning for each in known if each.name == fitted.parameter), own)
+    place = place_words(effect, fitted.at)
+    return f"{meaning}, {place}" if place else meaning
+
+
+def alias_sentence(finding: Finding) -> str:
+    """What the data cannot tell from a finding; empty where there is nothing."""
+    if not finding.alternatives:
+        return ""
+    others = [
+        f"{effect_words(each.effect, each.at)} (patterns alike to {figure(each.likeness, 4)})"
+        for each in finding.alternatives
+    ]
+    return f"The data cannot tell {effect_words(finding.effect, finding.at)} from {listed(others, 'or')}."
+
+
+def explained_share(diagnosis: Diagnosis) -> float | None:
+    """The share of the mismatch's sum of squares that the findings explain; None where there was nothing."""
+    if diagnosis.unknown is not None or not diagnosis.findings or diagnosis.rms_before <= 0.0:
+        return None
+    return max(0.0, 1.0 - (diagnosis.rms_after / diagnosis.rms_before) ** 2)
+
+
+def p_words(p: float) -> str:
+    """A probability, without false precision."""
+    if math.isnan(p):
+        return "–"
+    return "< 0.0001" if p < 1e-4 else figure(p, 2)
+
+
+def share_words(value: float) -> str:
+    """A share as a percentage; a dash where it is not known."""
+    return "–" if math.isnan(value) else percent(max(0.0, value))
+
+
+COVARIATES = (
+    ("position", "where the tip is"),
+    ("time", "time"),
+    ("payload_kg", "the payload"),
+    ("temperature_degC", "the temperature"),
+)
+
+
+def covariate_words(name: str) -> str:
+    """A covariate in words: `q2` is joint 2's coordinate, `dir2` the side from which it came."""
+    known = dict(COVARIATES)
+    if name in known:
+        return known[name]
+    for prefix, words in (("q", "the coordinate of joint {}"), ("dir", "the side that joint {} came from")):
+        if name.startswith(prefix) and name[len(prefix) :].isdigit():
+            return words.format(name[len(prefix) :])
+    return name.replace("_", " ")
+
+
+DIRECTIONS = (
+    ("radial", "mostly towards the base or away from it (radially)"),
+    ("tangential", "mostly around the base (tangentially)"),
+    ("vertical", "mostly up or down (vertically)"),
+    ("mixed", "in no one direction"),
+)
+
+
+def where_sentences(diagnosis: Diagnosis) -> list[str]:
+    """Where the mismatch sits: joint, direction, what it depends on, since when."""
+    where = diagnosis.where
+    found: list[str] = []
+    if where.joint is not None:
+        share = where.joint_shares[where.joint - 1] if where.joint <= len(where.joint_shares) else math.nan
+        part = f": its motion alone could be {percent(share)} of the sum of squares" if math.isfinite(share) else ""
+        found.append(f"The mismatch sits at joint {where.joint}{part}.")
+    if where.direction:
+        words = dict(DIRECTIONS).get(where.direction, f"mostly {where.direction}")
+        found.append(f"The tip is displaced {words}.")
+    if where.depends_on:
+        found.append(f"The mismatch depends on {listed([covariate_words(name) for name in where.depends_on])}.")
+    if where.since is not None:
+        found.append(f"It is there since {time_words(where.since)} into the recording.")
+    return found
+
+
+def time_words(seconds: float) -> str:
+    """A time in s, and in minutes or hours where that reads better."""
+    if abs(seconds) < 120.0:
+        return with_unit(seconds, "s", 3)
+    if abs(seconds) < 7200.0:
+        return f"{with_unit(seconds, 's', 5)} ({with_unit(seconds / 60.0, 'min', 3)})"
+    return f"{with_unit(seconds, 's', 6)} ({with_unit(seconds / 3600.0, 'h', 3)})"
+
+
+def detectable_words(detectable: Detectable) -> str:
+    """The smallest value of the effect's parameter that would have been found."""
+    return quantity(detectable.value, detectable.kind)
+
+
+def next_pose_words(arm: Arm, each: NextPose) -> tuple[str, str, str]:
+    """A pose worth recording: joint coordinates, payload and side."""
+    payload = "as in the arm file" if each.payload_mass is None else with_unit(each.payload_mass, "kg")
+    side = {1: "from below (+1)", -1: "from above (−1)"}.get(each.side, "either")
+    return pose(arm, each.q), payload, side
+
+
+def covered_words(covered: Covered) -> str:
+    """A figure of a standard with its unit."""
+    return f"{figure(1e3 * covered.value, 3)} mm/N" if covered.symbol == "C" else mm(covered.value, 3)

@@ -1,0 +1,218 @@
+"""The design question again, with what a diagnosis found: which decisions change, what the old optimum really had.
+
+The same problem is solved with the arm as given and with the corrected physics. The old optimum is then evaluated under
+the corrected physics: what it was promised to have, against what it would have had.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from arm.chain import Arm, EffectEntry, Link, LoadCase
+from arm.model import beam_values, beams_of, error_model
+from arm.workspace import Workspace
+from arm.worst import WorstSearch
+from materials.quantities import InputError
+from optimize.problem import Problem
+from optimize.result import OptimizationResult
+from optimize.run import optimise
+
+STIFFER = 0.1
+"""How much stiffer a drive is tried: a tenth."""
+_SAME_SIZE = 0.01
+"""A dimension that changes by less than this share is no other decision."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Something about a link that the corrected physics decides otherwise: `what` is shape, material, length or size;
+    `before` and `after` in words for shapes and materials, as lengths in m otherwise."""
+
+    link: int
+    what: str
+    before: str | float
+    after: str | float
+
+
+@dataclass(frozen=True)
+class StifferDrive:
+    """What a drive stiffer by a tenth would bring: the change of the worst error of the new design (m, negative is
+    better), and its whole compliance, rad/(N*m) or m/N. `joint` counts from 1."""
+
+    joint: int
+    compliance: float
+    change: float
+
+
+@dataclass(frozen=True)
+class Redesign:
+    """A problem solved twice. Errors are worst cases over the workspace in m.
+
+    `promised` is the old optimum's error in the model as given, `had` the same design's under the corrected physics,
+    `has` that of the new optimum. `link_mass_price` is the change of the error for 1 kg more of links (m/kg, negative
+    is better), 0 where no limit on the mass binds, None where mass is what is minimised. `carried_over` is a caution on
+    findings that belong to links which the design replaces.
+    """
+
+    problem_file: str
+    old: OptimizationResult
+    new: OptimizationResult
+    promised: float
+    had: float
+    has: float
+    decisions: tuple[Decision, ...]
+    drives: tuple[StifferDrive, ...]
+    link_mass_price: float | None
+    carried_over: tuple[str, ...]
+
+    @property
+    def best_drive(self) -> StifferDrive | None:
+        """The drive whose stiffness is worth most."""
+        return min(self.drives, key=lambda each: each.change, default=None)
+
+
+LINK_EFFECTS = frozenset({
+    "link_modulus",
+    "link_bending",
+    "link_length",
+    "link_mass",
+    "slope_propagation",
+    "axial",
+    "torsion",
+    "shear_deformation",
+    "thermal_bending",
+})
+"""Findings about the links as built; a link of another shape or material need not have them."""
+
+
+def redesign(
+    problem: Problem,
+    given: Arm,
+    corrected: Arm,
+    told: Callable[[str, float], None] | None = None,
+) -> Redesign:
+    """Solve the problem with the arm as given and as corrected.
+
+    `told` hears of the steps. Raises `InputError` where the problem is for another arm, and what `optimise` raises.
+    """
+    tell = told or _silent
+    if problem.arm.size != given.size:
+        raise InputError(problem.file, "arm", f"has {problem.arm.size} joints, the arm diagnosed has {given.size}")
+    tell("designing with the arm as given", 0.0)
+    old = optimise(replace(problem, arm=given))
+    tell("designing with the corrected arm", 0.45)
+    new = optimise(replace(problem, arm=corrected))
+    tell("the old design under the corrected physics", 0.9)
+    cases, space = problem.load_cases, problem.workspace
+    had = worst_error(with_findings(old.arm, corrected), space, cases)
+    return Redesign(
+        problem_file=problem.file,
+        old=old,
+        new=new,
+        promised=old.after.max_error,
+        had=had,
+        has=new.after.max_error,
+        decisions=decisions(old.arm, new.arm),
+        drives=stiffer_drives(new.arm, space, cases, new.after.max_error),
+        link_mass_price=_mass_price(new),
+        carried_over=_carried_over(given, corrected),
+    )
+
+
+def _silent(text: str, share: float) -> None:
+    del text, share
+
+
+def with_findings(design: Arm, corrected: Arm) -> Arm:
+    """A design with the corrected arm's physics: its links, and all else as corrected."""
+    links = tuple(
+        mine if mine.elastic else theirs for mine, theirs in zip(design.links, corrected.links, strict=True)
+    )
+    return replace(corrected, name=design.name, links=links)
+
+
+def worst_error(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase]) -> float:
+    """The worst error over a workspace, m."""
+    search = WorstSearch(error_model(arm, cases), workspace)
+    return search.worst(beam_values(beams_of(arm, cases))).error
+
+
+def decisions(before: Arm, after: Arm) -> tuple[Decision, ...]:
+    """What differs between two designs, link by link."""
+    found: list[Decision] = []
+    for number, (one, other) in enumerate(zip(before.links, after.links, strict=True), start=1):
+        found += [Decision(number, *each) for each in _differences(one, other)]
+    return tuple(found)
+
+
+def _differences(one: Link, other: Link) -> list[tuple[str, str | float, str | float]]:
+    found: list[tuple[str, str | float, str | float]] = []
+    if _differs(one.length, other.length):
+        found.append(("length", one.length, other.length))
+    shapes = ["rigid" if link.section is None else link.section.shape for link in (one, other)]
+    if shapes[0] != shapes[1]:
+        found.append(("shape", shapes[0], shapes[1]))
+    elif one.section is not None and other.section is not None:
+        sizes = [link.section.given() for link in (one, other) if link.section is not None]
+        for name, value in sizes[0].items():
+            new = sizes[1].get(name)
+            if isinstance(value, int | float) and isinstance(new, int | float) and _differs(value, new):
+                found.append((name.replace("_", " "), float(value), float(new)))
+    materials = ["–" if link.material is None else link.material.name for link in (one, other)]
+    if materials[0] != materials[1]:
+        found.append(("material", materials[0], materials[1]))
+    return found
+
+
+def _differs(one: float, other: float) -> bool:
+    return abs(one - other) > _SAME_SIZE * max(abs(one), abs(other))
+
+
+def drive_compliance(arm: Arm, joint: int) -> float:
+    """The whole compliance of a drive (from 0) in an arm's model, rad/(N*m) or m/N."""
+    stiffness = arm.joints[joint].stiffness
+    own = 0.0 if stiffness is None else 1.0 / stiffness
+    total = 0.0 if "joint_compliance" in arm.leave_out else own
+    for entry in arm.effects:
+        if entry.effect == "joint_compliance" and (not entry.at or joint + 1 in entry.at):
+            if "compliance" in entry.parameters:
+                total += entry.parameters["compliance"]
+            elif "stiffness" in entry.parameters:
+                total += 1.0 / entry.parameters["stiffness"]
+            else:
+                total += own
+    return total
+
+
+def stiffer_drives(
+    arm: Arm, workspace: Workspace, cases: Sequence[LoadCase], error: float
+) -> tuple[StifferDrive, ...]:
+    """What each drive that gives would bring if it were stiffer by a tenth, the links kept; `error` is that before (m).
+
+    Of first order this is also what a new optimum would gain, for at an optimum the links' own share vanishes.
+    """
+    found: list[StifferDrive] = []
+    for joint in range(arm.size):
+        compliance = drive_compliance(arm, joint)
+        if compliance <= 0.0:
+            continue
+        less = MappingProxyType({"compliance": -compliance * STIFFER / (1.0 + STIFFER)})
+        stiffened = replace(arm, effects=(*arm.effects, EffectEntry("joint_compliance", (joint + 1,), less)))
+        found.append(StifferDrive(joint + 1, compliance, worst_error(stiffened, workspace, cases) - error))
+    return tuple(found)
+
+
+def _mass_price(result: OptimizationResult) -> float | None:
+    """What 1 kg more of links would change of the worst error, m."""
+    if result.minimize != "max_error":
+        return None
+    prices = [limit.price for limit in result.binding if limit.name in ("mass", "total_mass")]
+    return 1e-3 * min(prices) if prices else 0.0
+
+
+def _carried_over(given: Arm, corrected: Arm) -> tuple[str, ...]:
+    """Findings that belong to the links as built."""
+    new = [entry for entry in corrected.effects if entry not in given.effects]
+    return tuple(dict.fromkeys(entry.effect for entry in new if entry.effect in LINK_EFFECTS))

@@ -1,0 +1,124 @@
+"""Residuals against everything that was recorded, as small multiples: what shows a trend before has none after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.jacobian import motion_directions
+from diagnose.result import Diagnosis
+from linkwright.diagnosis_words import covariate_words, p_words
+
+from .plot import Plot, binned, course, dots, spanned
+from .residual_map import chosen_rows, states
+from .svg import element, line, text
+
+Array = NDArray[np.float64]
+
+MOST_DOTS = 500
+_WIDTH, _HEIGHT = 270.0, 150.0
+
+
+@dataclass(frozen=True)
+class Covariate:
+    """Something recorded beside the tip: `name` as in `depends_on`, `label` for the axis, `values` (N,)."""
+
+    name: str
+    label: str
+    values: Array
+
+
+def covariates(diagnosis: Diagnosis) -> list[Covariate]:
+    """All that the recording holds and that varies."""
+    recording, arm = diagnosis.recording, diagnosis.arm
+    found: list[Covariate] = []
+    for index, joint in enumerate(arm.joints):
+        values = np.degrees(recording.q[:, index]) if joint.revolute else 1e3 * recording.q[:, index]
+        unit = "degrees" if joint.revolute else "mm"
+        found.append(Covariate(f"q{index + 1}", f"joint {index + 1} in {unit}", values))
+    if recording.sides is not None:
+        for index in range(arm.size):
+            label = f"side of joint {index + 1} (+1 from below)"
+            found.append(Covariate(f"dir{index + 1}", label, recording.sides[:, index]))
+    if recording.payload_mass is not None:
+        found.append(Covariate("payload_kg", "payload in kg", recording.payload_mass))
+    if recording.force is not None:
+        found.append(Covariate("force", "force at the tip in N", np.linalg.norm(recording.force, axis=1)))
+    if recording.temperature is not None:
+        found.append(Covariate("temperature_degC", "temperature in °C", recording.temperature - 273.15))
+    if recording.time is not None:
+        span = float(np.ptp(recording.time))
+        factor, unit = (3600.0, "h") if span > 7200.0 else (60.0, "min") if span > 300.0 else (1.0, "s")
+        found.append(Covariate("time", f"time in {unit}", recording.time / factor))
+    return [each for each in found if np.ptp(each.values) > 0.0]
+
+
+def shown_component(diagnosis: Diagnosis) -> tuple[Array, str]:
+    """The direction (N, D) along which residuals are shown, and what it is in words.
+
+    It is the motion of the joint in which the mismatch sits, else the direction in which the mismatch is largest.
+    """
+    width = diagnosis.recording.tip.shape[1]
+    joint = diagnosis.where.joint
+    if joint is not None:
+        directions = motion_directions(diagnosis.arm, diagnosis.recording.q)[:, joint - 1, :width]
+        return directions, f"along the motion of joint {joint}"
+    residual = diagnosis.residual_before
+    main = np.linalg.eigh(residual.T @ residual)[1][:, -1]
+    main = main * (np.sign(main[np.argmax(np.abs(main))]) or 1.0)
+    words = ", ".join(f"{value:.2f}".replace("-", "−") for value in main + 0.0)
+    return np.broadcast_to(main, residual.shape), f"along ({words}), where it is largest"
+
+
+def small_multiples(diagnosis: Diagnosis) -> str:
+    """A plot for each covariate, all to one scale of the residual."""
+    directions, words = shown_component(diagnosis)
+    parts = [(when, 1e3 * np.sum(residual * directions, axis=1)) for when, residual in states(diagnosis)]
+    up = spanned(np.concatenate([values for _, values in parts]), 0.06)
+    noise = None
+    if diagnosis.noise_floor is not None:
+        noise = 1e3 * diagnosis.noise_floor / np.sqrt(diagnosis.recording.tip.shape[1])
+    drawn = [_panel(diagnosis, each, parts, up, noise) for each in covariates(diagnosis)]
+    keys = "".join(element("span", class_=f"key {when}") + text(when) for when, _ in parts)
+    lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means; the band is the noise floor."
+    return element("p", text(lead), keys, class_="lead") + element("div", *drawn, class_="multiples")
+
+
+def _panel(
+    diagnosis: Diagnosis,
+    covariate: Covariate,
+    parts: list[tuple[str, Array]],
+    up: tuple[float, float],
+    noise: float | None,
+) -> str:
+    plot = Plot(_WIDTH, _HEIGHT, spanned(covariate.values), up)
+    rows = chosen_rows(len(covariate.values), MOST_DOTS)
+    x = covariate.values
+    two = len(np.unique(x)) <= 3
+    children: list[str] = []
+    if noise is not None:
+        y = plot.y(np.clip(np.array([noise, -noise]), *up))
+        band = {"x": plot.left, "y": float(y[0]), "width": plot.width, "height": float(y[1] - y[0])}
+        children.append(element("rect", **band, class_="band"))
+    spread = 0.04 * (plot.across[1] - plot.across[0])
+    for index, (when, values) in enumerate(parts):
+        # Where a covariate has few values, before and after stand side by side.
+        aside = (index - 0.5 * (len(parts) - 1)) * spread if two else 0.0
+        children.append(dots(plot.x(x[rows] + aside), plot.y(values[rows]), when))
+    if covariate.name == "time" and diagnosis.where.since is not None and diagnosis.recording.time is not None:
+        factor = float(np.ptp(x)) / float(np.ptp(diagnosis.recording.time))
+        since = float(plot.x(np.array(diagnosis.where.since * factor)))
+        children.append(line((since, plot.top), (since, plot.top + plot.height), "error-line", 1.5))
+    for when, values in parts:
+        means = binned(x, values)
+        children.append(course(plot.x(means[0]), plot.y(means[1]), when))
+    tested = next((each for each in diagnosis.where.dependences if each.on == covariate.name), None)
+    depends = covariate.name in diagnosis.where.depends_on
+    said = "" if tested is None else f", p {p_words(tested.p_value)}"
+    verdict = f"the mismatch depends on {covariate_words(covariate.name)}" if depends else "no dependence shown"
+    caption = "" if tested is None and not depends else f"{verdict}{said}"
+    ticks = np.unique(x).tolist() if two else None
+    picture = plot.drawn(f"Residuals against {covariate.label}", (covariate.label, "mm"), *children, ticks=ticks)
+    return element("figure", picture, element("figcaption", text(caption), class_="strong" if depends else None))

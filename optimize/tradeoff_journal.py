@@ -1,0 +1,193 @@
+"""The journal of a trade-off: one line of JSON for each point solved, only ever added to, so that a stop loses nothing.
+
+The first line names the question by its digest. Each further line is written whole by one call and flushed to the disk;
+a line that a kill cut short, and only that, is passed over on reading. While a process writes, it holds a lock that the
+operating system gives up when the process ends, however it ends.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from types import TracebackType
+from typing import Any, cast
+
+from materials.quantities import InputError
+
+from .choice import Combination
+from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
+from .problem import Problem
+from .tradeoff_search import Design
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+JOURNAL = "journal.jsonl"
+VERSION = 1
+Record = Mapping[str, Any]
+
+
+class Journal:
+    """Solved points by key, in a file (or, without one, only for as long as this lives)."""
+
+    def __init__(self, path: Path | None, digest: str, *, resume: bool = False, made_by: str = "") -> None:
+        """Open the journal, or with `resume` go on with one.
+
+        Where there is none yet, one begins. Raises `InputError` where it is of another question, where another process
+        holds it, or where it cannot be written.
+        """
+        self._records: dict[tuple[str, ...], Record | None] = {}
+        self._stream: int | None = None
+        if path is None:
+            return
+        try:
+            before = path.read_bytes() if resume and path.exists() else b""
+            self._stream = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+            self._lock(path)
+            if not resume:
+                os.ftruncate(self._stream, 0)
+        except OSError as error:
+            raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
+        try:
+            self._begin(path, before, digest, made_by)
+        except InputError:
+            self.close()
+            raise
+
+    @property
+    def size(self) -> int:
+        """How many points are known."""
+        return len(self._records)
+
+    def has(self, key: tuple[str, ...]) -> bool:
+        """Whether a point was solved before, with a design or without."""
+        return key in self._records
+
+    def get(self, key: tuple[str, ...]) -> Record | None:
+        """What was noted of a point; None where it has no design."""
+        return self._records[key]
+
+    def put(self, key: tuple[str, ...], record: Record | None) -> None:
+        """Note a point."""
+        self._records[key] = record
+        self._write({"key": list(key), "found": record})
+
+    def close(self) -> None:
+        """Give the file up."""
+        if self._stream is not None:
+            os.close(self._stream)
+            self._stream = None
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def _begin(self, path: Path, before: bytes, digest: str, made_by: str) -> None:
+        if not before.strip():
+            self._write({"made_by": made_by, "version": VERSION, "digest": digest})
+            return
+        self._read(path, before, digest)
+        if self._stream is not None and not before.endswith(b"\n"):
+            os.write(self._stream, b"\n")
+
+    def _lock(self, path: Path) -> None:
+        assert self._stream is not None
+        try:
+            if sys.platform == "win32":
+                msvcrt.locking(self._stream, msvcrt.LK_NBLCK, 1)
+            else:
+                fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.close()
+            raise InputError(path, "", "another process is at work in this folder") from None
+
+    def _write(self, content: Mapping[str, Any]) -> None:
+        if self._stream is not None:
+            os.write(self._stream, (json.dumps(content, separators=(",", ":")) + "\n").encode())
+            os.fsync(self._stream)
+
+    def _read(self, path: Path, content: bytes, digest: str) -> None:
+        lines = content.split(b"\n")
+        header = _parsed(lines[0])
+        if header is None or "digest" not in header:
+            raise InputError(path, "", "is not the journal of a trade-off")
+        if header["digest"] != digest or header.get("version") != VERSION:
+            would_do = "name another folder, or leave --resume out to begin anew"
+            raise InputError(path, "", f"is of another question (problem, axes, choice or accuracy differ); {would_do}")
+        for line in lines[1:]:
+            entry = _parsed(line)
+            if entry is not None and "key" in entry:
+                self._records[tuple(entry["key"])] = entry.get("found")
+
+
+def journal_digest(path: Path) -> str | None:
+    """The digest in a journal's first line; None where the file is not there or is no journal."""
+    try:
+        with path.open("rb") as stream:
+            header = _parsed(stream.readline())
+    except OSError:
+        return None
+    return None if header is None else header.get("digest")
+
+
+def _parsed(line: bytes) -> dict[str, Any] | None:
+    try:
+        content: object = json.loads(line)
+    except ValueError:
+        return None
+    return cast(dict[str, Any], content) if isinstance(content, dict) else None
+
+
+def design_record(design: Design) -> dict[str, Any]:
+    """A design as JSON holds it."""
+    pick = design.combination
+    return {
+        "shapes": list(pick.shapes),
+        "materials": [None if material is None else material.name for material in pick.materials],
+        "numbers": list(design.numbers),
+        "pool": asdict(design.pool),
+        "badness": design.badness,
+        "elasticity": design.elasticity,
+        "converged": design.converged,
+    }
+
+
+def design_of(record: Record, problem: Problem) -> Design:
+    """The design that a record holds; the problem names the materials."""
+    own = [link.material for link in problem.arm.links]
+    known = {material.name: material for material in (*own, *(problem.materials or ())) if material is not None}
+    return Design(
+        combination=Combination(
+            tuple(record["shapes"]), tuple(None if name is None else known[name] for name in record["materials"])
+        ),
+        numbers=tuple(record["numbers"]),
+        pool=_pool(record["pool"]),
+        badness=record["badness"],
+        elasticity=record["elasticity"],
+        converged=record["converged"],
+    )
+
+
+def _pool(content: Mapping[str, Any]) -> Pool:
+    errors: list[ErrorCut] = []
+    for cut in content["errors"]:
+        anchor = cut["anchor"]
+        if anchor is not None:
+            null = tuple(tuple(row) for row in anchor["null"])
+            anchor = Anchor(_three(anchor["tip"]), null, anchor["side"])
+        errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
+    strengths = tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content["strengths"])
+    modes = tuple(ModeCut(tuple(cut["q"]), cut["payload"], tuple(cut["shape"])) for cut in content["modes"])
+    return Pool(tuple(errors), strengths, modes)
+
+
+def _three(values: list[float]) -> tuple[float, float, float]:
+    return values[0], values[1], values[2]

@@ -1,0 +1,184 @@
+"""What a trade-off asks: two figures of a design, which way each is better, and the problem with a limit on both."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from types import MappingProxyType
+from typing import Any, Literal
+
+from arm.writing import arm_to_yaml
+from materials.material import Material
+from materials.quantities import InputError, format_quantity
+
+from .problem import LIMIT_KINDS, Limit, Problem
+
+By = Literal["material", "shape"]
+Reach = Literal["long", "short"]
+
+_LOOSE = 1e9
+"""A limit at this value (or its reciprocal, where more is better) holds nothing back."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A figure of a design: its name, words for it, the unit people read and what one SI unit is in it, and whether
+    more of it is better.
+
+    A figure's *badness* is the figure itself where less is better and its reciprocal where more is: less badness is
+    always better, and relative changes keep their size.
+    """
+
+    name: str
+    title: str
+    unit: str
+    factor: float
+    more_is_better: bool
+
+    def badness(self, value: float) -> float:
+        """The badness of a value (SI); its own inverse."""
+        return 1.0 / value if self.more_is_better else value
+
+    def limit(self, badness: float = _LOOSE) -> Limit:
+        """The limit that allows no more badness than that; without one, it holds nothing back."""
+        return Limit(self.name, ">=" if self.more_is_better else "<=", self.badness(badness))
+
+    def written(self, value: float, digits: int = 4) -> str:
+        """A value (SI) with its unit."""
+        return format_quantity(value, LIMIT_KINDS[self.name], self.unit, digits)
+
+
+AXES: Mapping[str, Axis] = MappingProxyType(
+    {
+        "max_error": Axis("max_error", "worst error", "mm", 1e3, more_is_better=False),
+        "mass": Axis("mass", "mass of the links", "kg", 1.0, more_is_better=False),
+        "total_mass": Axis("total_mass", "total mass", "kg", 1.0, more_is_better=False),
+        "cost": Axis("cost", "material cost", "EUR", 1.0, more_is_better=False),
+        "reach": Axis("reach", "reach", "mm", 1e3, more_is_better=True),
+        "first_frequency": Axis("first_frequency", "first frequency", "Hz", 1.0, more_is_better=True),
+    }
+)
+"""The figures between which a trade-off can be asked for."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """A trade-off: `problem` carries the limits on both figures as its last two, x then y.
+
+    `x_cap` and `y_cap` are the badness that the problem itself allows (None: any). `given` is the problem as written.
+    """
+
+    given: Problem
+    problem: Problem
+    x: Axis
+    y: Axis
+    x_cap: float | None
+    y_cap: float | None
+    by: By | None
+
+    @property
+    def x_limit(self) -> int:
+        """Where the limit on x stands among the problem's."""
+        return len(self.problem.limits) - 2
+
+    @property
+    def y_limit(self) -> int:
+        """Where the limit on y stands among the problem's."""
+        return len(self.problem.limits) - 1
+
+    def limits(self, push: int, held: float) -> tuple[Limit, ...]:
+        """The problem's limits where one figure (the number of its limit) is pushed, from a badness of one on, and the
+        other has at most the badness `held`."""
+        held = min(held, _LOOSE)
+        on_x = self.x.limit(1.0 if push == self.x_limit else held)
+        on_y = self.y.limit(1.0 if push == self.y_limit else held)
+        return (*self.problem.limits[:-2], on_x, on_y)
+
+    def cap(self, number: int) -> float:
+        """The badness of a figure (the number of its limit) that the problem itself allows."""
+        cap = self.x_cap if number == self.x_limit else self.y_cap
+        return math.inf if cap is None else cap
+
+    def groups(self) -> list[tuple[str, Problem]]:
+        """The problems whose fronts are asked for, by name: one for each material or shape, or one for all."""
+        if self.by == "material" and self.given.materials is not None:
+            return [(m.name, replace(self.problem, materials=(m,))) for m in self.given.materials]
+        if self.by == "shape" and self.given.shapes is not None:
+            return [(shape, replace(self.problem, shapes=(shape,))) for shape in self.given.shapes]
+        return [("all", self.problem)]
+
+    def unlimited(self, group: Problem) -> Problem:
+        """A group's problem with the limits that were given, for saying why it has no answer."""
+        return replace(group, limits=self.given.limits)
+
+
+def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: Reach = "long") -> Question:
+    """The trade-off between two figures of a problem's designs (names of `AXES`).
+
+    The problem's own limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
+    is nothing to trade.
+    """
+    for option, name in (("--x", x), ("--y", y)):
+        if name not in AXES:
+            raise InputError("", option, f"there is no figure '{name}'; take one of {', '.join(AXES)}")
+    if x == y:
+        raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
+    if {x, y} == {"mass", "total_mass"}:
+        raise InputError("", "--y", "total_mass is mass and a constant, so there is nothing to trade between them")
+    if by == "material" and problem.materials is None:
+        raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
+    if by == "shape" and problem.shapes is None:
+        raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
+    axes = [replace(AXES[n], more_is_better=reach == "long") if n == "reach" else AXES[n] for n in (x, y)]
+    caps: list[float | None] = []
+    rest = problem.limits
+    for axis in axes:
+        if axis.name == "reach" and problem.link_length is None:
+            raise InputError(problem.file, "subject_to", "gives no link_length, so that the reach cannot change")
+        same = [limit for limit in problem.limit(axis.name) if limit.relation == axis.limit().relation]
+        if any(limit.relation == "==" for limit in problem.limit(axis.name)):
+            would_do = "a trade-off needs it free, or limited by <= or >="
+            raise InputError(problem.file, axis.name, f"is fixed by ==; {would_do}")
+        caps.append(min((axis.badness(limit.value) for limit in same), default=None))
+        rest = tuple(limit for limit in rest if limit not in same)
+    limits = (*rest, axes[0].limit(), axes[1].limit())
+    return Question(
+        given=problem,
+        # The two limits carry the question: what the file minimises must not ask for figures of its own.
+        problem=replace(problem, minimize="mass", limits=limits),
+        x=axes[0],
+        y=axes[1],
+        x_cap=caps[0],
+        y_cap=caps[1],
+        by=by,
+    )
+
+
+def digest(asked: Question, accuracy: float) -> str:
+    """SHA-256 over all that a front depends on: the arm, the problem, the materials' figures, and what is asked."""
+    problem = asked.given
+    own = {link.material.name: link.material for link in problem.arm.links if link.material is not None}
+    chosen = {material.name: material for material in problem.materials or ()}
+    content: dict[str, Any] = {
+        "arm": arm_to_yaml(problem.arm),
+        "workspace": asdict(problem.workspace),
+        "load_cases": [asdict(case) for case in problem.load_cases],
+        "limits": [limit.text for limit in asked.problem.limits],
+        "ranges": [problem.link_length, problem.section_size, problem.thickness],
+        "shapes": problem.shapes,
+        "materials": [_figures(m, problem.arm.temperature) for m in (*own.values(), *chosen.values())],
+        "chosen": list(chosen),
+        "same": sorted(problem.same),
+        "axes": [asdict(asked.x), asdict(asked.y)],
+        "caps": [asked.x_cap, asked.y_cap],
+        "by": asked.by,
+        "accuracy": accuracy,
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _figures(material: Material, temperature: float) -> dict[str, Any]:
+    return asdict(material.at(temperature))

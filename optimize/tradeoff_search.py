@@ -1,0 +1,270 @@
+"""The best design at one point of a trade-off: one figure held, the other pushed, over all shapes and materials.
+
+A combination of shapes and materials that was bounded at a looser limit can do no better at a tighter one. So its bound
+there rules it out here as long as a better design is known, and along a front most combinations are never solved again.
+The designs at neighbouring points are where the search starts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .choice import MOST_COMBINATIONS, Combination, combinations, count, one_link_changed, uniform
+from .design import design_space, material_row, starting_points
+from .exchange import Context, Exchange, Exchanged, context_of, first_pool
+from .pool import Pool
+from .problem import Problem
+from .tradeoff_question import Question
+
+Array = NDArray[np.float64]
+
+Told = Callable[[str], None]
+"""Hears what is being done, often; may raise to stop."""
+
+_KEPT, _KEPT_SMALL = 6, 160
+"""Compiled programs kept: those with room for many poses are large, those for bounds are not."""
+_STARTS = 5
+_SLACK = 1e-9
+_APART = 0.05
+"""Designs whose numbers differ by more than this are tried as starts of their own."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """The best design found at a point: its combination, the optimiser's numbers, and the poses that hold it.
+
+    `badness` is that of the figure that was pushed; `elasticity` how many per cent less badness of y one per cent more
+    of x would buy (None where the limit on x does not hold the design, or where y was not pushed against it).
+    """
+
+    combination: Combination
+    numbers: tuple[float, ...]
+    pool: Pool
+    badness: float
+    elasticity: float | None
+    converged: bool
+
+
+class Search:
+    """Finds designs for one problem (of a group) of a trade-off; what it has learnt about combinations it keeps."""
+
+    def __init__(self, asked: Question, problem: Problem, told: Told) -> None:
+        """`told` is called between the parts of the work."""
+        self.asked, self.problem, self._told = asked, problem, told
+        self.context: Context = context_of(problem)
+        self.exhaustive = count(problem) <= MOST_COMBINATIONS
+        self.picks = combinations(problem) if self.exhaustive else uniform(problem)
+        self._large: dict[tuple[str | None, ...], Exchange] = {}
+        self._small: dict[tuple[str | None, ...], Exchange] = {}
+        self._met = Pool()
+        self._first: Pool | None = None
+        self._bounds: dict[tuple[int, Combination], list[tuple[float, float]]] = {}
+        self._known: dict[Combination, Array] = {}
+
+    def best(self, push: int, held: float, near: Sequence[Design], *, wide: bool = False) -> Design | None:
+        """The design with the least badness of the figure pushed (the number of its limit) while the other has at most
+        `held` (infinity: any); None where there is none.
+
+        `near` are designs to start from; `wide` tries further starts for the best combination.
+        """
+        trial = _Trial(self, push, held)
+        pool = self._first
+        for design in near:
+            pool = design.pool if pool is None else pool.joined(design.pool)
+        trial.pool = pool
+        for design in near:
+            self._told("starting from the neighbours")
+            trial.finish(design.combination, np.array(design.numbers))
+        trial.average(near)
+        if not near:
+            trial.first(self.picks)
+        trial.try_all(self.picks)
+        if not self.exhaustive:
+            trial.link_by_link()
+        if wide:
+            trial.polish()
+        design = trial.design
+        return None if design is None or design.badness > self.asked.cap(push) * (1.0 + 1e-6) else design
+
+    def bound_on(self, push: int, pick: Combination, held: float) -> float:
+        """What is known from looser limits: no design of a combination has less badness than this."""
+        known = [value for loose, value in self._bounds.get((push, pick), ()) if loose >= held * (1.0 - 1e-12)]
+        other = self.asked.x_limit if push == self.asked.y_limit else self.asked.y_limit
+        # A combination whose least badness of the figure held is above what is allowed has no design at all.
+        least = max((value for _, value in self._bounds.get((other, pick), ())), default=0.0)
+        if other == self.asked.x_limit and least > held * (1.0 + 1e-7):
+            return math.inf
+        return max(known, default=0.0)
+
+    def learn(self, push: int, pick: Combination, held: float, bound: float) -> None:
+        """Keep a bound for later points."""
+        self._bounds.setdefault((push, pick), []).append((held, bound))
+
+    def exchange(self, shapes: tuple[str | None, ...], *, small: bool = False) -> Exchange:
+        """The exchange for a combination of shapes, the latest used last to go; the `small` ones are for bounds."""
+        kept = self._small if small else self._large
+        found = kept.pop(shapes, None)
+        if found is None:
+            found = Exchange(self.context, design_space(self.problem, shapes))
+            if len(kept) >= (_KEPT_SMALL if small else _KEPT):
+                kept.pop(next(iter(kept)))
+        kept[shapes] = found
+        return found
+
+    def few_poses(self, pool: Pool) -> Pool:
+        """A pool with at least one pose of every kind that ever held a design, so that what is compiled can stay."""
+        met = self._met = self._met.joined(pool)
+        errors = {cut.load_case for cut in pool.errors}
+        strengths = {cut.load_case for cut in pool.strengths}
+        spare_errors = {cut.load_case: cut for cut in met.errors if cut.load_case not in errors}
+        spare_strengths = {cut.load_case: cut for cut in met.strengths if cut.load_case not in strengths}
+        spare_modes = () if pool.modes else met.modes[:1]
+        return pool.joined(Pool(tuple(spare_errors.values()), tuple(spare_strengths.values()), spare_modes))
+
+    def starts(self, pick: Combination, number: int = 2) -> list[Array]:
+        """Where to start for a combination: where it ended last, or its starting points."""
+        known = self._known.get(pick)
+        if known is not None and number <= 2:
+            return [known]
+        space = self.exchange(pick.shapes, small=True).space
+        return starting_points(space, material_row(pick.materials, self.problem), number)
+
+    def remember(self, pick: Combination, x: Array) -> None:
+        """Keep where a combination ended."""
+        self._known[pick] = x
+
+    def keep_first(self, pool: Pool) -> None:
+        """Keep the poses that every later point starts with."""
+        self._first = pool
+
+    def say(self, text: str) -> None:
+        """Tell what is being done."""
+        self._told(text)
+
+
+class _Trial:
+    """One point: the best design so far and the poses met."""
+
+    def __init__(self, search: Search, push: int, held: float) -> None:
+        self._search, self._push, self._held = search, push, held
+        self._limits = search.asked.limits(push, held)
+        self.pool: Pool | None = None
+        self.design: Design | None = None
+
+    @property
+    def badness(self) -> float:
+        return math.inf if self.design is None else self.design.badness
+
+    def _exchange(self, pick: Combination, *, small: bool = False) -> tuple[Exchange, Array]:
+        exchange = self._search.exchange(pick.shapes, small=small)
+        exchange.set_limits(self._limits)
+        return exchange, material_row(pick.materials, self._search.problem)
+
+    def first(self, picks: Sequence[Combination]) -> None:
+        """Finish the first combination that has a design at all."""
+        search = self._search
+        for pick in picks:
+            search.say("looking for a first design")
+            exchange, materials = self._exchange(pick, small=True)
+            for start in search.starts(pick):
+                if self.pool is None:
+                    self.pool = first_pool(exchange.context, exchange.space, start, pick.materials)
+                    search.keep_first(self.pool)
+                if exchange.bound(materials, self.pool, start, push=self._push) is None:
+                    continue
+                self.finish(pick, start)
+                if self.design is not None:
+                    return
+            search.learn(self._push, pick, self._held, math.inf)
+
+    def finish(self, pick: Combination, start: Array) -> None:
+        """The exchange for a combination from a start; a better design is kept."""
+        if self.pool is None:
+            return
+        exchange, materials = self._exchange(pick)
+        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.badness, push=self._push)
+        if done is None:
+            return
+        self.pool = self.pool.joined(done.solution.active)
+        if done.bounded_out:
+            return
+        # The limit pushed stood at a badness of one.
+        badness = math.exp(done.solution.slacks[self._push])
+        self._search.remember(pick, done.x)
+        if badness < self.badness * (1.0 - _SLACK):
+            self.design = Design(
+                combination=pick,
+                numbers=tuple(done.x.tolist()),
+                pool=done.solution.active,
+                badness=badness,
+                elasticity=self._elasticity(done),
+                converged=done.converged,
+            )
+
+    def _elasticity(self, done: Exchanged) -> float | None:
+        """From the multiplier of the limit that is held: d log(badness of y) / d log(badness of x), not above zero."""
+        asked = self._search.asked
+        held = asked.x_limit if self._push == asked.y_limit else asked.y_limit
+        multiplier = abs(done.solution.limit_prices[held])
+        if self._push == asked.y_limit:
+            return -multiplier
+        return -1.0 / multiplier if multiplier > 1e-9 else None
+
+    def average(self, near: Sequence[Design]) -> None:
+        """Between two designs of one combination that are far apart there may be one better than from either."""
+        if len(near) == 2 and near[0].combination == near[1].combination:
+            one, other = (np.array(design.numbers) for design in near)
+            if float(np.abs(one - other).max(initial=0.0)) > _APART:
+                self.finish(near[0].combination, 0.5 * (one + other))
+
+    def try_all(self, picks: Sequence[Combination]) -> None:
+        """Bound the combinations that could still win, then finish them best first."""
+        search = self._search
+        bounds: list[tuple[float, int, Array]] = []
+        if self.pool is None:
+            return
+        done = None if self.design is None else self.design.combination
+        # The poses that hold the best design bound the others: fewer poses only make the bounds lower.
+        pool = search.few_poses(self.pool if self.design is None else self.design.pool)
+        for number, pick in enumerate(picks):
+            if pick == done or search.bound_on(self._push, pick, self._held) >= self.badness:
+                continue
+            search.say(f"bounding combination {number + 1} of {len(picks)}")
+            exchange, materials = self._exchange(pick, small=True)
+            found = None
+            for start in search.starts(pick):
+                found = exchange.bound(materials, pool, start, push=self._push)
+                if found is not None:
+                    break
+            search.learn(self._push, pick, self._held, math.inf if found is None else found[1])
+            if found is not None:
+                search.remember(pick, found[0].x)
+                bounds.append((found[1], number, found[0].x))
+        bounds.sort(key=lambda entry: entry[:2])
+        for bound, number, start in bounds:
+            if bound < self.badness:
+                search.say("finishing the best combinations")
+                self.finish(picks[number], start)
+
+    def link_by_link(self) -> None:
+        """Change one link at a time until none improves."""
+        improved = True
+        while improved and self.design is not None:
+            before = self.badness
+            for link in range(self._search.problem.arm.size):
+                self.try_all(one_link_changed(self._search.problem, self.design.combination, link))
+            improved = self.badness < before * (1.0 - 1e-6)
+
+    def polish(self) -> None:
+        """Further starts for the best combination."""
+        if self.design is None or len(self.design.numbers) < 2:
+            return
+        pick = self.design.combination
+        for start in self._search.starts(pick, _STARTS):
+            self._search.say("further starts")
+            self.finish(pick, start)

@@ -1,0 +1,94 @@
+"""Sections that change along a link: every dimension linear from its joint to its far end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sections.build import build
+from sections.numeric import Number
+from sections.properties import SectionProperties
+from sections.section import Constraint, DesignVariable, Dimension, Outline, Section, SectionError
+from sections.shapes import SHAPES
+
+
+@dataclass(frozen=True)
+class Tapered(Section):
+    """A section whose dimensions change linearly along the link; `properties` and `outline` are those at the joint.
+
+    Make one with `build_tapered`. It is evaluated as it is (`arm.taper` integrates along the link), and an optimiser
+    does not choose its dimensions. Plain numbers only.
+
+    Attributes:
+        near: the section at the joint.
+        far: the section at the far end, of the same shape.
+    """
+
+    near: Section
+    far: Section
+
+    dimensions: ClassVar[tuple[Dimension, ...]] = ()
+    variables: ClassVar[tuple[DesignVariable, ...]] = ()
+
+    @property
+    def shape(self) -> str:  # type: ignore[override]
+        """The shape of every cut."""
+        return self.near.shape
+
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        """Properties (SI) at the joint."""
+        return self.near.properties(poisson_ratio)
+
+    def along(self, share: NDArray[np.float64], poisson_ratio: float) -> SectionProperties:
+        """Properties (SI) at shares (N,) of the link's length from its joint, as arrays (N,)."""
+        ends = self.near.given(), self.far.given()
+        columns = {name: value + share * (ends[1][name] - value) for name, value in ends[0].items()}
+        return type(self.near)(**columns).properties(poisson_ratio)
+
+    def outline(self) -> Outline:
+        """The outline at the joint."""
+        return self.near.outline()
+
+    def given(self) -> dict[str, Any]:
+        """The dimensions, a pair (at the joint, at the far end) where they differ, m."""
+        far = self.far.given()
+        return {name: value if far[name] == value else (value, far[name]) for name, value in self.near.given().items()}
+
+    def scaled(self, factor: Number) -> Self:
+        """The same with every dimension multiplied by a factor."""
+        return type(self)(self.near.scaled(factor), self.far.scaled(factor))
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Those of both ends."""
+        return (*self.near.constraints(), *self.far.constraints())
+
+    def check(self) -> tuple[str, ...]:
+        """What either end violates; what lies between is then sound too, as every condition is on a ratio."""
+        return (*self.near.check(), *self.far.check())
+
+
+def build_tapered(shape_name: str, dimensions: Mapping[str, Any]) -> Section:
+    """The section of this shape and these dimensions (m), of which some are pairs: at the joint, at the far end.
+
+    Raises SectionError as `build` does, and for a polygon, an angle (askew all along), and anything but two numbers.
+    """
+    kind = SHAPES.get(shape_name)
+    points = {each.name for each in kind.dimensions if each.kind == "points"} if kind is not None else set[str]()
+    lists = {name: value for name, value in dimensions.items() if isinstance(value, (list, tuple))}
+    pairs = {name: value for name, value in lists.items() if name not in points}
+    if kind is None or not pairs:
+        return build(shape_name, dimensions)
+    for name, value in pairs.items():
+        if len(value) != 2 or any(isinstance(each, (list, tuple)) for each in value):
+            raise SectionError(name, "is one length, or two for a taper: [at the joint, at the far end]")
+    if points or shape_name == "angle":
+        raise SectionError(next(iter(pairs)), f"the shape '{shape_name}' cannot be tapered")
+    near, far = (
+        build(shape_name, {name: pairs[name][end] if name in pairs else value for name, value in dimensions.items()})
+        for end in (0, 1)
+    )
+    return Tapered(near, far) if near != far else near

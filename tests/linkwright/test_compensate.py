@@ -1,0 +1,169 @@
+"""`linkwright compensate`: the table against closed forms, and what it does between its poses."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
+from arm.kinematics import tip_position
+
+ARM = """\
+name: rod
+chain:
+  - joint: {type: revolute, range: [-80 deg, 80 deg], stiffness: 20 kN*m/rad}
+    link: {length: 1 m, rigid: true, mass: 0 kg}
+payload: {mass: 10 kg}
+"""
+
+
+def rod(**joint):
+    """One drive that gives, one stiff link of 1 m without weight, 10 kg at its end."""
+    joint = {"range": (-1.4, 1.4), "stiffness": 2e4, **joint}
+    return Arm("rod", (Joint(**joint),), (Link(1.0, mass=0.0),), payload=LoadCase(10.0))
+
+
+def two_links():
+    joints = tuple(Joint(range=(-1.2, 1.2), stiffness=k) for k in (4e4, 2e4))
+    return Arm("two", joints, (Link(0.5, mass=2.0), Link(0.4, mass=1.0)), payload=LoadCase(5.0))
+
+
+def test_error_of_a_drive_that_gives():
+    """The torque is m g cos q, the turn that over K, and the tip moves 1 m times that, along (-sin q, cos q)."""
+    q = np.linspace(-1.4, 1.4, 11)
+    turn = -10.0 * 9.81 * np.cos(q) / 2e4
+    expected = np.stack([-np.sin(q) * turn, np.cos(q) * turn, 0.0 * q], axis=1)
+    assert np.abs(model_error(rod(), q[:, None], 10.0) - expected).max() < 1e-12
+
+
+def test_correction_is_what_the_drive_gives():
+    """The joint must stand higher by what it sinks there: dq = m g cos(q + dq) / K, to second order."""
+    q = np.linspace(-1.3, 1.3, 9)[:, None]
+    moved = joint_corrections(rod(), q, 10.0)
+    assert np.abs(moved[:, 0] - 98.1 * np.cos(q[:, 0] + moved[:, 0]) / 2e4).max() < 2e-5
+
+
+def test_corrections_take_the_error_away():
+    """Two joints reach every small displacement in the plane, away from the stretched pose."""
+    arm = two_links()
+    q = np.stack([np.linspace(-1.0, 1.0, 7), np.full(7, 0.9)], axis=1)
+    moved = joint_corrections(arm, q, 5.0)
+    assert remaining(arm, q, moved, 5.0).max() < 1e-9
+    assert np.linalg.norm(model_error(arm, q, 5.0), axis=1).min() > 1e-4
+
+
+def test_stretched_pose_keeps_joints_near():
+    """Stretched out the joints cannot move the tip along the arm: what lies there stays, and no joint runs away."""
+    long = EffectEntry("encoder_offset", (2,), {"offset": 0.01})
+    arm = replace(two_links(), effects=(long,), gravity=(0.0, 0.0, 0.0))
+    moved = joint_corrections(arm, np.array([[0.3, 1e-4]]), 0.0)
+    assert np.abs(moved).max() < 0.05
+
+
+def test_table_holds_the_error_at_its_poses():
+    """Rows are the grid's poses, joint by joint; the payload is that asked for."""
+    table = table_over(two_links(), 5, (0.0, 5.0))
+    assert table.q.shape == (50, 2)
+    assert np.array_equal(table.payload, np.repeat([0.0, 5.0], 25))
+    assert np.allclose(table.error[25:], model_error(two_links(), table.q[25:], 5.0), atol=0.0)
+
+
+def test_interpolation_error_falls_with_the_square_of_the_step():
+    """Linear interpolation of a smooth error: half the step, a quarter of what is left."""
+    coarse, fine = (table_over(two_links(), points, (5.0,)).check for points in (9, 17))
+    assert coarse.largest_without == pytest.approx(fine.largest_without)
+    assert 3.0 < coarse.rms_subtracted / fine.rms_subtracted < 5.0
+    assert 3.0 < coarse.rms_corrected / fine.rms_corrected < 5.0
+
+
+def test_interpolated_check_is_what_a_controller_would_meet():
+    """At one off-grid pose, by hand: the mean of both neighbours against the error there."""
+    table = table_over(rod(), 2, (10.0,))
+    q = np.array([[0.0]])
+    left = np.linalg.norm(model_error(rod(), q, 10.0)[0] - table.error.mean(axis=0))
+    assert table.check.largest_subtracted == pytest.approx(left, rel=0.01)
+
+
+def test_play_lies_where_the_load_seats_it():
+    """Backlash of 2 mrad under gravity: the tip hangs 1 mm lower, as exactly as gravity pulls one way."""
+    arm = rod(backlash=2e-3, stiffness=None)
+    error = model_error(arm, np.zeros((1, 1)), 10.0)
+    assert error[0] == pytest.approx([0.0, -1e-3, 0.0], abs=1e-15)
+
+
+def test_default_grid_stays_useful():
+    """Never fewer than two coordinates a joint, never a table that no controller holds."""
+    for joints in range(1, 8):
+        points = default_grid(joints)
+        assert points >= 2
+        assert points == 2 or points**joints <= 20_000
+
+
+def test_axes_span_the_ranges():
+    axes = grid_axes(two_links(), 5)
+    assert [(axis[0], axis[-1], len(axis)) for axis in axes] == [(-1.2, 1.2, 5)] * 2
+
+
+@pytest.fixture
+def rod_file(bench):
+    (bench / "rod.yaml").write_text(ARM, encoding="utf-8")
+    return bench
+
+
+def test_command_writes_a_table_that_a_controller_can_subtract(linkwright, rod_file):
+    """The CSV in degrees and mm; the tip comes to where it should be when dq is added."""
+    status, out, err = linkwright("compensate", "rod.yaml", "--grid", 9, "--out", "t.csv", "--json", "t.json")
+    assert (status, err) == (0, "")
+    assert "interpolated displacement subtracted" in out
+    table = pd.read_csv(rod_file / "t.csv")
+    assert list(table.columns) == ["q1_deg", "payload_kg", "dx_mm", "dy_mm", "dq1_deg", "left_mm"]
+    level = table[table.q1_deg == 0.0].iloc[0]
+    assert level.dy_mm == pytest.approx(-98.1 / 2e4 * 1e3, rel=1e-9)
+    q = np.radians(table[["q1_deg"]].to_numpy() + table[["dq1_deg"]].to_numpy())
+    reached = tip_position(rod(), q) + model_error(rod(), q, 10.0)
+    goal = tip_position(rod(), np.radians(table[["q1_deg"]].to_numpy()))
+    # One joint moves the tip along a circle only; what is off across it is of the second order.
+    assert np.abs(reached - goal).max() < 1.5e-5
+    content = json.loads((rod_file / "t.json").read_text(encoding="utf-8"))
+    assert content["columns"] == list(table.columns)
+    assert np.allclose(content["rows"], table.to_numpy())
+    assert content["between"]["max_subtracted_mm"] < 0.1 * content["between"]["max_without_mm"]
+
+
+def test_command_takes_poses_and_payloads(linkwright, rod_file):
+    (rod_file / "poses.csv").write_text("name,q1_deg\na,0\nb,60\n", encoding="utf-8")
+    arguments = ("--poses", "poses.csv", "--payload", "0 kg", "--payload", "20 kg", "--out", "t.csv")
+    status, out, _ = linkwright("compensate", "rod.yaml", *arguments)
+    assert status == 0
+    assert "between them" not in out
+    table = pd.read_csv(rod_file / "t.csv")
+    assert table.dy_mm.tolist() == pytest.approx([0.0, 0.0, -9.81, -9.81 * math.cos(math.pi / 3) ** 2], rel=1e-9)
+
+
+WRONG = [
+    (("--grid", "1"), "--grid"),
+    (("--grid", "2000000"), "rows"),
+    (("--payload", "2"), "needs a unit"),
+    (("--payload", "-2 kg"), "negative"),
+    (("--payload", "2 kg", "--payload", "2000 g"), "twice"),
+    (("--poses", "none.csv"), "none.csv"),
+    (("--poses", "rod.yaml"), "no table"),
+    (("--poses", "other.csv"), "q1_deg"),
+    (("--poses", "bad.csv"), "row 2"),
+    (("--poses", "bad.csv", "--grid", "3"), "--grid"),
+    (("--out", "rod.yaml"), "input"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), WRONG, ids=lambda value: str(value)[:30])
+def test_wrong_input_is_one_line(linkwright, rod_file, arguments, named):
+    (rod_file / "bad.csv").write_text("q1_deg\n1\nx\n", encoding="utf-8")
+    (rod_file / "other.csv").write_text("angle\n1\n", encoding="utf-8")
+    status, _, err = linkwright("compensate", "rod.yaml", *arguments)
+    assert status == 2
+    assert len(err.splitlines()) == 1
+    assert named in err

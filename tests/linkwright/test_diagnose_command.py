@@ -1,0 +1,356 @@
+"""`linkwright diagnose` as people and scripts meet it: files, JSON, page, screen, redesign."""
+
+import io
+import json
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from rich.console import Console
+
+from arm.files import read_arm
+from diagnose.result import Detectable, FittedParameter
+from linkwright.diagnosis_files import compensation_csv, residuals_csv
+from linkwright.diagnosis_json import diagnosis_json, in_unit, minimum_detectable, unit_of
+from linkwright.diagnosis_words import interval_words, value_words
+from linkwright.redesign import drive_compliance
+from linkwright.report.covariates import covariates
+from linkwright.report.diagnosis import diagnosis_page
+from linkwright.report.plot import Plot, binned, round_ticks
+from linkwright.screen.diagnosis import show_diagnosis
+from linkwright.writing import json_text
+from materials.quantities import read_quantity
+from materials.units import kinds
+from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
+from tests.linkwright.test_report import Page
+
+VERDICTS = ("none", "named", "alias_class", "unknown", "insufficient_data")
+CONTRACT = {
+    "verdict",
+    "noise_floor_mm",
+    "rms_before_mm",
+    "rms_after_mm",
+    "rms_after_held_out_mm",
+    "missing",
+    "where",
+    "unknown",
+    "rejected_rows",
+    "minimum_detectable_mm",
+    "next_poses",
+}
+
+
+@pytest.fixture(scope="module", params=VERDICTS)
+def diagnosis(request):
+    return made_diagnosis(request.param)
+
+
+def test_json_keeps_the_contract(diagnosis):
+    """Every key of the contract, strict JSON, and lengths in mm."""
+    content = json.loads(json_text(diagnosis_json(diagnosis)))
+    assert content.keys() >= CONTRACT
+    assert content["verdict"] == diagnosis.verdict
+    assert content["rms_before_mm"] == pytest.approx(1e3 * diagnosis.rms_before)
+    assert content["where"].keys() >= {"joint", "depends_on", "direction", "since_s"}
+    assert content["rejected_rows"] == [17, 40]
+    assert content["next_poses"] == [pytest.approx([math.degrees(x) for x in e.q]) for e in diagnosis.next_poses]
+    if diagnosis.verdict == "unknown":
+        assert content["unknown"].keys() >= {"depends_on", "amplitude_mm", "shape", "rejected", "since_s"}
+        assert (content["missing"], content["where"]["since_s"]) == ([], 700.0)
+    else:
+        assert content["unknown"] is None
+
+
+def test_findings_in_json():
+    """A finding as the contract's example writes it: places from 1, units beside values, alternatives as pairs."""
+    content = diagnosis_json(made_diagnosis("alias_class"))["missing"]
+    assert [(each["effect"], each["at"], each["alternatives"]) for each in content] == [
+        ("joint_compliance", [2], [["link_bending", [2]]])
+    ]
+    fitted = content[0]["parameters"]["compliance_2"]
+    assert (fitted["value"], fitted["unit"]) == (pytest.approx(2.1e-5), "rad/(N*m)")
+    assert fitted["ci95"] == pytest.approx([2.0e-5, 2.2e-5])
+
+
+@pytest.mark.parametrize("kind", sorted(kinds()))
+def test_units_of_json_read_back(kind):
+    """What JSON writes of any kind of quantity is the SI value again when read with its unit."""
+    value = 312.5 if kind == "temperature" else 0.0125
+    written = in_unit(value, kind)
+    text = f"{written} {unit_of(kind)}".strip()
+    given = float(text) if kind == "dimensionless" else text
+    assert read_quantity(given, kind, file="", key="") == pytest.approx(value, rel=1e-9)
+
+
+def test_minimum_detectable_is_that_of_the_worst_visible_place():
+    """The largest over places that show the effect; null where none does."""
+    sizes = minimum_detectable(made_diagnosis())
+    assert sizes == {
+        "backlash": pytest.approx(0.03),
+        "encoder_offset": None,
+        "clearance": None,
+        "joint_compliance": pytest.approx(0.008),
+    }
+
+
+def test_nothing_unknown_becomes_nan():
+    """What cannot be known is null in JSON, a dash for people."""
+    fitted = FittedParameter("lag", "lag", (), "time", math.nan, (0.0, math.inf))
+    finding = replace(made_diagnosis().findings[0], parameters=(fitted,), p_value=math.nan)
+    diagnosis = replace(made_diagnosis(), findings=(finding,), noise_floor=None, rms_after_held_out=math.nan)
+    text = json_text(diagnosis_json(diagnosis))
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    assert json.loads(text)["missing"][0]["parameters"]["lag"]["ci95"] == [0.0, None]
+    assert value_words(fitted) == interval_words(fitted) == "–"
+    assert "nan" not in Page(diagnosis_page(diagnosis)).text.lower()
+
+
+@pytest.mark.parametrize(
+    ("value", "interval", "words"),
+    [
+        (2.1e-5, (2.0e-5, 2.2e-5), ("21 urad/(N·m)", "20 to 22 urad/(N·m)")),
+        (2.0988e-5, (2.0798e-5, 2.1178e-5), ("21 urad/(N·m)", "20.8 to 21.2 urad/(N·m)")),
+        (-2.1e-5, (-2.5e-5, -1.7e-5), ("−21 urad/(N·m)", "−25 to −17 urad/(N·m)")),
+    ],
+)
+def test_figures_have_the_digits_that_their_interval_supports(value, interval, words):
+    fitted = FittedParameter("compliance_2", "compliance", (2,), "compliance", value, interval)
+    assert (value_words(fitted), interval_words(fitted)) == words
+
+
+@pytest.fixture(scope="module", params=[*VERDICTS, "in space"])
+def page(request):
+    """The report of each verdict, and of an arm in space."""
+    if request.param == "in space":
+        return Page(diagnosis_page(made_diagnosis("named", made_arm(space=True))))
+    return Page(diagnosis_page(made_diagnosis(request.param)))
+
+
+def test_page_is_whole_and_loads_nothing(page):
+    assert page.open == []
+    assert "link" not in {tag for tag, _ in page.tags}
+    for tag, attributes in page.tags:
+        for name in ("src", "href", "srcset", "data", "xlink:href", "action"):
+            assert name not in attributes, (tag, attributes)
+
+
+def test_page_opens_with_the_plain_sentence():
+    """First the heading, then the answer."""
+    diagnosis = made_diagnosis("unknown")
+    text = Page(diagnosis_page(diagnosis)).text
+    assert 0 <= text.index(diagnosis.sentence) < text.index("mismatch")
+
+
+def test_page_says_everything_that_was_found():
+    """Findings, aliases, ladder, rejected forms, detectable sizes, next poses, standards, rows set aside, notes."""
+    diagnosis = made_diagnosis("alias_class")
+    text = Page(diagnosis_page(diagnosis)).text
+    for words in (
+        "21 urad/(N·m)",
+        "20 to 22 urad/(N·m)",
+        "The data cannot tell compliance of the drives (joint 2) from bending of the links (link 2)",
+        *(rung.label for rung in diagnosis.ladder),
+        *(form.reason for form in diagnosis.rejected_forms),
+        "joint 2 is ringed",
+        "28.65°, −14.32°, 90°",
+        diagnosis.next_poses_note,
+        "pose repeatability",
+        *(row.reason for row in diagnosis.rejected_rows),
+        *diagnosis.notes,
+        *diagnosis.null_vectors,
+        *diagnosis.recording.warnings,
+    ):
+        assert words in text, words
+
+
+def test_page_describes_the_unknown():
+    text = Page(diagnosis_page(made_diagnosis("unknown"))).text
+    for words in ("a step of 0.28 mm at 700 s", "it grows evenly, the mismatch does not", "step in time", "93 %"):
+        assert words in text
+
+
+def test_pictures_need_no_script():
+    """Arrow maps before and after and a plot for every covariate are SVG in the page itself."""
+    diagnosis = made_diagnosis()
+    source = diagnosis_page(diagnosis)
+    for label in ("Residuals before over the workspace", "Residuals after over the workspace"):
+        assert f'aria-label="{label}' in source
+    names = [each.name for each in covariates(diagnosis)]
+    assert names == ["q1", "q2", "q3", "dir1", "dir2", "dir3", "payload_kg", "temperature_degC", "time"]
+    assert source.count('aria-label="Residuals against') == len(names)
+
+
+def test_arrows_run_from_model_to_measured():
+    """Arrows start where the tip nominally is and have the residual's direction, y up on the page."""
+    diagnosis = made_diagnosis()
+    source = diagnosis_page(diagnosis)
+    start = source.index('aria-label="Residuals before over the workspace')
+    svg = source[source.rindex("<svg", 0, start) : source.index("</svg>", start) + 6]
+    paths = [e.attrib["d"] for e in ET.fromstring(svg).iter("path") if e.attrib["class"] == "arrows before"]
+    strokes = [piece.split("L") for piece in paths[0][1:].split("M")]
+    moved = [
+        np.subtract(*(np.array(point.split(","), dtype=float) for point in reversed(each)))
+        for each in strokes
+        if len(each) == 2
+    ]
+    expected = diagnosis.residual_before * [1.0, -1.0]
+    assert len(moved) == len(expected)
+    scale = np.linalg.norm(moved) / np.linalg.norm(expected)
+    assert np.abs(np.array(moved) - scale * expected).max() < 0.15  # tenths of a unit are written
+
+
+def test_dots_stand_where_the_data_is():
+    plot = Plot(100.0, 50.0, (0.0, 10.0), (-1.0, 1.0), left=5.0, top=2.0)
+    assert plot.x(np.array([0.0, 5.0, 10.0])).tolist() == [5.0, 55.0, 105.0]
+    assert plot.y(np.array([-1.0, 1.0])).tolist() == [52.0, 2.0]
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (-0.37, 0.41), (1234.0, 1239.0), (-1e-4, 3e-4), (0.0, 7.0), (5.0, 5.0)])
+def test_ticks_are_round_and_within(span):
+    ticks = round_ticks(*span)
+    assert 1 <= len(ticks) <= 6
+    assert all(span[0] - 1e-9 <= tick <= span[1] + 1e-9 for tick in ticks)
+    if len(ticks) > 2:
+        steps = {round((b - a) / (ticks[1] - ticks[0]), 6) for a, b in pairwise(ticks)}
+        assert steps == {1.0}
+
+
+def test_bins_hold_means():
+    """Few values: one mean each; many: equal numbers."""
+    x, y = np.array([1.0, 1.0, 2.0]), np.array([0.0, 2.0, 5.0])
+    assert [part.tolist() for part in binned(x, y)] == [[1.0, 2.0], [1.0, 5.0]]
+    x = np.arange(120.0)
+    middle, mean = binned(x, 3.0 * x, bins=12)
+    assert len(middle) == 12
+    assert np.allclose(mean, 3.0 * middle)
+
+
+def test_many_readings_stay_a_page_of_bearable_size():
+    """12,000 readings do not become 12,000 arrows, dots and texts."""
+    small = made_diagnosis()
+    count = 12_000
+    pick = np.arange(count) % small.recording.size
+    big = replace(
+        small,
+        recording=replace(
+            small.recording.kept(np.ones(small.recording.size, dtype=bool)),
+            **{
+                name: getattr(small.recording, name)[pick]
+                for name in ("q", "tip", "row", "time", "sides", "payload_mass", "temperature")
+            },
+        ),
+        residual_before=small.residual_before[pick],
+        residual_after=small.residual_after[pick],
+    )
+    assert len(diagnosis_page(big)) - len(diagnosis_page(small)) < 3_000_000
+
+
+def test_screen_tells_the_same(diagnosis):
+    """The sentence first; parameters with intervals, the ladder, next poses, rows set aside."""
+    out = io.StringIO()
+    show_diagnosis(Console(file=out, width=110, highlight=False, markup=False), diagnosis)
+    text = out.getvalue()
+    assert text.startswith(diagnosis.sentence)
+    for words in ("Row 17 is set aside", diagnosis.next_poses_note, "noise floor"):
+        assert words in text
+    if diagnosis.findings:
+        assert "20 to 22 urad/(N·m)" in " ".join(text.split())
+        assert "+ joint_compliance at 2" in text
+    if diagnosis.verdict == "none":
+        assert "would have been found from" in text
+
+
+def test_residuals_file():
+    """A line a reading: measured less modelled in mm."""
+    diagnosis = made_diagnosis()
+    table = pd.read_csv(io.StringIO(residuals_csv(diagnosis)))
+    assert table.row.tolist() == diagnosis.recording.row.tolist()
+    assert np.allclose(table[["before_x_mm", "before_y_mm"]], 1e3 * diagnosis.residual_before, atol=1e-8)
+    assert np.allclose(table.after_mm, 1e3 * np.linalg.norm(diagnosis.residual_after, axis=1), atol=1e-8)
+    assert np.allclose(np.radians(table[["q1_deg", "q2_deg", "q3_deg"]]), diagnosis.recording.q, atol=1e-9)
+
+
+def test_compensation_file_only_for_what_is_unknown():
+    assert compensation_csv(made_diagnosis("named")) is None
+    unknown = made_diagnosis("unknown")
+    table = pd.read_csv(io.StringIO(compensation_csv(unknown)))
+    assert np.allclose(table[["dx_mm", "dy_mm"]], 1e3 * unknown.unknown.predicted, atol=1e-8)
+
+
+# The command itself, with the real reader and engine.
+
+def test_command_end_to_end(linkwright, bench):
+    """Exit 0, four files, the effect (or its class) named with an interval that holds the truth, an arm that reads."""
+    write_recording(bench)
+    status, out, err = linkwright("diagnose", "arm.yaml", "recording.csv", "--out", "res", "--json", "d.json")
+    assert (status, err) == (0, "")
+    assert {path.name for path in (bench / "res").iterdir()} == {
+        "report.html",
+        "diagnosis.json",
+        "arm.yaml",
+        "residuals.csv",
+    }
+    content = json.loads((bench / "d.json").read_text(encoding="utf-8"))
+    assert content == json.loads((bench / "res" / "diagnosis.json").read_text(encoding="utf-8"))
+    found = content["missing"][0]
+    names = [[found["effect"], found["at"]], *found["alternatives"]]
+    assert ["joint_compliance", [2]] in names
+    assert content["sentence"] in out
+    corrected = read_arm(bench / "res" / "arm.yaml")
+    assert drive_compliance(corrected, 1) == pytest.approx(1.0 / 50e3 + RECORDED, rel=0.05)
+    # An earlier diagnosis may be replaced; anybody else's folder may not.
+    assert linkwright("diagnose", "arm.yaml", "recording.csv", "--out", "res")[0] == 0
+    (bench / "res" / "mine.txt").write_text("keep", encoding="utf-8")
+    assert linkwright("diagnose", "arm.yaml", "recording.csv", "--out", "res")[0] == 2
+
+
+def test_command_exits_with_0_whatever_the_verdict(linkwright, bench):
+    """Nothing missing is an answer."""
+    write_recording(bench, 0.0)
+    status, _, _ = linkwright("diagnose", "arm.yaml", "recording.csv", "--json", "d.json")
+    content = json.loads((bench / "d.json").read_text(encoding="utf-8"))
+    assert (status, content["verdict"], content["missing"]) == (0, "none", [])
+    assert content["minimum_detectable_mm"]["joint_compliance"] > 0.0
+
+
+def test_effects_can_be_taken_out(linkwright, bench):
+    write_recording(bench)
+    taken = ("--without-effect", "joint_compliance", "--without-effect", "servo_droop")
+    assert linkwright("diagnose", "arm.yaml", "recording.csv", "--json", "d.json", *taken)[0] == 0
+    content = json.loads((bench / "d.json").read_text(encoding="utf-8"))
+    named = {each["effect"] for each in content["missing"]}
+    named |= {name for each in content["missing"] for name, _ in each["alternatives"]}
+    assert not named & {"joint_compliance", "servo_droop"}
+
+
+WRONG = [
+    (("arm.yaml", "none.csv"), "none.csv"),
+    (("none.yaml", "recording.csv"), "none.yaml"),
+    (("arm.yaml", "recording.csv", "--without-effect", "join_compliance"), "did you mean 'joint_compliance'"),
+    (("arm.yaml", "recording.csv", "--recording-yaml", "none.yaml"), "none.yaml"),
+    (("arm.yaml", "recording.csv", "--json", "recording.csv"), "input"),
+    (("arm.yaml", "recording.csv", "--problem", "none.yaml"), "none.yaml"),
+    (("arm.yaml", "recording.csv", "--out", "."), "other files"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), WRONG, ids=lambda value: str(value)[:40])
+def test_wrong_input_is_one_line(linkwright, bench, arguments, named):
+    write_recording(bench)
+    status, _, err = linkwright("diagnose", *arguments)
+    assert status == 2
+    assert len(err.splitlines()) == 1
+    assert named in err
+
+
+def test_detectable_needs_to_be_visible():
+    """A place that shows nothing does not hide one that does."""
+    hidden = Detectable("backlash", (3,), 1.0, "total", "angle", 1.0, 0.0)
+    diagnosis = made_diagnosis()
+    more = replace(diagnosis, detectable=(hidden, *diagnosis.detectable))
+    assert minimum_detectable(more) == minimum_detectable(diagnosis)

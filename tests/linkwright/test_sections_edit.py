@@ -1,0 +1,227 @@
+"""`linkwright sections` from the outside: what it prints, what it writes, and how it ends."""
+
+import csv
+import json
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from linkwright.cli import run
+from linkwright.commands.sections_rows import Row, add
+from sections import load_stock
+from sections.stock import read_file
+
+COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
+TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
+
+
+@pytest.fixture
+def own(tmp_path):
+    return tmp_path / "configuration" / "linkwright" / "sections.yaml"
+
+
+@pytest.fixture
+def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
+    """Run `linkwright sections` in a folder of its own with stock tables of its own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
+    for name in ("LINKWRIGHT_SECTIONS", "VISUAL", "EDITOR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sections.stock.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
+
+    def command(*arguments):
+        status = run(["sections", *(str(argument) for argument in arguments)])
+        printed = capsys.readouterr()
+        return status, printed.out, printed.err
+
+    return command
+
+
+def ok(result):
+    status, out, err = result
+    assert (status, err) == (0, "")
+    return out
+
+
+def wrong(result, words):
+    status, out, err = result
+    assert status == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert out == ""
+
+
+def rows_of(out):
+    """The first column of a printed table (two blanks end it)."""
+    return [line.split("  ")[0].strip() for line in out.splitlines()[2:] if "  " in line]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_has_an_example(sections, command):
+    assert f"Example: linkwright sections {command}" in " ".join(ok(sections(command, "--help")).split())
+
+
+def test_list_filters_sorts_and_chooses_columns(sections, tmp_path):
+    arguments = ("--family", "IPE", "--family", "shs", "--where", "I_y > 100 cm^4", "--where", "area <= 20 cm^2")
+    out = ok(sections("list", *arguments, "--sort=-I_y", "--columns", "height,W_y", "--json", "l.json"))
+    names = rows_of(out)
+    assert names[0] == "IPE 140"
+    assert {name.split()[0] for name in names} == {"IPE", "SHS"}
+    assert "height mm" in out
+    assert "W_y cm³" in out
+    assert "A cm²" not in out
+    listed = json.loads((tmp_path / "l.json").read_text())["stock"]
+    assert [size["name"] for size in listed] == names
+    moments = [size["second_moment_y_cm4"] for size in listed]
+    assert moments == sorted(moments, reverse=True)
+    assert all(size["second_moment_y_cm4"] > 100 and size["area_cm2"] <= 20 for size in listed)
+    round_ones = rows_of(ok(sections("list", "--where", "diameter < 25 mm")))
+    assert round_ones
+    assert all(name.startswith(("ALU", "CHS")) for name in round_ones)
+    assert "no stock size" in ok(sections("list", "--where", "area > 9 m^2"))
+
+
+def test_compare_shows_what_any_has(sections):
+    out = ok(sections("compare", "IPE 80", "CHS 60.3x4"))
+    assert "root radius" in out
+    assert "diameter" in out
+    assert "–" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("list", "--where", "area"), "is no condition"),
+        (("list", "--where", "area < 3"), "needs a unit"),
+        (("list", "--where", "arae < 3 cm^2"), "did you mean 'area'"),
+        (("list", "--sort", "price"), "has no 'price'"),
+        (("list", "--columns", "A,colour"), "has no 'colour'"),
+        (("list", "--family", "IPX"), "there is no family"),
+        (("list", "--catalogue", "none.yaml"), "none.yaml"),
+        (("compare", "IPE 80"), "two sizes"),
+        (("compare", "IPE 80", "IPE 81"), "did you mean"),
+        (("add", "x", "diameter=1 mm", "--source", "s"), "shape: is missing"),
+        (("add", "x", "shape=tub", "--source", "s"), "did you mean 'tube'"),
+        (("add", "x", "shape=tube", "diameter=60", "thickness=4 mm", "--source", "s"), "needs a unit"),
+        (("add", "x", "shape=tube", "diameter=60 mm", "wall=4 mm", "--source", "s"), "is nothing that a tube has"),
+        (("add", "x", "shape=tube", "diameter=60 mm", "--source", "s"), "needs its thickness"),
+        (("add", "x", "shape=tube", "diameter=60 mm", "thickness=31 mm", "--source", "s"), "x:"),
+        (("add", "x", "shape=circle", "diameter=60 mm"), "--source: is missing"),
+        (("add", "x", "shape=circle", "diameter", "--source", "s"), "is not KEY=VALUE"),
+        (("edit", "IPE 80"), "$EDITOR: is not set"),
+        (("edit", "IPE 80", "height"), "VALUE: is missing"),
+        (("edit", "IPE 80", "height", "90 mm"), "its dimensions give"),
+        (("edit", "IPE 80", "shape", "tube"), "cannot be changed"),
+        (("edit", "IPE 81", "height", "90 mm"), "there is no such size"),
+        (("remove", "IPE 80"), "shipped with the program"),
+        (("rename", "x", "y"), "there is no such size"),
+        (("undo",), "has no edit to undo"),
+        (("check", "none.yaml"), "no such file"),
+        (("import", "none.csv"), "no such file"),
+        (("import", "arm.stl"), "is of no known kind"),
+        (("export", "--out", "x.pdf"), "is of no known kind"),
+        (("export", "IPE 81"), "did you mean"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(sections, tmp_path, own, arguments, words):
+    wrong(sections(*arguments), words)
+    assert [path.name for path in tmp_path.iterdir() if path.name != "configuration"] == []
+    assert not own.exists()
+
+
+def test_a_life_of_a_size(sections, tmp_path, own):
+    ok(sections(*TUBE))
+    found = load_stock().find("tube60x4")
+    assert (found.family, found.source) == ("TUBE", "Offer 12")
+    assert float(found.section.properties(0.3).area) == pytest.approx(math.pi / 4 * (0.06**2 - 0.052**2))
+    ok(sections("add", "TUBE 70x4", *TUBE[2:3], "diameter=70 mm", *TUBE[4:]))
+    own.write_text(own.read_text().replace("      - [TUBE 70x4", "      # the large one\n      - [TUBE 70x4"))
+    ok(sections("edit", "TUBE 60x4", "thickness", "5 mm"))
+    text = own.read_text()
+    assert "- [TUBE 60x4, 60, 5]\n      # the large one\n      - [TUBE 70x4, 70, 4]\n" in text
+    ok(sections("edit", "TUBE 60x4", "area", "8.64 cm^2"))
+    wrong(sections("edit", "TUBE 60x4", "thickness", "4 mm"), "area_cm2 is 8.64, its dimensions give 7.037")
+    ok(sections("edit", "TUBE 60x4", "thickness=4 mm", "area=7.04 cm^2"))
+    ok(sections("edit", "TUBE 60x4", "--unset", "area"))
+    assert not load_stock().find("TUBE 60x4").printed
+    (tmp_path / "arm.yaml").write_text("chain:\n  - link: {section: tube60x4}\n")
+    (tmp_path / "other.yaml").write_text("chain:\n  - link: {section: TUBE 70x4}\n")
+    used_in = ("--used-in", "arm.yaml", "--used-in", "other.yaml")
+    status, _, err = sections("rename", "TUBE 60x4", "OUR 60", *used_in)
+    assert (status, err) == (0, "WARNING: arm.yaml uses TUBE 60x4\n")
+    text = own.read_text()
+    status, _, err = sections("remove", "TUBE 70x4", *used_in)
+    assert (status, err) == (0, "WARNING: other.yaml uses TUBE 70x4\n")
+    assert "70" not in own.read_text()
+    ok(sections("undo"))
+    assert own.read_text() == text
+    assert f"{own}: 2 sizes, all sound" in ok(sections("check"))
+
+
+def test_changing_a_shipped_size_copies_it(sections, own):
+    ok(sections("edit", "ipe80", "family", "OURS"))
+    copy, shipped = load_stock().find("IPE 80"), load_stock(user=False).find("IPE 80")
+    assert copy.family == "OURS"
+    assert copy.file == str(own)
+    assert (copy.dimensions, copy.printed, copy.source) == (shipped.dimensions, shipped.printed, shipped.source)
+    assert "shows again" in ok(sections("remove", "IPE 80"))
+    assert load_stock().find("IPE 80") == shipped
+
+
+def test_the_editor_gets_the_file_and_only_sound_text_lands(sections, own, monkeypatch):
+    ok(sections(*TUBE))
+    monkeypatch.setenv("EDITOR", "sed -i 's/60, 4/60, 4.5/'")
+    ok(sections("edit", "TUBE 60x4"))
+    assert load_stock().find("TUBE 60x4").dimensions["thickness"] == 0.0045
+    before = own.read_text()
+    monkeypatch.setenv("EDITOR", "sed -i 's/7.64, 80.1/7.64, 90.1/'")
+    wrong(sections("edit", "IPE 80"), "second_moment_y_cm4 is 90.1")
+    assert own.read_text() == before
+
+
+def test_a_file_of_ones_choice(sections, tmp_path):
+    ok(sections(*TUBE, "--catalogue", "c.yaml"))
+    assert "TUBE 60x4" in ok(sections("show", "TUBE 60x4", "--catalogue", "c.yaml"))
+    wrong(sections("show", "TUBE 60x4"), "there is no stock size")
+    assert ok(sections("check", "c.yaml")) == "c.yaml: 1 size, all sound\n"
+    ok(sections("undo", "--catalogue", "c.yaml"))
+    assert not (tmp_path / "c.yaml").exists()
+
+
+@pytest.mark.parametrize("name", ["all.yaml", "all.csv"])
+def test_what_is_exported_can_be_imported(sections, own, name):
+    ok(sections("export", "--out", name))
+    ok(sections("import", name))
+    shipped = {size.name: size for size in load_stock(user=False)}
+    copies = {size.name: size for size in read_file(own)}
+    assert list(copies) == list(shipped) if name.endswith("yaml") else set(copies) == set(shipped)
+    for key, copy in copies.items():
+        assert copy.dimensions == shipped[key].dimensions
+        assert copy.printed == shipped[key].printed
+        assert copy.source == shipped[key].source
+    wrong(sections("import", name), "is there already")
+    ok(sections("import", name, "--replace"))
+
+
+def test_a_table_with_a_wrong_row_brings_nothing(sections, tmp_path, own):
+    ok(sections("export", "--family", "CHS", "--out", "chs.csv"))
+    with (tmp_path / "chs.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    rows[3]["area_cm2"] = rows[4]["area_cm2"]
+    with (tmp_path / "chs.csv").open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    wrong(sections("import", "chs.csv"), f"{rows[3]['name']}: area_cm2")
+    assert not own.exists()
+
+
+def test_no_edit_is_lost_among_several_writers(own):
+    def write(writer):
+        for number in range(5):
+            add(own, [Row(f"W{writer}-{number}", "W", "circle", "s", {"diameter_mm": 10 + writer})])
+
+    with ThreadPoolExecutor(6) as pool:
+        list(pool.map(write, range(6)))
+    assert len(read_file(own)) == 30

@@ -1,0 +1,167 @@
+"""`linkwright tradeoff`: its files, arms that bear their figures out, wrong input, and stopping and going on."""
+
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from arm.evaluation import evaluate
+from arm.files import read_arm
+from linkwright.report.tradeoff_picture import ticks
+from linkwright.screen.tradeoff import spread
+from optimize.tradeoff_journal import JOURNAL
+from tests.linkwright.conftest import ROOT
+
+PROBLEM = """\
+arm: arm.yaml
+subject_to: {mass: "<= 4 kg", max_error: "<= 2 mm", section_size: [20 mm, 80 mm], thickness: [2 mm, 10 mm]}
+choose: {section: [tube, circle], material: [aluminium-6061-t6, steel-s355], same: [section, material]}
+"""
+ONE = PROBLEM.replace("[tube, circle]", "tube").replace("[aluminium-6061-t6, steel-s355]", "aluminium-6061-t6")
+
+
+@pytest.fixture
+def two(bench):
+    """A problem with two materials."""
+    (bench / "two.yaml").write_text(PROBLEM, encoding="utf-8")
+    (bench / "one.yaml").write_text(ONE, encoding="utf-8")
+    return bench
+
+
+def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
+    status, out, _ = linkwright(
+        "tradeoff", "two.yaml", "--by", "material", "--accuracy", "0.2", "--out", "front", "--csv", "rows.csv"
+    )
+    assert status == 0
+    assert "knee" in out
+    result = json.loads((two / "front/result.json").read_text())
+    assert result["made_by"].startswith("linkwright tradeoff")
+    rows = list(csv.DictReader((two / "rows.csv").read_text().splitlines()))
+    assert (two / "rows.csv").read_text() == (two / "front/tradeoff.csv").read_text()
+    assert [int(row["number"]) for row in rows] == [point["number"] for point in result["points"]]
+    assert result["price_unit"] == "mm/kg"
+    files = sorted(path.name for path in (two / "front/points").iterdir())
+    assert files == sorted(point["arm_file"].removeprefix("points/") for point in result["points"])
+    for point, row in list(zip(result["points"], rows, strict=True))[::4]:
+        again = evaluate(read_arm(two / "front" / point["arm_file"]))
+        assert again.mass == pytest.approx(point["mass_kg"], rel=1e-8)
+        assert 1e3 * again.max_error == pytest.approx(point["max_error_mm"], rel=1e-6)
+        assert float(row["mass_kg"]) == point["mass_kg"]
+        assert float(row["price_mm_per_kg"] or "nan") == pytest.approx(point["price"] or float("nan"), nan_ok=True)
+    for name in ("aluminium-6061-t6", "steel-s355"):
+        assert name in {front["name"] for front in result["fronts"]}
+    picture = (two / "front/tradeoff.svg").read_text()
+    drawing = ET.fromstring(picture)
+    assert drawing.tag.endswith("svg")
+    circles = [each for each in drawing.iter() if each.tag.endswith("circle")]
+    assert len(circles) >= len(result["points"])
+    for circle in circles:
+        assert 0.0 < float(circle.get("cx", "nan")) < 860.0
+        assert 0.0 < float(circle.get("cy", "nan")) < 560.0
+    page = (two / "front/report.html").read_text()
+    figures = json.loads(re.search(r'id="figures">(.*?)</script>', page)[1])
+    hovered = [text for trace in figures["front"]["data"] for text in trace["hovertext"] if "<b>point" in text]
+    assert len({re.search(r"point (\d+)", text)[1] for text in hovered}) == len(result["points"])
+    assert "http" not in re.sub(r"<script>.*?</script>", "", page.replace("http://www.w3.org", ""), flags=re.DOTALL)
+
+
+WRONG = {
+    "unknown figure": (["one.yaml", "--x", "weight"], "--x"),
+    "resume of nothing": (["one.yaml", "--resume"], "--out"),
+    "no choice": (["bare.yaml", "--by", "shape"], "choose"),
+    "strangers": (["one.yaml", "--out", "full"], "notes.txt"),
+    "another command's": (["one.yaml", "--out", "other"], "not of `linkwright tradeoff`"),
+    "csv over the problem": (["one.yaml", "--csv", "one.yaml"], "is the input"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_input_is_one_line(name, two, linkwright):
+    arguments, words = WRONG[name]
+    (two / "bare.yaml").write_text("arm: arm.yaml\n")
+    for folder, file in (("full", "notes.txt"), ("other", "result.json")):
+        (two / folder).mkdir()
+        (two / folder / file).write_text("{}")
+    status, _, error = linkwright("tradeoff", *arguments)
+    assert status == 2
+    assert error.count("\n") == 1
+    assert words in error
+
+
+def test_no_design_is_no_answer(two, linkwright):
+    (two / "one.yaml").write_text(ONE.replace("<= 4 kg", "<= 0.4 kg"), encoding="utf-8")
+    status, _, error = linkwright("tradeoff", "one.yaml")
+    assert status == 1
+    assert "would have to be" in error
+
+
+def _started(folder, *more):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "linkwright", "tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", *more]
+    return subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def _lines(folder):
+    path = folder / "front" / JOURNAL
+    return len(path.read_bytes().splitlines()) if path.exists() else 0
+
+
+def _stopped(folder, after, number, *more):
+    """Start, wait until the journal has so many lines, send a signal; gives exit status and standard error."""
+    with _started(folder, *more) as process:
+        while process.poll() is None and _lines(folder) < after:
+            time.sleep(0.01)
+        process.send_signal(number)
+        _, error = process.communicate()
+    return process.returncode, error
+
+
+def test_stopped_and_killed_it_goes_on(two, linkwright):
+    status, error = _stopped(two, 3, signal.SIGINT)
+    assert status == 130
+    assert "--resume" in error
+    kept = _lines(two)
+    assert kept >= 3
+    status, _, error = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front")
+    assert status == 2
+    assert "--resume" in error
+    assert _lines(two) == kept
+    status, _ = _stopped(two, kept + 2, signal.SIGKILL, "--resume")
+    assert status == -signal.SIGKILL
+    assert not (two / "front/result.json").exists()
+    kept = _lines(two)
+    status, _, _ = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", "--resume")
+    assert status == 0
+    result = json.loads((two / "front/result.json").read_text())
+    assert result["resumed"] >= kept - 2
+    assert result["envelope"]["complete"]
+    status, _, _ = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", "--resume")
+    assert status == 0
+    again = json.loads((two / "front/result.json").read_text())
+    assert again["solved"] == 0
+    assert again["points"] == result["points"]
+
+
+def test_marks_of_an_axis():
+    assert ticks(0.9, 4.2, log=False) == pytest.approx([1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
+    assert ticks(0.9, 30.0, log=True) == pytest.approx([1.0, 2.0, 5.0, 10.0, 20.0])
+    assert ticks(1e-3, 2.0, log=True) == pytest.approx([1e-3, 1e-2, 0.1, 1.0])
+
+
+def test_listed_points_hold_ends_and_knee():
+    class Numbered:
+        def __init__(self, number):
+            self.number = number
+
+    points = [Numbered(k) for k in range(1, 101)]
+    listed = [point.number for point in spread(points, 10, 47)]
+    assert len(listed) == 10
+    assert {1, 47, 100} <= set(listed)
+    assert spread(points[:5], 10, None) == points[:5]

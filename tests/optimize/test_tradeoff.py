@@ -1,0 +1,385 @@
+"""Trade-offs: fronts against designs optimised one by one, finite differences, and designs drawn at random."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from arm.evaluation import evaluate
+from arm.model import error_model
+from arm.worst import WorstSearch
+from materials.quantities import InputError
+from optimize.choice import combinations
+from optimize.design import arm_of, design_space, numeric_beams
+from optimize.problem import Limit, NoAnswer, Problem
+from optimize.run import optimise
+from optimize.tradeoff import Progress, Tradeoff, trade_off
+from optimize.tradeoff_journal import Journal
+from optimize.tradeoff_question import AXES, Question, digest, question
+from optimize.tradeoff_refine import knee, logarithmic, refine, undominated
+from optimize.tradeoff_search import Search
+from tests.optimize.builders import jointed, measured_price, problem_of, ranged
+
+ARM = jointed((500, 400), ranged("-100 100", "30 140"))
+SIZES = "section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]"
+LIMITS = f"subject_to: {{mass: '<= 2 kg', max_error: '<= 1.5 mm', {SIZES}}}\n"
+TWO = "choose: {section: [tube, rectangle], same: [section]}\n" + LIMITS
+BOTH = "choose: {material: [aluminium-6061-t6, steel-s355], same: [material]}\n"
+COARSE = 0.04
+
+
+def asked_of(folder: Path, text: str, x: str, y: str, **more: str) -> Question:
+    return question(problem_of(folder, ARM, text), x, y, **more)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("tradeoff")
+
+
+@pytest.fixture(scope="module")
+def traced(folder: Path) -> Tradeoff:
+    """Error against mass, over two shapes."""
+    return trade_off(asked_of(folder, TWO, "mass", "max_error"), accuracy=0.01)
+
+
+def test_end_at_the_limit_is_what_optimise_finds(traced: Tradeoff) -> None:
+    problem = replace(traced.asked.given, minimize="max_error")
+    last = traced.of(traced.envelope)[-1]
+    assert traced.envelope.capped
+    assert last.x == pytest.approx(2.0, rel=1e-6)
+    assert last.y == pytest.approx(optimise(problem).objective, rel=1e-4)
+
+
+def test_other_end_is_the_least_mass(traced: Tradeoff, tmp_path: Path) -> None:
+    first = traced.of(traced.envelope)[0]
+    problem = replace(traced.asked.given, minimize="mass")
+    limits = tuple(limit for limit in problem.limits if limit.name != "mass")
+    assert first.x == pytest.approx(optimise(replace(problem, limits=limits)).objective, rel=1e-4)
+    assert first.y == pytest.approx(1.5e-3, rel=1e-3)
+    # Nothing but the least sizes holds the mass: tubes 20 mm wide with walls of 2 mm.
+    asked = asked_of(tmp_path, f"choose: {{section: tube}}\nsubject_to: {{{SIZES}}}\n", "mass", "max_error")
+    least = Search(asked, asked.problem, lambda _: None).best(asked.x_limit, math.inf, [])
+    assert least is not None
+    assert least.badness == pytest.approx(2700.0 * math.pi / 4.0 * (0.020**2 - 0.016**2) * 0.9, rel=1e-3)
+
+
+def test_figures_are_those_of_evaluate_and_keep_the_limits(traced: Tradeoff) -> None:
+    given = traced.asked.given
+    for point in traced.points[:: max(1, len(traced.points) // 6)]:
+        again = evaluate(point.arm, given.workspace, given.load_cases)
+        assert (point.x, point.y) == pytest.approx((again.mass, again.max_error), rel=1e-9)
+        assert again.mass <= 2.0 * (1.0 + 1e-6)
+        assert point.converged
+        assert point.certified
+
+
+def test_no_point_is_dominated_by_another(traced: Tradeoff) -> None:
+    for front in (*traced.fronts, traced.envelope):
+        points = traced.of(front)
+        for one, other in pairwise(points):
+            assert one.x < other.x
+            assert one.y > other.y
+
+
+def test_straight_lines_between_points_are_right(traced: Tradeoff) -> None:
+    """New problems between the points, a third of the way, where the refinement never looked."""
+    points, steps = traced.of(traced.envelope), traced.envelope.steps
+    assert traced.envelope.error <= 0.01
+    for k in range(1, len(points), max(1, len(points) // 5)):
+        left, right = points[k - 1], points[k]
+        if (left.number, right.number) in steps:
+            continue
+        mass = left.x + (right.x - left.x) / 3.0
+        limits = (*[x for x in traced.asked.given.limits if x.name != "mass"], Limit("mass", "<=", mass))
+        best = optimise(replace(traced.asked.given, minimize="max_error", limits=limits)).objective
+        straight = left.y + (right.y - left.y) / 3.0
+        assert straight == pytest.approx(best, rel=0.01)
+
+
+def test_no_random_design_lies_below_the_front(traced: Tradeoff) -> None:
+    """Random dimensions of either shape; worst errors by the search, without certificate: never above the true ones."""
+    problem = traced.asked.given
+    search = WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
+    points = traced.of(traced.envelope)
+    x, y = np.array([point.x for point in points]), np.array([point.y for point in points])
+    random, met = np.random.default_rng(11), 0
+    for pick in combinations(problem):
+        space = design_space(problem, pick.shapes)
+        lower, upper = space.bounds()
+        for _ in range(150):
+            arm = arm_of(space, random.uniform(lower, upper), pick.materials)
+            mass = sum(link.length * link.section.properties(0.3).area * 2700.0 for link in arm.links if link.section)
+            if any(link.section is None or link.section.check() for link in arm.links) or not x[0] < mass < x[-1]:
+                continue
+            met += 1
+            error = search.worst(numeric_beams(arm, problem.load_cases), certify=False).error
+            # Lines between points lie above a convex front by no more than the accuracy.
+            assert error >= np.interp(mass, x, y) * (1.0 - 0.012)
+    assert met > 25
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "extra"),
+    [
+        ("mass", "max_error", ""),
+        ("max_error", "mass", ""),
+        ("mass", "first_frequency", ""),
+        ("first_frequency", "mass", ""),
+        ("reach", "max_error", ", link_length: [300 mm, 600 mm], mass: '<= 4 kg'"),
+    ],
+)
+def test_slope_from_the_multiplier_is_that_of_finite_differences(x: str, y: str, extra: str, tmp_path: Path) -> None:
+    asked = asked_of(tmp_path, f"choose: {{section: tube}}\nsubject_to: {{{SIZES}{extra}}}\n", x, y)
+    search = Search(asked, asked.problem, lambda _: None)
+    least = search.best(asked.x_limit, math.inf, [])
+    most = search.best(asked.y_limit, math.inf, [])
+    assert least is not None
+    assert most is not None
+
+    def attained(name: str, numbers: tuple[float, ...]) -> float:
+        arm = arm_of(search.exchange(least.combination.shapes).space, np.array(numbers), least.combination.materials)
+        done = evaluate(arm, asked.given.workspace, asked.given.load_cases)
+        assert done.frequency is not None
+        figures = {"mass": done.mass, "max_error": done.max_error, "reach": done.reach}
+        return {**figures, "first_frequency": done.frequency.value}[name]
+
+    level = math.sqrt(least.badness * asked.x.badness(attained(x, most.numbers)))
+    step = 1e-3
+    below, here, above = (search.best(asked.y_limit, level * (1.0 + k * step), [least, most]) for k in (-1.0, 0.0, 1.0))
+    assert below is not None
+    assert here is not None
+    assert above is not None
+    measured = math.log(above.badness / below.badness) / math.log((1.0 + step) / (1.0 - step))
+    assert here.elasticity is not None
+    assert here.elasticity < -1e-3
+    assert here.elasticity == pytest.approx(measured, rel=0.01)
+
+
+def test_price_along_the_front_is_that_of_the_optimiser(traced: Tradeoff) -> None:
+    """mm/kg at the limit of the problem, where `optimise` tells it too, and by its own finite differences."""
+    problem = replace(traced.asked.given, minimize="max_error")
+    (limit,) = [limit for limit in optimise(problem).binding if limit.name == "mass"]
+    slope = traced.of(traced.envelope)[-1].slope
+    assert slope is not None
+    assert 1e3 * slope == pytest.approx(limit.price, rel=1e-3)
+    assert 1e3 * slope == pytest.approx(measured_price(problem, limit), rel=0.01)
+
+
+def test_swapped_axes_give_the_same_front(traced: Tradeoff, folder: Path) -> None:
+    """Least mass for an error is the least error for a mass."""
+    swapped = trade_off(asked_of(folder, TWO, "max_error", "mass"), accuracy=COARSE)
+    points = traced.of(traced.envelope)
+    x, y = [point.x for point in points], [point.y for point in points]
+    for point in swapped.of(swapped.envelope):
+        if x[2] < point.y < x[-2]:
+            assert point.x == pytest.approx(np.interp(point.y, x, y), rel=0.02)
+
+
+def test_maximised_figures_grow_towards_better(tmp_path: Path) -> None:
+    text = f"choose: {{section: tube}}\nsubject_to: {{{SIZES}, mass: '<= 1 kg'}}\n"
+    result = trade_off(asked_of(tmp_path, text, "mass", "first_frequency"), accuracy=0.2)
+    points = result.of(result.envelope)
+    assert len(points) >= 5
+    for one, other in pairwise(points):
+        assert one.x < other.x
+        assert one.y < other.y
+        assert one.figures["first_frequency"] == one.y
+    assert points[0].slope is None or points[0].slope > 0.0
+
+
+def test_reach_goes_either_way(tmp_path: Path) -> None:
+    text = f"choose: {{section: tube}}\nsubject_to: {{mass: '<= 4 kg', link_length: [300 mm, 600 mm], {SIZES}}}\n"
+    long = trade_off(asked_of(tmp_path, text, "reach", "max_error"), accuracy=0.2)
+    points = long.of(long.envelope)
+    assert points[0].x == pytest.approx(1.2, rel=1e-4)
+    assert all(one.x > other.x and one.y > other.y for one, other in pairwise(points))
+    short = trade_off(asked_of(tmp_path, text, "reach", "max_error", reach="short"), accuracy=0.2)
+    # The shortest arm is also the stiffest: one design is best in both.
+    assert len(short.points) == 1
+    assert short.points[0].x == pytest.approx(0.6, rel=1e-4)
+
+
+def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
+    # Rods of at most 40 mm: aluminium is the lighter, steel the stiffer where there is no more room.
+    rigid = jointed((500, 400), ranged("-100 100", "30 140", more=""))
+    limits = "subject_to: {max_error: '<= 1 mm', section_size: [20 mm, 40 mm]}\n"
+    asked = question(problem_of(tmp_path, rigid, BOTH + limits), "mass", "max_error", by="material")
+    result = trade_off(asked, accuracy=0.04)
+    assert [front.name for front in result.fronts] == ["aluminium-6061-t6", "steel-s355"]
+    for front in result.fronts:
+        assert all(set(point.materials) == {front.name} for point in result.of(front))
+    on = result.of(result.envelope)
+    assert {point.front for point in on} == {"aluminium-6061-t6", "steel-s355"}
+    for point in result.points:
+        assert not any(other.x < point.x and other.y < point.y for other in on if point in on)
+    # Where steel takes over the straight line was measured as well: both materials solved anew in between.
+    (change,) = [(a, b) for a, b in pairwise(on) if a.front != b.front][:1]
+    mass = 0.5 * (change[0].x + change[1].x)
+    free = replace(asked.given, minimize="max_error", limits=(Limit("mass", "<=", mass),))
+    best = optimise(free).objective
+    straight = 0.5 * (change[0].y + change[1].y)
+    assert straight == pytest.approx(best, rel=0.04)
+
+
+def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
+    asked = asked_of(folder, "choose: {section: tube}\n" + LIMITS, "mass", "max_error")
+    key, path = digest(asked, COARSE), tmp_path / "journal.jsonl"
+    whole = trade_off(asked, accuracy=COARSE)
+    seen: list[Progress] = []
+
+    def stop(progress: Progress) -> None:
+        seen.append(progress)
+        if progress.points >= 4:
+            raise KeyboardInterrupt
+
+    with Journal(path, key) as journal, pytest.raises(KeyboardInterrupt):
+        trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
+    lines = path.read_bytes().splitlines()
+    path.write_bytes(b"\n".join(lines) + b'\n{"key": ["all", "y", "0x1.8')  # a line that a kill cut short
+    with Journal(path, key, resume=True) as journal:
+        assert journal.size == len(lines) - 1
+        again = trade_off(asked, accuracy=COARSE, journal=journal)
+    assert again.resumed == len(lines) - 1
+    assert again.solved + again.resumed == whole.solved
+    for name in ("x", "y"):
+        assert [getattr(p, name) for p in again.points] == pytest.approx(
+            [getattr(p, name) for p in whole.points], rel=1e-4
+        )
+    with Journal(path, key, resume=True) as journal:
+        told: list[str] = []
+        third = trade_off(asked, accuracy=COARSE, journal=journal, told=lambda progress: told.append(progress.doing))
+    assert third.solved == 0
+    assert "finishing the best combinations" not in told
+    assert [p.x for p in third.points] == [p.x for p in again.points]
+
+
+def test_journal_of_another_question_or_of_another_process_is_refused(folder: Path, tmp_path: Path) -> None:
+    one, other = (asked_of(folder, TWO, "mass", y) for y in ("max_error", "first_frequency"))
+    path = tmp_path / "journal.jsonl"
+    with Journal(path, digest(one, 0.01)), pytest.raises(InputError, match="another process"):
+        Journal(path, digest(one, 0.01), resume=True)
+    with pytest.raises(InputError, match="another question"):
+        Journal(path, digest(other, 0.01), resume=True)
+    path.write_text("notes\n")
+    with pytest.raises(InputError, match="not the journal"):
+        Journal(path, digest(one, 0.01), resume=True)
+
+
+def test_digest_follows_everything_that_the_front_depends_on(tmp_path: Path) -> None:
+    base = asked_of(tmp_path, TWO, "mass", "max_error")
+    problem = base.given
+    heavier = replace(problem, load_cases=(replace(problem.load_cases[0], mass=4.0),))
+    changed: list[Problem] = [
+        heavier,
+        replace(problem, limits=()),
+        replace(problem, shapes=("tube",)),
+        replace(problem, thickness=(0.003, 0.008)),
+        replace(problem, same=frozenset()),
+    ]
+    keys = {digest(question(each, "mass", "max_error"), 0.01) for each in (problem, *changed)}
+    keys |= {digest(base, 0.02), digest(question(problem, "mass", "max_error", by="shape"), 0.01)}
+    assert len(keys) == len(changed) + 3
+    elsewhere = replace(problem, file="elsewhere.yaml", minimize="mass")
+    assert digest(question(elsewhere, "mass", "max_error"), 0.01) == digest(base, 0.01)
+
+
+WRONG = {
+    "unknown figure": ("weight", "max_error", "", "mass"),
+    "twice the same": ("mass", "mass", "", "two figures"),
+    "a constant apart": ("mass", "total_mass", "", "constant"),
+    "fixed lengths": ("reach", "max_error", "", "link_length"),
+    "fixed figure": ("reach", "mass", "reach: '== 900 mm', link_length: [300 mm, 600 mm]", "=="),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_nothing_to_trade_is_wrong_input(name: str, tmp_path: Path) -> None:
+    x, y, limits, words = WRONG[name]
+    with pytest.raises(InputError, match=words):
+        asked_of(tmp_path, f"subject_to: {{{limits}}}\n", x, y)
+
+
+@pytest.mark.parametrize("by", ["material", "shape"])
+def test_fronts_by_what_is_not_chosen_are_wrong_input(by: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="choose"):
+        asked_of(tmp_path, "", "mass", "max_error", by=by)
+
+
+def test_limits_that_no_design_keeps_have_no_answer(tmp_path: Path) -> None:
+    text = f"choose: {{section: tube}}\nsubject_to: {{mass: '<= 1 kg', max_error: '<= 0.05 mm', {SIZES}}}\n"
+    with pytest.raises(NoAnswer, match="would have to be"):
+        trade_off(asked_of(tmp_path, text, "mass", "max_error"))
+
+
+class Dot:
+    """A point of a known curve."""
+
+    def __init__(self, level: float, y: float) -> None:
+        self.level, self.x, self.y = level, level, y
+
+
+@given(st.floats(0.2, 4.0), st.floats(0.005, 0.05))
+def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> None:
+    """y = x^-p: the straight lines are within the accuracy at every x, not only where they were measured."""
+    axes = (AXES["mass"], AXES["max_error"])
+    ends = [Dot(1.0, 1.0), Dot(20.0, 20.0**-power)]
+    done = refine(axes, ends, [(ends[0], ends[1])], lambda level, *_: Dot(level, level**-power), accuracy, most=5000)
+    assert done.complete
+    assert done.steps == ()
+    assert done.error <= accuracy
+    x, y = np.array([dot.x for dot in done.nodes]), np.array([dot.y for dot in done.nodes])
+    fine = np.geomspace(1.0, 20.0, 4001)
+    assert np.all(np.abs(np.interp(fine, x, y) / fine**-power - 1.0) <= accuracy)
+
+
+def test_jump_is_found_as_a_step() -> None:
+    axes = (AXES["mass"], AXES["max_error"])
+
+    def y(level: float) -> float:
+        return 3.0 if level < 4.0 else 1.0
+
+    ends = [Dot(1.0, 3.0), Dot(9.0, 1.0)]
+    done = refine(axes, ends, [(ends[0], ends[1])], lambda level, *_: Dot(level, y(level)), 0.01)
+    ((left, right),) = done.steps
+    assert left.level < 4.0 <= right.level
+    assert right.level / left.level < 1.001
+    assert [dot.level for dot in undominated(axes, done.nodes)] == pytest.approx([1.0, 4.0], rel=1e-3)
+
+
+@given(st.floats(1.5, 50.0))
+def test_knee_of_a_hyperbola_is_in_its_middle(ratio: float) -> None:
+    """x y = 1 between 1/r and r is symmetrical about x = y, where its tangent is parallel to the chord."""
+    axes = (AXES["mass"], AXES["max_error"])
+    x = np.geomspace(1.0 / ratio, ratio, 201).tolist()
+    y = [1.0 / value for value in x]
+    assert knee(axes, x, y, (False, False)) == 100
+    assert knee(axes, x, y, (True, True)) is None  # straight in logarithms
+    # With frequency upwards the same front, mirrored.
+    up = (AXES["mass"], AXES["first_frequency"])
+    assert knee(up, x, [ratio + 1.0 / ratio - value for value in y], (False, False)) == 100
+
+
+def test_front_that_bulges_has_no_knee() -> None:
+    axes = (AXES["mass"], AXES["max_error"])
+    x = np.linspace(0.0, 1.0, 50)
+    assert knee(axes, x.tolist(), np.sqrt(1.0 - x**2).tolist(), (False, False)) is None
+    assert logarithmic([1.0, 11.0])
+    assert not logarithmic([1.0, 9.0])
+
+
+def test_journal_lines_are_json(folder: Path, tmp_path: Path) -> None:
+    asked = asked_of(folder, TWO, "mass", "max_error")
+    with Journal(tmp_path / "j", digest(asked, 0.01), made_by="x") as journal:
+        journal.put(("all", "x", "0x1p0"), None)
+    header, line = [json.loads(text) for text in (tmp_path / "j").read_text().splitlines()]
+    assert header["digest"] == digest(asked, 0.01)
+    assert line == {"key": ["all", "x", "0x1p0"], "found": None}
