@@ -24,6 +24,8 @@ from .workspace import spread
 
 Array = NDArray[np.float64]
 
+INSTRUMENT = frozenset({"frame_misalignment", "frame_drift", "instrument_scale", "latency"})
+"""Effects of the measurement: a corrected arm may carry them, but they move no tip."""
 _STEPS = 4
 _SMALLEST = 1e-2
 """Motions of the tip that the joints make this much worse than the best are left alone: near a singular pose they would
@@ -70,9 +72,14 @@ def model_error(arm: Arm, q: Array, payload: float) -> Array:
 
     Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
-    case = replace(arm.payload, mass=payload)
-    state = solve(arm, [q[:, index] for index in range(arm.size)], beams_of(arm, (case,)), case)
-    return seen_of_model(state, active_effects(arm), Asked(len(q))).tip
+    real, case = without_instrument(arm), replace(arm.payload, mass=payload)
+    state = solve(real, [q[:, index] for index in range(arm.size)], beams_of(real, (case,)), case)
+    return seen_of_model(state, active_effects(real), Asked(len(q))).tip
+
+
+def without_instrument(arm: Arm) -> Arm:
+    """The arm without what belongs to the instrument that measured it."""
+    return replace(arm, effects=tuple(entry for entry in arm.effects if entry.effect not in INSTRUMENT))
 
 
 def joint_corrections(arm: Arm, q: Array, payload: float) -> Array:

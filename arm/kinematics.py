@@ -39,6 +39,12 @@ class JointFrame:
 
     lead: Vector
     axis: Vector
+    before: Orientation
+
+    @property
+    def frame(self) -> Rotation:
+        """The frame in which the joint moves; it stays with the link before."""
+        return self.before.matrix()
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,7 @@ def _sin(angle: Scalar) -> Scalar:
 
 
 @dataclass(frozen=True)
-class _Orientation:
+class Orientation:
     """prefix * Rot(axis, angle): the last turn is kept apart so that a parallel next joint only adds its angle."""
 
     prefix: Rotation
@@ -85,21 +91,24 @@ class _Orientation:
     angle: Scalar
 
     def matrix(self) -> Rotation:
+        """The whole rotation."""
         if isinstance(self.angle, float) and self.angle == 0.0:
             return self.prefix
         return compose(self.prefix, about(self.axis, _cos(self.angle), _sin(self.angle)))
 
-    def turned(self, rotation: Rotation) -> _Orientation:
+    def turned(self, rotation: Rotation) -> Orientation:
+        """Turned further by a fixed rotation."""
         if rotation == IDENTITY:
             return self
-        return _Orientation(compose(self.matrix(), rotation), (0.0, 0.0, 1.0), 0.0)
+        return Orientation(compose(self.matrix(), rotation), (0.0, 0.0, 1.0), 0.0)
 
-    def jointed(self, axis: FloatVector, angle: Scalar, absolute: bool) -> _Orientation:
+    def jointed(self, axis: FloatVector, angle: Scalar, absolute: bool) -> Orientation:
+        """Turned further about a joint's axis; with `absolute`, to the angle itself."""
         if self.axis == axis:
-            return _Orientation(self.prefix, axis, angle if absolute else plus(self.angle, angle))
+            return Orientation(self.prefix, axis, angle if absolute else plus(self.angle, angle))
         if self.axis == tuple(-component for component in axis) and not absolute:
-            return _Orientation(self.prefix, self.axis, plus(self.angle, times(-1.0, angle)))
-        return _Orientation(self.matrix(), axis, angle)
+            return Orientation(self.prefix, self.axis, plus(self.angle, times(-1.0, angle)))
+        return Orientation(self.matrix(), axis, angle)
 
 
 def section_directions(link: Link, joint: Joint) -> tuple[FloatVector, FloatVector]:
@@ -125,13 +134,14 @@ def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None
     The components of q may be floats, arrays of equal length or symbols; the frames hold the same.
     """
     spans = arm.lengths if lengths is None else lengths
-    state = _Orientation(IDENTITY, (0.0, 0.0, 1.0), 0.0)
+    state = Orientation(IDENTITY, (0.0, 0.0, 1.0), 0.0)
     joints: list[JointFrame] = []
     links: list[LinkFrame] = []
     for joint, link, coordinate, span in zip(arm.joints, arm.links, q, spans, strict=True):
         lead = rotate(state.matrix(), joint.origin_translation) if any(joint.origin_translation) else ZERO
         state = state.turned(joint.origin_rotation)
         moved = plus(coordinate, joint.zero)
+        before = state
         if joint.revolute:
             state = state.jointed(joint.axis, moved, arm.angles == "absolute")
             matrix = state.matrix()
@@ -142,7 +152,7 @@ def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None
             lead = add(lead, scale(moved, axis))
         height, width = section_directions(link, joint)
         along = rotate(matrix, link.direction)
-        joints.append(JointFrame(lead, axis))
+        joints.append(JointFrame(lead, axis, before))
         links.append(LinkFrame(scale(span, along), along, rotate(matrix, height), rotate(matrix, width)))
         state = state.turned(link.end_rotation)
     last = state.matrix()

@@ -37,6 +37,7 @@ PLAUSIBLE: tuple[str, ...] = (
     "thermal_expansion",
     "link_modulus",
     "tool_offset",
+    "axis_misalignment",
     "encoder_eccentricity",
     "gear_transmission_error",
     "joint_hardening",
@@ -142,7 +143,8 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
     if not sizes:
         return
     shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
-    everywhere = _places(observed, effect)
+    joints = observed.arm.joints
+    everywhere = tuple(i for i in _places(observed, effect) if effect.can_act(i, revolute=joints[i].revolute))
     places: list[tuple[tuple[int, ...], bool]] = [((index,), False) for index in everywhere]
     if effect.place in ("base", "tip"):
         places = [((), False)]
@@ -153,16 +155,20 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
             parameter.name: value * _load_scale(observed, at) if parameter.relative_to_load else value
             for parameter, value in zip(shaped, values, strict=True)
         }
-        if not _needs_met(observed, effect.id, shapes):
+        if not _needs_met(observed, effect, shapes):
             continue
         yield Candidate(effect.id, at, sizes, MappingProxyType(shapes), shared=shared)
 
 
-def _needs_met(observed: Observed, effect: str, shapes: Mapping[str, float]) -> bool:
-    """Whether the recording holds what a variant's shape asks for; else it would repeat another variant."""
+def _needs_met(observed: Observed, effect: Effect, shapes: Mapping[str, float]) -> bool:
+    """Whether the recording holds what a variant asks for; else it would move nothing, or repeat another variant."""
     held = observed.state.conditions
-    if effect == "backlash" and shapes.get("held_below", 0.0) > 0.0:
+    if any(getattr(held, condition) is None for condition in effect.requires):
+        return False
+    if effect.id == "backlash" and shapes.get("held_below", 0.0) > 0.0:
         return held.sides is not None
+    if effect.id == "creep" and shapes.get("anew") == 0.0:
+        return held.time is not None and not np.array_equal(held.time, held.loaded_for)
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True

@@ -269,8 +269,8 @@ def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
         family = other.candidate.family
         if family in taken or not namer.library[number]:
             continue
-        if other.candidate.effect == group.candidate.effect and other.candidate.shared != group.candidate.shared:
-            pass  # one parameter for all links and one for each are different answers
+        if other.rank > group.rank + 1:
+            continue  # a richer pattern that holds this one and more is no other name for it
         part = slice(other.start, other.stop)
         block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
         alike = float(np.sqrt(max(mixed[part] @ block @ mixed[part], 0.0) / max(signal, 1e-300)))

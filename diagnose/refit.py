@@ -31,7 +31,7 @@ _SWEEPS = 2
 _SCAN = 41
 _NEWTON = 6
 _DIFFERENCE = 1e-4
-_WHOLE = frozenset({"order"})
+_WHOLE = frozenset({"order", "anew", "sharp"})
 """Shapes that are whole numbers and stay on their grid."""
 
 

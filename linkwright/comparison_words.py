@@ -6,7 +6,8 @@ import math
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.compare import Change, Comparison, Region
+from diagnose.compare import Change, Comparison
+from diagnose.compare_places import Region
 
 from .as_json import program_version
 from .diagnosis_json import covered_json, in_unit, parameter_json, unit_of

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from arm.chain import Arm, EffectEntry, Link, LoadCase
+from arm.compensation import without_instrument
 from arm.model import beam_values, beams_of, error_model
 from arm.workspace import Workspace
 from arm.worst import WorstSearch
@@ -93,11 +94,12 @@ def redesign(
     corrected: Arm,
     told: Callable[[str, float], None] | None = None,
 ) -> Redesign:
-    """Solve the problem with the arm as given and as corrected.
+    """Solve the problem with the arm as given and as corrected, both without what belongs to the instrument.
 
     `told` hears of the steps. Raises `InputError` where the problem is for another arm, and what `optimise` raises.
     """
     tell = told or _silent
+    given, corrected = without_instrument(given), without_instrument(corrected)
     if problem.arm.size != given.size:
         raise InputError(problem.file, "arm", f"has {problem.arm.size} joints, the arm diagnosed has {given.size}")
     tell("designing with the arm as given", 0.0)

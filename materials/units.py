@@ -136,6 +136,7 @@ def kinds() -> dict[str, Kind]:
         _kind("compliance", "rad/(N*m)", "2e-5 rad/(N*m)", (0.0, "urad/(N*m)"), (1e-3, "rad/(N*m)")),
         _kind("linear_stiffness", "N/m", "50 N/um", (0.0, "N/m"), (1e3, "N/mm"), (1e7, "N/um")),
         _kind("linear_compliance", "m/N", "20 um/N", (0.0, "um/N"), (1e-3, "mm/N")),
+        _kind("flexibility", "1/(N*m^2)", "2e-6 1/(N*m^2)"),
         _kind("bending_stiffness", "N*m^2", "12000 N*m^2"),
         _kind("thermal_expansion", "1/K", "23 um/(m*K)", (0.0, "um/(m*K)")),
         _kind("curvature_per_temperature", "1/(m*K)", "2e-5 1/(m*K)"),

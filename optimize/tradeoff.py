@@ -28,7 +28,7 @@ from .explain import why_infeasible
 from .problem import NoAnswer, Problem
 from .tradeoff_journal import Journal, design_of, design_record
 from .tradeoff_question import Axis, Question
-from .tradeoff_refine import Refined, knee, logarithmic, refine, undominated
+from .tradeoff_refine import Refined, envelope, knee, logarithmic, refine, undominated
 from .tradeoff_search import Design, Search
 
 ACCURACY = 0.01
@@ -173,8 +173,8 @@ def trade_off(
             without.append((name, f"workspace: {error}{hint}"))
     if not tracers:
         raise NoAnswer(without[0][1])
-    envelope = _envelope(asked, tracers, accuracy) if len(tracers) > 1 else None
-    return _result(asked, accuracy, tracers, envelope, tuple(without), time.perf_counter() - began, book.size - known)
+    best = _envelope(asked, tracers, accuracy) if len(tracers) > 1 else None
+    return _result(asked, accuracy, tracers, best, tuple(without), time.perf_counter() - began, book.size - known)
 
 
 def _silent(_: str) -> None:
@@ -335,7 +335,7 @@ def _envelope(asked: Question, tracers: Sequence[_Tracer], accuracy: float) -> R
     line is right there too."""
     axes = (asked.x, asked.y)
     named = {tracer.name: tracer for tracer in tracers}
-    nodes = undominated(axes, [node for tracer in tracers for node in tracer.nodes])
+    nodes = envelope(axes, [undominated(axes, tracer.nodes) for tracer in tracers])
     changes = [(a, b) for a, b in itertools.pairwise(nodes) if a.group != b.group]
 
     def better(level: float, left: _Node, right: _Node, _: float) -> _Node | None:
@@ -350,7 +350,7 @@ def _result(
     asked: Question,
     accuracy: float,
     tracers: Sequence[_Tracer],
-    envelope: Refined[_Node] | None,
+    best: Refined[_Node] | None,
     without: tuple[tuple[str, str], ...],
     seconds: float,
     solved: int,
@@ -381,15 +381,15 @@ def _result(
 
     fronts = tuple(front(each.name, kept[each.name], each.refined, capped=each.capped) for each in tracers)
     whole = fronts[0]
-    if envelope is not None:
-        nodes = undominated(axes, numbered)
+    if best is not None:
+        nodes = envelope(axes, list(kept.values()))
         parts = [each.refined for each in tracers if each.refined is not None]
         both = replace(
-            envelope,
-            error=max([envelope.error, *(each.error for each in parts)]),
-            steps=(*envelope.steps, *(step for each in parts for step in each.steps)),
-            failed=(*envelope.failed, *(level for each in parts for level in each.failed)),
-            complete=envelope.complete and all(each.complete for each in parts),
+            best,
+            error=max([best.error, *(each.error for each in parts)]),
+            steps=(*best.steps, *(step for each in parts for step in each.steps)),
+            failed=(*best.failed, *(level for each in parts for level in each.failed)),
+            complete=best.complete and all(each.complete for each in parts),
         )
         last = nodes[-1].group
         whole = front("envelope", nodes, both, capped=named[last].capped)

@@ -115,6 +115,32 @@ def undominated(axes: tuple[Axis, Axis], nodes: Sequence[AnyNode]) -> list[AnyNo
     return kept
 
 
+def envelope(axes: tuple[Axis, Axis], fronts: Sequence[Sequence[AnyNode]]) -> list[AnyNode]:
+    """The points of several fronts that lie on the best of them: above none of the others' straight lines."""
+    kept: list[AnyNode] = []
+    for own, nodes in enumerate(fronts):
+        others = [front for number, front in enumerate(fronts) if number != own and front]
+        kept += [
+            node
+            for node in nodes
+            if not any(_at(axes, front, node.x) < axes[1].badness(node.y) * (1.0 - 1e-9) for front in others)
+        ]
+    return undominated(axes, kept)
+
+
+def _at(axes: tuple[Axis, Axis], front: Sequence[Node], x: float) -> float:
+    """The badness of y on a front's straight lines, at an x; infinite where the front has no design."""
+    allowed = axes[0].badness(x)
+    within = [k for k, node in enumerate(front) if axes[0].badness(node.x) <= allowed]
+    if not within:
+        return math.inf
+    left = front[within[-1]]
+    if within[-1] + 1 == len(front):
+        return axes[1].badness(left.y)
+    right = front[within[-1] + 1]
+    return axes[1].badness(left.y + (right.y - left.y) * (x - left.x) / (right.x - left.x))
+
+
 def logarithmic(values: Sequence[float]) -> bool:
     """Whether an axis spans more than a factor of ten, and so is drawn (and the knee measured) in logarithms."""
     return max(values) > 10.0 * min(values)

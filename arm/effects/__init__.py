@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from .axial import AXIAL
+from .axis_misalignment import AXIS_MISALIGNMENT
 from .backlash import BACKLASH
 from .base_compliance import BASE_COMPLIANCE
 from .base_tilt import BASE_TILT
@@ -60,6 +61,7 @@ EFFECTS: Mapping[str, Effect] = MappingProxyType(
             FRICTION_WINDUP,
             CLEARANCE,
             ENCODER_OFFSET,
+            AXIS_MISALIGNMENT,
             ENCODER_ECCENTRICITY,
             ENCODER_SCALE,
             GEAR_TRANSMISSION_ERROR,

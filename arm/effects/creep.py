@@ -13,10 +13,11 @@ from .effect import Effect, Parameter, Settings, Twist, drive_motion
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     compliance, constant = settings.values.get("compliance", 0.0), settings.values.get("time_constant", 0.0)
-    loaded_for = state.conditions.loaded_for
-    if compliance == 0.0 or constant <= 0.0 or loaded_for is None:
+    anew = settings.values.get("anew", 1.0) > 0.0
+    elapsed = state.conditions.loaded_for if anew else state.conditions.time
+    if compliance == 0.0 or constant <= 0.0 or elapsed is None:
         return
-    share = 1.0 - np.exp(-np.asarray(loaded_for, dtype=float) / constant)
+    share = 1.0 - np.exp(-np.asarray(elapsed, dtype=float) / constant)
     for index, joint in enumerate(state.joints):
         if settings.acts_at(index):
             yield from drive_motion(state, index, times(compliance * share, joint.drive_load))
@@ -53,6 +54,17 @@ CREEP = Effect(
             "minutes for belts and greases, hours for plastics",
             role="shape",
             grid=(60.0, 120.0, 300.0, 600.0, 1200.0, 2400.0, 3600.0, 7200.0, 14400.0, 28800.0, 72000.0),
+        ),
+        Parameter(
+            "anew",
+            "dimensionless",
+            "1: creep begins anew with each payload; 0: it began with the recording, whatever the payload since",
+            0.0,
+            1.0,
+            (0.0, 1.0),
+            "Kelvin's model under steps of load, and under a load that is mostly the arm's own weight",
+            role="shape",
+            grid=(1.0, 0.0),
         ),
     ),
     twists=_twists,

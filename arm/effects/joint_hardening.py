@@ -23,6 +23,7 @@ def three_zones(load: Scalar, values: Mapping[str, float]) -> Scalar:
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     values = settings.values
     compliance, knee = values.get("compliance", 0.0), values.get("knee", 0.0)
+    remaining, sharp = values.get("remaining", 0.0), values.get("sharp", 0.0) > 0.0
     for index, joint in enumerate(state.joints):
         load = joint.drive_load
         if not settings.acts_at(index):
@@ -30,7 +31,10 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if all(name in values for name in ZONES):
             yield from drive_motion(state, index, three_zones(load, values))
         if compliance != 0.0 and knee > 0.0:
-            yield from drive_motion(state, index, compliance * knee * hyperbolic_tangent(load / knee))
+            bent = saturated(load, knee) if sharp else knee * hyperbolic_tangent(load / knee)
+            yield from drive_motion(state, index, compliance * bent)
+        if remaining != 0.0:
+            yield from drive_motion(state, index, remaining * load)
 
 
 def _zone(number: int) -> Parameter:
@@ -60,7 +64,7 @@ def _limit(number: int) -> Parameter:
 JOINT_HARDENING = Effect(
     id="joint_hardening",
     title="hardening of the drives",
-    formula="sum J_i c_i t0 tanh(tau_i/t0); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
+    formula="sum J_i (c_i t0 tanh(tau_i/t0) + c_r tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
     automatic=False,
     needs="a wide range of torque",
@@ -79,6 +83,16 @@ JOINT_HARDENING = Effect(
             role="size",
         ),
         Parameter(
+            "remaining",
+            "compliance",
+            "compliance beyond that of the file which is left under high load",
+            -1e-2,
+            1e-2,
+            (2.5e-7, 1e-4),
+            "reciprocals of K3 in catalogues",
+            role="size",
+        ),
+        Parameter(
             "knee",
             "torque",
             "load around which the compliance is lost",
@@ -90,6 +104,17 @@ JOINT_HARDENING = Effect(
             grid=(0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0),
             relative_to_load=True,
         ),
+        Parameter(
+            "sharp",
+            "dimensionless",
+            "1: the compliance is lost at once at the knee, as between two zones; 0: smoothly",
+            0.0,
+            1.0,
+            (0.0, 1.0),
+            "makers' catalogues of harmonic drives draw both",
+            role="shape",
+            grid=(0.0, 1.0),
+        ),
         _zone(1),
         _zone(2),
         _zone(3),
@@ -97,5 +122,5 @@ JOINT_HARDENING = Effect(
         _limit(2),
     ),
     twists=_twists,
-    enough=(("compliance", "knee"), ZONES),
+    enough=(("compliance", "knee"), ("remaining",), ZONES),
 )

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from ..beam import BendingFactors
 from ..statics import LinkState, PoseState
-from ..vectors import Scalar, Vector, add, dot, minus, plus, scale, times
-from .effect import Effect, Settings, Twist
+from ..vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
+from .effect import Effect, Parameter, Settings, Twist
 
 
 def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:
@@ -51,10 +51,32 @@ def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, link in enumerate(state.links):
-        if link.beam.flexural_rigidity_height is None or not settings.acts_at(index):
+        if not settings.acts_at(index):
+            continue
+        if "flexibility" in settings.values:
+            yield _more_flexible(index, link, settings.values["flexibility"])
+            continue
+        if link.beam.flexural_rigidity_height is None:
             continue
         along_height, along_width = bent_end(link)
         yield Twist("link", index, add(scale(along_height, link.height), scale(along_width, link.width)))
+
+
+def _more_flexible(index: int, link: LinkState, flexibility: Scalar) -> Twist:
+    """Deflection and end slope of a link that bends alike in all planes, by a flexibility 1/EI beyond the model's."""
+    length = link.beam.length
+    across = _across(link, add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight)))
+    turning = _across(link, add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight)))
+    moment = _across(link, link.moment)
+    # A moment m bends the far end towards m x u, u along the link.
+    shift = add(scale(times(length, times(length, length)), across), scale(times(0.5, times(length, length)),
+                cross(moment, link.along)))  # fmt: skip
+    turn = add(scale(times(length, length), cross(link.along, turning)), scale(length, moment))
+    return Twist("link", index, scale(flexibility, shift), scale(flexibility, turn))
+
+
+def _across(link: LinkState, vector: Vector) -> Vector:
+    return subtract(vector, scale(dot(link.along, vector), link.along))
 
 
 LINK_BENDING = Effect(
@@ -66,5 +88,17 @@ LINK_BENDING = Effect(
     needs="two slopes of the link, or two payloads",
     aliases=("joint_compliance",),
     source="Gere & Goodno, Mechanics of Materials, deflections of cantilever beams; Roark's Formulas, beam tables",
+    parameters=(
+        Parameter(
+            "flexibility",
+            "flexibility",
+            "1/EI of the link beyond what the arm file gives it, its end's slope included",
+            -1e-2,
+            1e-2,
+            (1e-7, 1e-4),
+            "the reciprocal of EI from 1e4 to 1e7 N*m^2, links of industrial robots",
+            role="size",
+        ),
+    ),
     twists=_twists,
 )

@@ -135,8 +135,9 @@ def change_cells(path: Path | str, name: str, changes: Mapping[str, str], *, sou
         cells = dict(cell(row.shape, key, value) for key, value in changes.items() if key not in texts)
         new = replace(row, cells={**row.cells, **cells}, **({"source": source} if source else {}), **texts)
         _put(document, new, at)
-        done = ", ".join(f"{name}: {key} = {value}" for key, value in changes.items()) or f"{name}: source = {source}"
-        return f"set {done}" + (", copied from the shipped tables" if at is None else "")
+        told = {**changes, **({"source": source} if source else {})}
+        done = ", ".join(f"{key} = {value}" for key, value in told.items())
+        return f"set {done} of {name}" + (", copied from the shipped tables" if at is None else "")
 
     return _edit(path, change)
 

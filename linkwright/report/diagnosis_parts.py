@@ -89,7 +89,8 @@ def unknown(found: Unknown) -> str:
             "it has not seen. It describes and does not explain: good for compensation within the poses recorded only."
         )
     forms = [
-        [each.name.replace("_", " "), share_words(each.share), share_words(each.share_held_out), each.sentence] for each in found.forms
+        [each.name.replace("_", " "), share_words(each.share), share_words(each.share_held_out), each.sentence]
+        for each in found.forms
     ]
     shown = sentences(lines)
     if forms:

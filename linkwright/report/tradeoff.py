@@ -19,6 +19,7 @@ from linkwright.screen.tradeoff import (
 from linkwright.tradeoff_data import point_file
 from linkwright.words import figure, load_case_words, section_words, with_unit, workspace_words
 from optimize.tradeoff import Front, Point, Tradeoff
+from optimize.tradeoff_question import Axis
 
 from . import parts
 from .figures import Figure
@@ -52,7 +53,7 @@ def tradeoff_page(result: Tradeoff) -> str:
         section("The problem as solved", table(("", ""), _problem(result)), element("p", text(effort_words(result)))),
     ]
     title = f"{result.asked.given.arm.name}: {y.title} against {x.title}"
-    return page(title, picture, body, figures)
+    return page(title, picture[0].upper() + picture[1:], body, figures)
 
 
 def _list(lines: list[str]) -> str:
@@ -64,8 +65,8 @@ def _tiles(result: Tradeoff) -> list[tuple[str, str, str]]:
     points = result.of(result.envelope)
     first, last = points[0], points[-1]
     entries = [
-        (f"best {x.title}", shown(x, first.x), f"{y.title} {shown(y, first.y)}"),
-        (f"best {y.title}", shown(y, last.y), f"{x.title} {shown(x, last.x)}"),
+        (f"{_best(x)} {x.title}", shown(x, first.x), f"{y.title} {shown(y, first.y)}"),
+        (f"{_best(y)} {y.title}", shown(y, last.y), f"{x.title} {shown(x, last.x)}"),
     ]
     if result.envelope.knee is not None:
         knee = result.points[result.envelope.knee - 1]
@@ -73,6 +74,10 @@ def _tiles(result: Tradeoff) -> list[tuple[str, str, str]]:
         entries.append(("price at the knee", price_words(result, knee), f"for one {x.unit} more"))
     entries.append(("points", str(len(result.points)), f"{len(points)} of them on the envelope"))
     return entries
+
+
+def _best(axis: Axis) -> str:
+    return "most" if axis.more_is_better else "least"
 
 
 def _hover(result: Tradeoff, point: Point) -> str:
@@ -177,13 +182,10 @@ def price_figure(result: Tradeoff) -> Figure:
 
 def _layout(result: Tradeoff, words: str, *, log: bool) -> Figure:
     x = result.asked.x
+    plain = {"zeroline": False, "exponentformat": "power"}
     return {
-        "xaxis": {
-            "title": {"text": f"{x.title} in {x.unit}"},
-            "zeroline": False,
-            "type": "log" if result.logs[0] else "linear",
-        },
-        "yaxis": {"title": {"text": words}, "zeroline": False, "type": "log" if log else "linear"},
+        "xaxis": {"title": {"text": f"{x.title} in {x.unit}"}, "type": "log" if result.logs[0] else "linear", **plain},
+        "yaxis": {"title": {"text": words}, "type": "log" if log else "linear", **plain},
         "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
         "legend": {"orientation": "h", "y": 1.12},
         "showlegend": True,

@@ -167,30 +167,26 @@ def _knee(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[
     size = 7.0
     diamond = f"M{across - size:.2f},{up:.2f}l{size},{-size}l{size},{size}l{-size},{size}z"
     words = f"knee: {shown(result.asked.x, point.x, 3)}, {shown(result.asked.y, point.y, 3)}"
-    late = across > 0.6 * WIDTH
-    start = (across - 12.0, "end") if late else (across + 12.0, "start")
+    # On the better side of the front, where nothing else is drawn.
+    right, above = result.asked.x.more_is_better, result.asked.y.more_is_better
+    start = (across + 12.0, "start") if right else (across - 12.0, "end")
     mark = element("path", d=diamond, fill="#ffffff", stroke=INK, stroke_width=2.0)
-    return [mark, _words(start[0], up - 9.0, words, size=13.0, colour=INK, anchor=start[1], weight="600")]
+    height = up - 12.0 if above else up + 20.0
+    return [mark, _words(start[0], height, words, size=13.0, colour=INK, anchor=start[1], weight="600")]
 
 
 def _ends(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[str]:
     parts: list[str] = []
     points = result.of(result.envelope)
-    for point in dict.fromkeys((points[0].number, points[-1].number)):
-        across, up = at(result.points[point - 1])
+    for number in dict.fromkeys((points[0].number, points[-1].number)):
+        given = result.points[number - 1]
+        across, up = at(given)
         late = across > 0.5 * WIDTH
-        given = result.points[point - 1]
+        low = up + 24.0 < HEIGHT - _BOTTOM and not result.asked.y.more_is_better
         words = f"{shown(result.asked.x, given.x, 4)}, {shown(result.asked.y, given.y, 4)}"
         parts.append(element("circle", cx=across, cy=up, r=5.0, fill="none", stroke=INK, stroke_width=1.6))
-        parts.append(
-            _words(
-                across - 9.0 if late else across + 10.0,
-                up - 10.0 if late else up + 4.0,
-                words,
-                size=12.0,
-                anchor="end" if late else "start",
-            )
-        )
+        place = (across - 9.0, up + (18.0 if low else -10.0)) if late else (across + 10.0, up + 4.0)
+        parts.append(_words(*place, words, size=12.0, anchor="end" if late else "start"))
     return parts
 
 
@@ -201,7 +197,7 @@ def _legend(result: Tradeoff) -> list[str]:
     for name, colour, wide in [*entries, ("envelope", "#b8c0cb", 7.0)]:
         parts.append(_line((across, 62.0), (across + 20.0, 62.0), colour, wide))
         parts.append(_words(across + 26.0, 66.0, name, size=12.0, anchor="start"))
-        across += 46.0 + 6.6 * len(name)
+        across += 48.0 + 7.0 * len(name)
     return parts
 
 
@@ -216,4 +212,6 @@ def _line(start: tuple[float, float], end: tuple[float, float], colour: str, wid
 def _words(
     x: float, y: float, content: str, *, size: float, colour: str = MUTED, anchor: str = "middle", weight: str = "400"
 ) -> str:
-    return element("text", text(content), x=x, y=y, font_size=size, fill=colour, text_anchor=anchor, font_weight=weight)
+    halo = {"stroke": "#ffffff", "stroke_width": 4.0, "stroke_linejoin": "round", "paint_order": "stroke"}
+    placed = {"x": x, "y": y, "font_size": size, "fill": colour, "text_anchor": anchor, "font_weight": weight}
+    return element("text", text(content), **placed, **halo)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from rich.console import Console
 
-from arm.compensation import Table
-from linkwright.words import coordinate, figure, mm, with_unit
+from arm.compensation import INSTRUMENT, Table
+from linkwright.words import coordinate, effect_title, figure, mm, with_unit
 
 from .console import table
 
@@ -43,6 +43,10 @@ def show_compensation(out: Console, found: Table) -> None:
         why = "the grid is coarse for it, or the load turns play over"
         out.print(f"Between the poses {share} % of the largest error stays: {why}.")
     out.print(_NOTE, soft_wrap=True)
+    left = dict.fromkeys(entry.effect for entry in arm.effects if entry.effect in INSTRUMENT)
+    if left:
+        names = ", ".join(effect_title(effect) for effect in left)
+        out.print(f"Not in it, because it belongs to the instrument: {names}.", soft_wrap=True)
 
 
 def _rms(values: np.ndarray) -> float:

@@ -98,7 +98,8 @@ def show_unknown(out: Console, unknown: Unknown) -> None:
     if unknown.forms:
         shown = table("forms that describe it", "share", "held out", "", numbers=(1, 2))
         for form in unknown.forms[:MOST_REJECTED]:
-            shown.add_row(form.name.replace("_", " "), share_words(form.share), share_words(form.share_held_out), form.sentence)
+            shares = (share_words(form.share), share_words(form.share_held_out))
+            shown.add_row(form.name.replace("_", " "), *shares, form.sentence)
         out.print(shown)
     if unknown.rejected:
         shown = table("considered and rejected", "explains", "why not", numbers=(1,))

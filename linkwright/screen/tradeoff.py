@@ -158,12 +158,17 @@ def _points(result: Tradeoff) -> Table:
     x, y = result.asked.x, result.asked.y
     points = result.of(result.envelope)
     names = len(result.fronts) > 1
-    heads = ("", f"{x.title} in {x.unit}", f"{y.title} in {y.unit}", "price", "shapes", "materials")
+    factor, unit = slope_factor(result)
+    heads = ["", f"{x.title} in {x.unit}", f"{y.title} in {y.unit}", f"price in {unit}"]
+    # What there is a front for each of stands under the front's name.
+    heads += [name for name, by in (("shapes", "shape"), ("materials", "material")) if by != result.asked.by]
     made = table(*heads, *(("front",) if names else ()), numbers=(0, 1, 2, 3), title="the front")
     for point in spread(points, MOST_ROWS, result.envelope.knee):
         mark = f"{point.number}{' knee' if point.number == result.envelope.knee else ''}"
-        cells = [mark, figure(x.factor * point.x), figure(y.factor * point.y), price_words(result, point)]
-        cells += [names_words(point.shapes), names_words(point.materials)]
+        price = None if point.slope is None else factor * point.slope
+        cells = [mark, figure(x.factor * point.x), figure(y.factor * point.y), figure(price, 3)]
+        cells += [names_words(point.shapes)] if result.asked.by != "shape" else []
+        cells += [names_words(point.materials)] if result.asked.by != "material" else []
         made.add_row(*cells, *((point.front,) if names else ()))
     if len(points) > MOST_ROWS:
         made.caption = f"{MOST_ROWS} of {len(points)} points; all of them are in the CSV and JSON files"

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from diagnose.compare import common_model, compare, fit_common, holm, regions, shared_poses
+from diagnose.compare import common_model, compare, fit_common, holm
+from diagnose.compare_places import regions, shared_poses
 from diagnose.observed import observe
 from diagnose.result import Alternative, Covered, Finding, FittedParameter
 from linkwright.comparison_words import comparison_json, comparison_sentence

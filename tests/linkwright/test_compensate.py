@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 
 from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
+from arm.compensation import INSTRUMENT, default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
+from arm.effects import EFFECTS
 from arm.kinematics import tip_position
 
 ARM = """\
@@ -93,6 +94,21 @@ def test_play_lies_where_the_load_seats_it():
     arm = rod(backlash=2e-3, stiffness=None)
     error = model_error(arm, np.zeros((1, 1)), 10.0)
     assert error[0] == pytest.approx([0.0, -1e-3, 0.0], abs=1e-15)
+
+
+def test_what_belongs_to_the_instrument_is_not_compensated():
+    """A tracker that reads 100 ppm long moves no tip; an encoder that stands off by 1 mrad does."""
+    instrument = EffectEntry("instrument_scale", (), {"scale": 1e-4})
+    encoder = EffectEntry("encoder_offset", (1,), {"offset": 1e-3})
+    q = np.array([[0.3]])
+    plain = model_error(rod(), q, 10.0)
+    assert np.array_equal(model_error(replace(rod(), effects=(instrument,)), q, 10.0), plain)
+    moved = model_error(replace(rod(), effects=(instrument, encoder)), q, 10.0) - plain
+    assert np.linalg.norm(moved) == pytest.approx(1e-3)
+
+
+def test_instrument_effects_are_known():
+    assert set(EFFECTS) >= INSTRUMENT
 
 
 def test_default_grid_stays_useful():

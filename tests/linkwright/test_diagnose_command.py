@@ -282,6 +282,13 @@ def test_compensation_file_only_for_what_is_unknown():
     assert np.allclose(table[["dx_mm", "dy_mm"]], 1e3 * unknown.unknown.predicted, atol=1e-8)
 
 
+@pytest.mark.parametrize("command", ["diagnose", "compare", "compensate"])
+def test_help_shows_an_example(linkwright, command):
+    status, out, _ = linkwright(command, "--help")
+    assert status == 0
+    assert f"Example: linkwright {command}" in " ".join(out.split())
+
+
 # The command itself, with the real reader and engine.
 
 def test_command_end_to_end(linkwright, bench):

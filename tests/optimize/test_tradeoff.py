@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -24,7 +25,7 @@ from optimize.run import optimise
 from optimize.tradeoff import Progress, Tradeoff, trade_off
 from optimize.tradeoff_journal import Journal
 from optimize.tradeoff_question import AXES, Question, digest, question
-from optimize.tradeoff_refine import knee, logarithmic, refine, undominated
+from optimize.tradeoff_refine import Refined, envelope, knee, logarithmic, refine, undominated
 from optimize.tradeoff_search import Search
 from tests.optimize.builders import jointed, measured_price, problem_of, ranged
 
@@ -211,7 +212,7 @@ def test_reach_goes_either_way(tmp_path: Path) -> None:
 def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     # Rods of at most 40 mm: aluminium is the lighter, steel the stiffer where there is no more room.
     rigid = jointed((500, 400), ranged("-100 100", "30 140", more=""))
-    limits = "subject_to: {max_error: '<= 1 mm', section_size: [20 mm, 40 mm]}\n"
+    limits = "subject_to: {max_error: '<= 2 mm', section_size: [20 mm, 40 mm]}\n"
     asked = question(problem_of(tmp_path, rigid, BOTH + limits), "mass", "max_error", by="material")
     result = trade_off(asked, accuracy=0.04)
     assert [front.name for front in result.fronts] == ["aluminium-6061-t6", "steel-s355"]
@@ -320,6 +321,19 @@ def test_limits_that_no_design_keeps_have_no_answer(tmp_path: Path) -> None:
         trade_off(asked_of(tmp_path, text, "mass", "max_error"))
 
 
+def traced_curve(curve: Callable[[float], float], ends: tuple[float, float], accuracy: float) -> Refined[Dot]:
+    """A known curve refined between its ends."""
+    axes = (AXES["mass"], AXES["max_error"])
+    first, last = (Dot(level, curve(level)) for level in ends)
+
+    def solve(level: float, left: Dot, right: Dot, error: float) -> Dot:
+        assert left.level < level < right.level
+        assert error > 0.0
+        return Dot(level, curve(level))
+
+    return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000)
+
+
 class Dot:
     """A point of a known curve."""
 
@@ -330,9 +344,7 @@ class Dot:
 @given(st.floats(0.2, 4.0), st.floats(0.005, 0.05))
 def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> None:
     """y = x^-p: the straight lines are within the accuracy at every x, not only where they were measured."""
-    axes = (AXES["mass"], AXES["max_error"])
-    ends = [Dot(1.0, 1.0), Dot(20.0, 20.0**-power)]
-    done = refine(axes, ends, [(ends[0], ends[1])], lambda level, *_: Dot(level, level**-power), accuracy, most=5000)
+    done = traced_curve(lambda level: level**-power, (1.0, 20.0), accuracy)
     assert done.complete
     assert done.steps == ()
     assert done.error <= accuracy
@@ -343,16 +355,20 @@ def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> Non
 
 def test_jump_is_found_as_a_step() -> None:
     axes = (AXES["mass"], AXES["max_error"])
-
-    def y(level: float) -> float:
-        return 3.0 if level < 4.0 else 1.0
-
-    ends = [Dot(1.0, 3.0), Dot(9.0, 1.0)]
-    done = refine(axes, ends, [(ends[0], ends[1])], lambda level, *_: Dot(level, y(level)), 0.01)
+    done = traced_curve(lambda level: 3.0 if level < 4.0 else 1.0, (1.0, 9.0), 0.01)
     ((left, right),) = done.steps
     assert left.level < 4.0 <= right.level
     assert right.level / left.level < 1.001
     assert [dot.level for dot in undominated(axes, done.nodes)] == pytest.approx([1.0, 4.0], rel=1e-3)
+
+
+def test_envelope_leaves_out_what_lies_above_another_front() -> None:
+    """Between the points of one front those of another may be undominated and yet above its straight line."""
+    axes = (AXES["mass"], AXES["max_error"])
+    low = [Dot(1.0, 4.0), Dot(3.0, 2.0), Dot(5.0, 1.0)]
+    high = [Dot(2.0, 3.1), Dot(4.0, 1.4), Dot(6.0, 0.5)]
+    assert envelope(axes, [low, high]) == [low[0], low[1], high[1], high[2]]
+    assert undominated(axes, [*low, *high]) == [low[0], high[0], low[1], high[1], low[2], high[2]]
 
 
 @given(st.floats(1.5, 50.0))
