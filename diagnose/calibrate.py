@@ -3,8 +3,8 @@
 D. Freedman & D. Lane, J. Business & Economic Statistics 1 (1983) 292, doi:10.1080/07350015.1983.10509354: what the
 smaller model leaves is permuted and added back to its fit. Visits are moved whole, so that scatter which readings of
 one visit share stays with them, and each visit's sign is drawn anew: a constant displacement would survive any order.
-That asks for errors that are as often one way as the other. The statistic is the largest over all candidates, which makes the p-value that of the
-whole search for one more effect.
+That asks for errors that are as often one way as the other. The statistic is the largest over all candidates, which
+makes the p-value that of the whole search for one more effect.
 """
 
 from __future__ import annotations
@@ -146,9 +146,9 @@ def _beside(pool: Pool, basis: Array) -> _Beside:
 
 
 def _statistic(beside: _Beside, vectors: Array, criterion: Criterion) -> Array:
-    """The drop of the criterion, without its prior, that each group brings to each vector, (G, V)."""
+    """The drop of the criterion that each group brings to each vector, (G, V), but for the prior that all share."""
     along = beside.basis.T @ vectors
     explained = np.add.reduceat(along * along, beside.starts, axis=0)
     rss = np.sum(vectors * vectors, axis=0)
     share = np.minimum(explained / rss, 1.0 - 1e-12)
-    return -criterion.count * np.log1p(-share) - (beside.ranks * math.log(criterion.count))[:, None]
+    return -criterion.count * np.log1p(-share) - criterion.price[:, None]

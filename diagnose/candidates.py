@@ -103,7 +103,7 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
             columns = columns_of(observed, candidate)
             if columns is None:
                 continue
-            moving = columns.any(axis=(0, 1))
+            moving = np.asarray(columns.any(axis=(0, 1)))
             if columns.shape[2] == len(candidate.sizes) and not moving.all():
                 # In the plane a shift out of it, say, moves nothing: no size of this candidate.
                 sizes = tuple(name for name, moves in zip(candidate.sizes, moving.tolist(), strict=True) if moves)
@@ -168,7 +168,8 @@ def _needs_met(observed: Observed, effect: Effect, shapes: Mapping[str, float]) 
     if effect.id == "backlash" and shapes.get("held_below", 0.0) > 0.0:
         return held.sides is not None
     if effect.id == "creep" and shapes.get("anew") == 0.0:
-        return held.time is not None and not np.array_equal(held.time, held.loaded_for)
+        started = observed.recording.time
+        return started is not None and not np.array_equal(started, np.asarray(held.loaded_for))
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True

@@ -30,13 +30,15 @@ def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) 
     `test` is the gate's, `unit` the scatter of whitened residuals, `level` the p-value at which the gate opens. The
     variant of each candidate that shows best counts; of several sizes the one that shows least.
     """
+    price = prepared.criterion.price
     needed = _needed(prepared, _threshold(test.drawn, level))
     best: dict[tuple[str, tuple[int, ...]], Detectable] = {}
     for number, group in enumerate(prepared.pool.groups):
         candidate = group.candidate
         if candidate.outside:
             continue
-        found = _of_group(prepared, number, unit * math.sqrt(needed(group.rank)))
+        noncentrality = needed(group.rank, float(price[number]))
+        found = _of_group(prepared, number, unit * math.sqrt(noncentrality))
         key = (candidate.effect, candidate.at)
         if found is not None and (key not in best or found.rms < best[key].rms):
             best[key] = found
@@ -77,13 +79,13 @@ def _threshold(drawn: Array, level: float) -> float:
     return location - spread * math.log(-math.log1p(-level))
 
 
-def _needed(prepared: Prepared, threshold: float) -> Callable[[int], float]:
+def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], float]:
     """The non-centrality that a group of some rank needs to pass the threshold with the power asked."""
     count = prepared.criterion.count
 
     @cache
-    def needed(rank: int) -> float:
-        ratio = math.expm1((threshold + rank * math.log(count)) / count)
+    def needed(rank: int, price: float) -> float:
+        ratio = math.expm1((threshold + price) / count)
         limit = max(count - rank, 1) * max(ratio, 1e-12)
 
         def short(noncentrality: float) -> float:

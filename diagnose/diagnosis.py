@@ -87,10 +87,11 @@ class _Report:
         self.noise, self.options, self.tell = noise, options, progress
         self.observed: Observed = prepared.observed
         self.folds: dict[str, Folds] = splits(self.observed, options.seed)
+        prepared = self.prepared = namer.prepared  # with the groups that the search has refined
         self.members, self.alternatives = self._renamed()
         self.outside: tuple[int, ...] = named.outside if named is not None else ()
         self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
-        self.refit: Refit = refit(prepared, self.members, self.fitted)
+        self.refit: Refit = refit(prepared, self.members, self.outside, self.fitted)
 
     def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""
@@ -309,9 +310,8 @@ class _Report:
     def _notes(self) -> tuple[str, ...]:
         found: list[str] = []
         if self.observed.correlation > 0.0:
-            found.append(
-                f"Neighbouring readings share noise (correlation {self.observed.correlation:.2f}), which was allowed for."
-            )
+            shared = f"correlation {self.observed.correlation:.2f}"
+            found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
         if self.named is not None and self.named.left is not None and not self.outside:
             p = min(test.p_value for test in self.named.left)
             if p <= FALSE_ALARM:

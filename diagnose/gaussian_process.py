@@ -19,8 +19,8 @@ from scipy.optimize import minimize
 
 Array = NDArray[np.float64]
 
-_MOST_ROWS = 500
-_STEPS = 40
+_MOST_ROWS = 200
+_STEPS = 25
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from arm.effects import EFFECTS
 
 from .calibrate import Calibrated, Given, given_model, one_more
-from .candidates import PLAUSIBLE
+from .candidates import PLAUSIBLE, columns_of
 from .fit import Fit, displacement, fit, impossible, typical
-from .pool import Pool
+from .pool import Pool, with_group
 from .prepare import Prepared
+from .refit import refined_shapes
 from .search import Subset, best_subsets, gains, products
 
 Array = NDArray[np.float64]
@@ -26,9 +27,13 @@ CONFIDENT = 6.0
 """Names whose criterion is worse by no more than this (odds of 20 to 1) stay in the confidence set."""
 FALSE_ALARM = 0.003
 """The level of each test; a null meets two of them (library and forms)."""
+REFUTED = 20.0
+"""Of one class or not: a name whose criterion is worse by this is refuted by the data (odds of 20,000 to 1)."""
 _TIED = 2.0
 _MARGIN = 10.0
 """How much better a form's criterion must be than the library's before the library's answer is given up."""
+_BESIDE = 6.0
+"""How much a form must better the criterion beside something that was named."""
 _MATERIAL = 0.15
 """A remainder below this share of the whole mismatch (RMS) is a blemish of the model found, not another cause."""
 _DRAWS, _THOROUGH_DRAWS = 499, 2999
@@ -64,6 +69,29 @@ class Namer:
         self.visits = prepared.visits
         self.library: Mask = prepared.library()
         self.criterion = prepared.criterion
+
+    def refined(self, members: Sequence[int]) -> tuple[int, ...]:
+        """The groups with their shapes moved off the grid to where they fit best; new groups where that helps.
+
+        A lag or a knee between two points of the grid leaves a remainder that something else would be named for.
+        """
+        fitted = fit(self.prepared, members)
+        found: list[int] = []
+        for member, candidate in zip(members, refined_shapes(self.prepared, members, fitted), strict=True):
+            columns = None if candidate is None else columns_of(self.prepared.observed, candidate)
+            if candidate is None or columns is None:
+                found.append(member)
+                continue
+            white = self.prepared.observed.whitened(columns)
+            pool = with_group(self.pool, candidate, white)
+            if len(pool.groups) == len(self.pool.groups):
+                found.append(member)
+                continue
+            self.prepared = replace(self.prepared, pool=pool, columns=(*self.prepared.columns, columns))
+            found.append(len(pool.groups) - 1)
+        self.library, self.criterion = self.prepared.library(), self.prepared.criterion
+        better = self.criterion_of(found) < self.criterion_of(members) and self.possible(found)
+        return tuple(found) if better else tuple(members)
 
     @property
     def pool(self) -> Pool:
@@ -101,7 +129,7 @@ class Namer:
     def criterion_of(self, members: Sequence[int]) -> float:
         """The criterion of a subset."""
         fitted = fit(self.prepared, members)
-        return self.criterion(fitted.rss, sum(self.pool.groups[m].rank for m in members), len(members))
+        return self.criterion(fitted.rss, members)
 
 
 def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
@@ -126,19 +154,16 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """The library's best answer of up to three, every part of which passes its own test."""
     subsets = namer.best(namer.library, 3)
-    ranked = sorted(subsets.values(), key=lambda subset: subset.criterion)
-    chosen: tuple[int, ...] = ()
-    p_values: tuple[float, ...] = ()
+    members = [namer.refined(subset.members) for subset in subsets.values()]
     smallest = 99
-    for subset in ranked:
-        if len(subset.members) >= smallest:
+    for chosen in sorted(members, key=namer.criterion_of):
+        if len(chosen) >= smallest:
             continue
-        smallest = len(subset.members)
-        p_values = own_tests(namer, subset.members)
+        smallest = len(chosen)
+        p_values = own_tests(namer, chosen)
         if all(p <= FALSE_ALARM for p in p_values):
-            chosen = subset.members
-            break
-    return (chosen, p_values) if chosen else ((), ())
+            return chosen, p_values
+    return (), ()
 
 
 def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) -> tuple[float, ...]:
@@ -190,15 +215,13 @@ def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
             rest = [m for k, m in enumerate(members) if k != place]
             families = {namer.pool.groups[m].candidate.family for m in rest}
             gained = gains(namer.pool, start.beside(namer.pool.columns(rest)))
-            price = np.array([group.rank for group in namer.pool.groups]) * np.log(namer.criterion.count)
             own = gained[member]
             for other in np.argsort(-gained)[:10].tolist():
                 allowed = namer.library[other] and namer.pool.groups[other].candidate.family not in families
                 if other == member or not allowed or gained[other] <= own * (1.0 + 1e-6):
                     continue
                 trial = tuple(m if k != place else int(other) for k, m in enumerate(members))
-                better = namer.criterion_of(trial) < namer.criterion_of(members) - 1e-6 * float(price[other])
-                if better and namer.possible(trial):
+                if namer.criterion_of(trial) < namer.criterion_of(members) - 1e-6 and namer.possible(trial):
                     members, changed = trial, True
                     break
         if not changed:
@@ -224,7 +247,9 @@ def _against_forms(
         wider = fit(namer.prepared, (*members, tested.best))
         rest = displacement(namer.prepared, wider, (tested.best,)) / namer.prepared.observed.scale
         whole = displacement(namer.prepared, wider) / namer.prepared.observed.scale
-        if np.sum(rest**2) > _MATERIAL**2 * np.sum(whole**2):
+        needed = namer.criterion_of(members) - (_BESIDE if members else 0.0)
+        material = np.sum(rest**2) > _MATERIAL**2 * np.sum(whole**2)
+        if material and namer.criterion_of([*members, tested.best]) < needed:
             return _still_there(namer, members, (tested.best,))
     return members, (), p_values
 
@@ -278,7 +303,7 @@ def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
         if alike < ALIKE and gained[number] < 0.5 * gained[member]:
             continue
         worse = namer.criterion_of(trial) - own_criterion
-        if (alike >= ALIKE or worse <= CONFIDENT) and namer.possible(trial):
+        if worse <= (REFUTED if alike >= ALIKE else CONFIDENT) and namer.possible(trial):
             rival = Rival(number, min(alike, 1.0), worse)
             if family not in found or found[family].worse > worse:
                 found[family] = rival

@@ -114,14 +114,14 @@ def _tried(observed: Observed, seed: int) -> Observed:
     loads = np.array([0.0, payload if payload > 0.0 else 5.0])
     sides = rng.choice([-1.0, 1.0], _TRIED)
     end = 0.0 if recording.time is None else float(recording.time.max())
-    step = 60.0
+    later: Array = end + 60.0 * np.arange(1.0, _TRIED + 1.0)
     temperature = recording.temperature
     made = Recording(
         file=recording.file,
         q=q,
         tip=np.zeros((_TRIED, observed.components)),
         row=np.arange(1, _TRIED + 1),
-        time=None if recording.time is None else end + step * np.arange(1, _TRIED + 1),
+        time=None if recording.time is None else later,
         sides=np.repeat(sides[:, None], arm.size, axis=1),
         payload_mass=rng.choice(loads, _TRIED),
         temperature=None if temperature is None else np.full(_TRIED, float(np.median(temperature))),
@@ -193,7 +193,8 @@ def _note(pairs: Sequence[_Pair], hopeless: Sequence[str], taken: Sequence[int],
         after = min(_noncentrality(pair, taken, width) for pair in pairs)
         enough = "enough" if after >= _TOLD else "repeat them"
         sentences.append(
-            f"The poses listed raise the smallest non-centrality between names from {before:.1f} to {after:.1f}: {enough}."
+            f"The poses listed raise the smallest non-centrality between names from {before:.1f} to {after:.1f}: "
+            f"{enough}."
         )
     sentences += [f"No pose tells {label}: only another sensor would." for label in dict.fromkeys(hopeless)]
     return " ".join(sentences)

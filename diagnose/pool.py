@@ -103,6 +103,38 @@ def orthonormal(columns: Array, tolerance: float = 1e-10) -> Array:
     return u[:, s > tolerance * s[0]] if len(s) else columns[:, :0]
 
 
+def _group(candidate: Candidate, columns: Array, beside: Array, at: int) -> tuple[Group, Array] | None:
+    """A candidate with whitened columns (n, d) as a group whose basis begins at column `at`; None where nothing is
+    seen of it beside the nuisances."""
+    length = np.linalg.norm(columns, axis=0)
+    if not (length > 0.0).any():
+        return None
+    unit = np.where(length > 0.0, length, 1.0)
+    scaled = columns / unit
+    left = scaled - beside @ (beside.T @ scaled)
+    left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
+    u, s, vt = np.linalg.svd(left, full_matrices=False)
+    full = np.linalg.svd(scaled, compute_uv=False) if scaled.shape[1] > 1 else np.linalg.norm(scaled, axis=0)
+    keep = s > max(_RANK * s[0], VISIBLE)
+    if not keep.any():
+        return None
+    back = (vt[keep].T / s[keep]) / unit[:, None]
+    return Group(candidate, at, at + int(keep.sum()), back, length, float(s[0] / full[0])), u[:, keep]
+
+
+def with_group(pool: Pool, candidate: Candidate, columns: Array) -> Pool:
+    """The pool with one more candidate, its whitened columns (n, d); the same pool where nothing is seen of it."""
+    made = _group(candidate, columns, pool.nuisance, pool.basis.shape[1])
+    if made is None:
+        return pool
+    group, basis = made
+    mixed = pool.basis.T @ basis
+    gram = np.block([[pool.gram, mixed], [mixed.T, basis.T @ basis]])
+    return Pool(
+        pool.nuisance, (*pool.groups, group), np.concatenate([pool.basis, basis], axis=1), gram, pool.invisible
+    )
+
+
 def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array]]) -> Pool:
     """The pool of candidates with whitened columns (n, d) each, beside nuisance columns (n, b)."""
     beside = orthonormal(nuisance)
@@ -111,25 +143,13 @@ def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array]]) -> P
     invisible: list[Candidate] = []
     at = 0
     for candidate, columns in patterns:
-        length = np.linalg.norm(columns, axis=0)
-        if not (length > 0.0).any():
+        made = _group(candidate, columns, beside, at)
+        if made is None:
             invisible.append(candidate)
             continue
-        unit = np.where(length > 0.0, length, 1.0)
-        scaled = columns / unit
-        left = scaled - beside @ (beside.T @ scaled)
-        left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
-        u, s, vt = np.linalg.svd(left, full_matrices=False)
-        full = np.linalg.svd(scaled, compute_uv=False)
-        visible = float(s[0] / full[0])
-        keep = s > max(_RANK * s[0], VISIBLE)
-        if not keep.any():
-            invisible.append(candidate)
-            continue
-        back = (vt[keep].T / s[keep]) / unit[:, None]
-        bases.append(u[:, keep])
-        groups.append(Group(candidate, at, at + int(keep.sum()), back, length, visible))
-        at += int(keep.sum())
+        groups.append(made[0])
+        bases.append(made[1])
+        at = made[0].stop
     basis = np.concatenate(bases, axis=1) if bases else np.zeros((len(nuisance), 0))
     return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible))
 

@@ -21,7 +21,7 @@ from .observed import Observed, blocks_of, kept, observe
 from .options import Options
 from .pool import Pool, make_pool
 from .recording import RejectedRow
-from .search import Criterion, families, gains, products
+from .search import Criterion, criterion_for, gains, products
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class Prepared:
     def criterion(self) -> Criterion:
         """The criterion for subsets of this pool."""
         count = len(self.vector) - self.pool.nuisance.shape[1]
-        return Criterion(max(count, 2), max(len(families(self.pool)), 1))
+        return criterion_for(self.pool, max(count, 2))
 
     def library(self) -> NDArray[np.bool_]:
         """Which groups are of the library, and not mere forms."""
@@ -144,17 +144,14 @@ def _left_by_rough_model(prepared: Prepared) -> Array:
     """What the few patterns that explain most, one after the other and forms included, leave: (N, C) in m and rad, by
     least squares with bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
-    given, members, rank = products(pool, prepared.vector), list[int](), 0
-    price = pool.ranks * np.log(criterion.count) if pool.groups else np.zeros(0)
+    given, members = products(pool, prepared.vector), list[int]()
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)
         left = np.maximum(given.rss - gained, 1e-12 * given.rss)
-        best = int(np.argmin(criterion.count * np.log(left) + price))
-        wider = criterion(float(left[best]), rank + pool.groups[best].rank, len(members) + 1)
-        if wider >= criterion(given.rss, rank, len(members)):
+        best = int(np.argmin(criterion.count * np.log(left) + criterion.price))
+        if criterion(float(left[best]), [*members, best]) >= criterion(given.rss, members):
             break
         members.append(best)
-        rank += pool.groups[best].rank
         given = given.beside(pool.columns([best]))
     columns = [prepared.beside, *(prepared.columns[m] for m in members)]
     stacked = np.concatenate(columns, axis=2)

@@ -58,8 +58,11 @@ class Refit:
     freedom: int
 
 
-def refit(prepared: Prepared, members: Sequence[int], fitted: Fit) -> Refit:
-    """Fit the groups `members` of a linear fit together, from its sizes on."""
+def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fitted: Fit) -> Refit:
+    """Fit the groups `members` of a linear fit together, from its sizes on, forms `outside` the library beside them."""
+    if outside:
+        further = np.concatenate([prepared.beside, *(prepared.columns[m] for m in outside)], axis=2)
+        prepared = replace(prepared, beside=further)
     terms = [
         _term(prepared, prepared.pool.groups[m].candidate, fitted.sizes[fitted.members.index(m)], prepared.columns[m])
         for m in members
@@ -76,6 +79,19 @@ def refit(prepared: Prepared, members: Sequence[int], fitted: Fit) -> Refit:
         for place, (error, sure) in enumerate(zip(errors, told, strict=True))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom)
+
+
+def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> tuple[Candidate | None, ...]:
+    """The members' candidates with their free shapes where they fit best, None for those that have none."""
+    groups = [prepared.pool.groups[m] for m in members]
+    if not any(_free_shapes(group.candidate) for group in groups):
+        return (None,) * len(groups)
+    terms = [
+        _term(prepared, group.candidate, sizes, prepared.columns[m])
+        for m, group, sizes in zip(members, groups, fitted.sizes, strict=True)
+    ]
+    found = _shapes_found(prepared, terms)
+    return tuple(term.candidate if _free_shapes(term.candidate) else None for term in found)
 
 
 def _linear(prepared: Prepared, candidate: Candidate) -> bool:

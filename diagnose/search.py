@@ -1,8 +1,9 @@
 """The best subset of candidates: exhaustive up to three, from one Gram matrix.
 
 Criterion: the extended BIC of J. Chen & Z. Chen, Biometrika 95 (2008) 759, doi:10.1093/biomet/asn034, with gamma = 1:
-n log(RSS/n) + k log n + 2 log C(P, s) for s of P candidates with k coefficients in all. Greedy selection names a wrong
-effect in one mixture in five; so pairs are all looked at, and all triples of what any smaller model wants.
+n log(RSS/n) + k log n + 2 log C(P, s) for s of P families of candidates with k coefficients in all, and 2 log V for
+each member that was picked from V variants. Greedy selection names a wrong effect in one mixture in five; so pairs are all
+looked at, and all triples of what any smaller model wants.
 """
 
 from __future__ import annotations
@@ -113,15 +114,29 @@ def _gains(layout: Layout, diagonal: Array, blocks: Sequence[Array], against: Ar
 
 @dataclass(frozen=True)
 class Criterion:
-    """The extended BIC for `count` observations (nuisances already counted off) and `families` candidates."""
+    """The extended BIC for `count` observations (nuisances already counted off) and `families` candidates.
+
+    `price` (G,) is what each group costs for its coefficients and for being picked from its variants.
+    """
 
     count: int
     families: int
+    price: Array
 
-    def __call__(self, rss: float, coefficients: int, size: int) -> float:
+    def __call__(self, rss: float, members: Sequence[int]) -> float:
         """The criterion of a subset; smaller is better."""
-        prior = 2.0 * _log_choose(max(self.families, size), size)
-        return self.count * math.log(max(rss, 1e-300) / self.count) + coefficients * math.log(self.count) + prior
+        prior = 2.0 * _log_choose(max(self.families, len(members)), len(members))
+        priced = float(sum(self.price[member] for member in members))
+        return self.count * math.log(max(rss, 1e-300) / self.count) + priced + prior
+
+
+def criterion_for(pool: Pool, count: int) -> Criterion:
+    """The criterion for a pool's candidates and `count` observations."""
+    alike = families(pool)
+    price: Array = pool.ranks.astype(float) * math.log(count)
+    for members in alike:
+        price[members] = price[members] + 2.0 * math.log(len(members))
+    return Criterion(count, max(len(alike), 1), price)
 
 
 def _log_choose(total: int, taken: int) -> float:
@@ -151,18 +166,18 @@ def best_subsets(
     """
     usable = np.array([allowed is None or allowed(number) for number in range(len(pool.groups))], dtype=bool)
     start = products(pool, vector)
-    found = {0: [Subset((), start.rss, criterion(start.rss, 0, 0))]}
+    found = {0: [Subset((), start.rss, criterion(start.rss, ()))]}
     if not usable.any():
         return found
     alone = np.where(usable, gains(pool, start), -1.0)
     singles = [(float(gain), (number,)) for number, gain in enumerate(alone.tolist()) if gain >= 0.0]
-    found[1] = _ranked(pool, start.rss, singles, criterion)
+    found[1] = _ranked(start.rss, singles, criterion)
     if largest >= 2:
         pairs = _best(_pairs(pool, start, alone, usable))
-        found[2] = _ranked(pool, start.rss, pairs, criterion)
+        found[2] = _ranked(start.rss, pairs, criterion)
     if largest >= 3 and found.get(2):
         reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(pool, start.rss, _best(_triples(pool, start, reduced)), criterion)
+        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced)), criterion)
     return {size: subsets for size, subsets in found.items() if subsets}
 
 
@@ -170,17 +185,8 @@ def _best(gained: Iterator[tuple[float, tuple[int, ...]]]) -> list[tuple[float, 
     return heapq.nlargest(_KEPT, gained)
 
 
-def _ranked(
-    pool: Pool, rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion
-) -> list[Subset]:
-    subsets = [
-        Subset(
-            members,
-            rss - gain,
-            criterion(rss - gain, sum(pool.groups[m].rank for m in members), len(members)),
-        )
-        for gain, members in gained
-    ]
+def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion) -> list[Subset]:
+    subsets = [Subset(members, rss - gain, criterion(rss - gain, members)) for gain, members in gained]
     return sorted(subsets, key=lambda subset: subset.criterion)[:_KEPT]
 
 

@@ -103,7 +103,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
     given = products(namer.pool, prepared.vector)
     given = given.beside(namer.pool.columns(list(known))) if known else given
     gained = gains(namer.pool, given)
-    price = np.array([group.rank for group in namer.pool.groups]) * np.log(namer.criterion.count)
+    price = namer.criterion.price
     worth = -namer.criterion.count * np.log1p(-np.minimum(gained / max(given.rss, 1e-300), 1.0 - 1e-12)) - price
     base = residual_held_out(observed, [prepared.beside, *(prepared.columns[m] for m in known)], folds)
     total = float(np.sum(base**2))

@@ -186,10 +186,10 @@ def test_swapped_axes_give_the_same_front(traced: Tradeoff, folder: Path) -> Non
 
 
 def test_maximised_figures_grow_towards_better(tmp_path: Path) -> None:
-    text = f"choose: {{section: tube}}\nsubject_to: {{{SIZES}, mass: '<= 1 kg'}}\n"
+    text = f"choose: {{section: tube}}\nsubject_to: {{{SIZES}, mass: '<= 1 kg', first_frequency: '>= 11 Hz'}}\n"
     result = trade_off(asked_of(tmp_path, text, "mass", "first_frequency"), accuracy=0.2)
     points = result.of(result.envelope)
-    assert len(points) >= 5
+    assert len(points) >= 4
     for one, other in pairwise(points):
         assert one.x < other.x
         assert one.y < other.y
