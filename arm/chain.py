@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from .vectors import IDENTITY, ZERO, Rotation
 
 if TYPE_CHECKING:
+    from arm.actuators import Actuator
     from materials.material import Material
     from sections.section import Section
 
@@ -36,7 +37,8 @@ class Joint:
     `origin_rotation` and shifted by `origin_translation` (both in the previous link's frame). `zero` is added to
     the coordinate. `stiffness` is in N*m/rad (revolute) or N/m (prismatic); None is a rigid drive. `backlash` is
     the total lost motion, `clearance` the radius of the disc in which the pin's centre can lie. `spans` is how many of
-    the following links make up the body that the drive turns: one, unless a link was cut into segments.
+    the following links make up the body that the drive turns: one, unless a link was cut into segments. `actuator` is
+    the catalogue's entry that the drive was named by: its rated torque and cost count with it.
     """
 
     type: JointType = "revolute"
@@ -50,6 +52,7 @@ class Joint:
     spans: int = 1
     origin_rotation: Rotation = IDENTITY
     origin_translation: FloatVector = ZERO
+    actuator: Actuator | None = None
 
     @property
     def revolute(self) -> bool:

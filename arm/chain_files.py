@@ -14,6 +14,7 @@ from sections import SectionError, load_stock
 from sections.section import Section
 from sections.taper import build_tapered
 
+from .actuators import Actuator, load_actuators
 from .chain import (
     FloatVector,
     Joint,
@@ -89,16 +90,30 @@ def _joint(mapping: Mapping) -> Joint:
         stiffness = mapping.optional_quantity("stiffness", "torsional_stiffness" if turns else "linear_stiffness")
         if stiffness is not None and stiffness <= 0.0:
             raise mapping.error("stiffness", "must be positive; leave it out for a rigid drive")
+        actuator = _actuator(mapping, turns)
+        if actuator is not None and stiffness is None:
+            stiffness = actuator.stiffness
         return Joint(
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
             range=limits,
             clearance=not_negative(mapping, "clearance", "length", 0.0),
-            backlash=not_negative(mapping, "backlash", motion, 0.0),
+            backlash=not_negative(mapping, "backlash", motion, 0.0 if actuator is None else actuator.backlash),
             stiffness=stiffness,
-            mass=not_negative(mapping, "mass", "mass", 0.0),
+            mass=not_negative(mapping, "mass", "mass", 0.0 if actuator is None else actuator.mass),
             zero=mapping.quantity("zero", motion, 0.0),
+            actuator=actuator,
         )
+
+
+def _actuator(mapping: Mapping, turns: bool) -> Actuator | None:
+    """The actuator that a joint names; keys beside it win over its figures."""
+    if not mapping.has("actuator"):
+        return None
+    name = mapping.text("actuator")
+    if not turns:
+        raise mapping.error("actuator", "turns, so it cannot drive a slide; give stiffness, backlash and mass")
+    return load_actuators().find(name, file=mapping.file, key=mapping.path_of("actuator"))
 
 
 def _axis(mapping: Mapping, default: str) -> FloatVector:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .beam import Beam
 from .chain import Arm, LoadCase
+from .drive_load import DriveLoads, drive_case, greatest_drive_loads
 from .effects import EFFECTS
 from .error import active_effects
 from .model import ErrorModel, beam_values, beams_of, error_model
@@ -92,6 +93,8 @@ class Evaluation:
     compliance: Compliance
     warnings: tuple[str, ...]
     unknown: Mapping[str, str]
+    drives: DriveLoads | None = None
+    """What the drives hold, where some joint has an actuator."""
 
     @property
     def max_error(self) -> float:
@@ -131,6 +134,9 @@ def evaluate(
     frequency = least_frequency(arm, search, beams, p, cases)
     if frequency is None:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
+    drives = None
+    if any(joint.actuator is not None for joint in arm.joints):
+        drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
     top = worst.poses[0]
     where = top.q if pose is None else tuple(float(value) for value in pose)
     return Evaluation(
@@ -147,8 +153,9 @@ def evaluate(
         strength=strength,
         frequency=frequency,
         compliance=compliance_at(arm, beams, where, planar=model.planar),
-        warnings=(*idle_effects(arm), *warnings_of(strength)),
+        warnings=(*idle_effects(arm), *warnings_of(strength), *overloaded(arm, drives)),
         unknown=MappingProxyType(unknown),
+        drives=drives,
     )
 
 
@@ -164,6 +171,11 @@ def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float |
             unknown["cost"] = f"the material of link {index + 1} has no cost"
             return None
         total += mass * link.material.need("cost", arm.temperature)
+    for index, joint in enumerate(arm.joints):
+        if joint.actuator is not None and joint.actuator.cost is None:
+            unknown["cost"] = f"no price is known of {joint.actuator.name}, the actuator of joint {index + 1}"
+            return None
+        total += 0.0 if joint.actuator is None else joint.actuator.cost or 0.0
     return total
 
 
@@ -289,6 +301,19 @@ def warnings_of(strength: StrengthResult) -> list[str]:
             lines.append(f"{name} yields: {strength.stress[index] / 1e6:.4g} MPa, safety factor {factor:.3g}")
         if math.isfinite(buckling) and buckling < 1.0:
             lines.append(f"{name} buckles: the compression is {1.0 / buckling:.3g} times Euler's load")
+    return lines
+
+
+def overloaded(arm: Arm, drives: DriveLoads | None) -> list[str]:
+    """One line for each joint whose drive has to hold more than its actuator's rated torque."""
+    lines: list[str] = []
+    for index, joint in enumerate(arm.joints):
+        if drives is not None and joint.actuator is not None and drives.greatest[index] > joint.actuator.rated_torque:
+            held, rated = drives.greatest[index], joint.actuator.rated_torque
+            lines.append(
+                f"joint {index + 1} holds up to {held:.4g} N*m, more than the rated {rated:.4g} N*m of "
+                f"{joint.actuator.name}"
+            )
     return lines
 
 

@@ -99,12 +99,17 @@ def _joint(joint: Joint) -> dict[str, Any]:
     out["range"] = [_neatest(value, motion) for value in joint.range]
     if joint.clearance:
         out["clearance"] = format_quantity(joint.clearance, "length")
-    if joint.backlash:
+    # Beside an actuator only what differs from its own figures is written, be it a zero.
+    backlash, stiffness, mass = 0.0, None, 0.0
+    if joint.actuator is not None:
+        out["actuator"] = joint.actuator.name
+        backlash, stiffness, mass = joint.actuator.backlash, joint.actuator.stiffness, joint.actuator.mass
+    if joint.backlash != backlash:
         out["backlash"] = _neatest(joint.backlash, motion)
-    if joint.stiffness is not None:
+    if joint.stiffness is not None and joint.stiffness != stiffness:
         kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
         out["stiffness"] = format_quantity(joint.stiffness, kind)
-    if joint.mass:
+    if joint.mass != mass:
         out["mass"] = format_quantity(joint.mass, "mass")
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)

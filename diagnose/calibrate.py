@@ -57,7 +57,7 @@ def one_more(
     pool: Pool,
     given: Given,
     criterion: Criterion,
-    visits: Sequence[NDArray[np.int64]],
+    visits: NDArray[np.int64],
     width: int,
     *,
     draws: int,
@@ -91,21 +91,18 @@ def _tested(statistic: Array, drawn: Array, usable: NDArray[np.bool_]) -> Calibr
     return Calibrated(float(allowed[best]), best, p_value(float(allowed[best]), drawn), drawn, allowed)
 
 
-def permutation(visits: Sequence[NDArray[np.int64]], rng: np.random.Generator) -> NDArray[np.int64]:
+def permutation(visits: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
     """Row numbers with whole visits in random order, beginning anywhere within a cycle."""
-    order = rng.permutation(len(visits))
-    rows = np.concatenate([visits[number] for number in order.tolist()])
-    return np.roll(rows, int(rng.integers(len(rows)))) if len(visits) < len(rows) else rows
+    count = int(visits[-1]) + 1
+    rows = np.argsort(rng.permutation(count)[visits], kind="stable")
+    return np.roll(rows, int(rng.integers(len(rows)))) if count < len(rows) else rows
 
 
-def shuffled(table: Array, visits: Sequence[NDArray[np.int64]], rng: np.random.Generator) -> Array:
-    """Readings (N, C) with whole visits in random order, each with a random sign."""
-    signs = np.empty(len(table))
-    flips = rng.choice((-1.0, 1.0), len(visits))
-    for rows, flip in zip(visits, flips.tolist(), strict=True):
-        signs[rows] = flip
+def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+    """Readings (N, C) with whole visits (N, numbered from 0, ascending) in random order, each with a random sign."""
+    flips = rng.choice((-1.0, 1.0), int(visits[-1]) + 1)
     rows = permutation(visits, rng)
-    return table[rows] * signs[rows, None]
+    return table[rows] * flips[visits[rows], None]
 
 
 def p_value(observed: float, drawn: Array) -> float:

@@ -120,7 +120,7 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
     if effect.id == "joint_compliance" and observed.unknown_masses:
         extra = _unknown_weight(observed, candidate.at[0])
         known = observed.signature(effect.id, candidate.settings({"compliance": 1.0}))
-        return np.concatenate([extra, known[:, :, None]], axis=2) if known.any() else extra
+        return np.concatenate([extra, known[:, :, None]], axis=2)
     parts: list[Array] = []
     for name in candidate.sizes:
         parameter = parameter_of(effect, name)
@@ -155,12 +155,12 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
             parameter.name: value * _load_scale(observed, at) if parameter.relative_to_load else value
             for parameter, value in zip(shaped, values, strict=True)
         }
-        if not _needs_met(observed, effect, shapes):
+        if not _needs_met(observed, effect, at, shapes):
             continue
         yield Candidate(effect.id, at, sizes, MappingProxyType(shapes), shared=shared)
 
 
-def _needs_met(observed: Observed, effect: Effect, shapes: Mapping[str, float]) -> bool:
+def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
     """Whether the recording holds what a variant asks for; else it would move nothing, or repeat another variant."""
     held = observed.state.conditions
     if any(getattr(held, condition) is None for condition in effect.requires):
@@ -170,9 +170,19 @@ def _needs_met(observed: Observed, effect: Effect, shapes: Mapping[str, float]) 
     if effect.id == "creep" and shapes.get("anew") == 0.0:
         started = observed.recording.time
         return started is not None and not np.array_equal(started, np.asarray(held.loaded_for))
+    if effect.id == "gear_transmission_error":
+        return _enough_travel(observed, at[0], shapes["order"])
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True
+
+
+def _enough_travel(observed: Observed, joint: int, order: float) -> bool:
+    """Whether a joint went through a whole wave of some order, at enough different coordinates to see it."""
+    q = observed.recording.q[:, joint]
+    waves = order * float(np.ptp(q)) / (2.0 * np.pi if observed.arm.joints[joint].revolute else 1.0)
+    different = len(np.unique(np.round(q, 3)))
+    return waves >= 1.0 and different >= max(8.0, 1.5 * waves)
 
 
 def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:

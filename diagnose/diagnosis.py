@@ -32,6 +32,9 @@ from .unknown import describe, rejected_forms
 
 Array = NDArray[np.float64]
 
+_ENOUGH_REPEATS, _FAR_ABOVE = 20, 1.6
+"""What is left at 1.6 times the noise floor of 20 or more repeats is physics still; noise with a memory (correlation 0.6
+from reading to reading) makes repeats of three look 1.45 times too quiet at most."""
 _LEAST = 12
 """Fewer observations than this beyond the nuisances decide nothing."""
 
@@ -91,7 +94,15 @@ class _Report:
         self.members, self.alternatives = self._renamed()
         self.outside: tuple[int, ...] = named.outside if named is not None else ()
         self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
+        self.left_over = self._left_over()
         self.refit: Refit = refit(prepared, self.members, self.outside, self.fitted)
+
+    def _left_over(self) -> bool:
+        """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it."""
+        if not self.members or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
+            return False
+        left = rms_length(remaining(self.prepared, self.fitted)[:, : self.observed.components])
+        return self.noise.degrees_of_freedom >= _ENOUGH_REPEATS and left > _FAR_ABOVE * self.noise.rms_m
 
     def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""
@@ -115,7 +126,7 @@ class _Report:
         found = () if not self._anything else dependences(self.prepared, int(np.argmax(shares)), rng)
         self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
         unknown = None
-        if self.outside:
+        if self.outside or self.left_over:
             unknown = describe(self.namer, self.members, self.outside, found, self.folds["pose blocks"])
         findings = self._findings()
         corrected, notes = corrected_arm(arm, self.refit.terms)
@@ -176,7 +187,7 @@ class _Report:
     def _verdict(self) -> Verdict:
         if self.named is None:
             return "insufficient_data"
-        if self.outside:
+        if self.outside or self.left_over:
             return "unknown"
         if not self.members:
             return "none"

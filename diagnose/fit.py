@@ -16,6 +16,8 @@ from .prepare import Prepared
 
 Array = NDArray[np.float64]
 
+_UNUSUAL, _SURE = 30.0, 100.0
+"""A size more than 30 times the usual is believed only where it is 100 times its standard error."""
 _BEYOND = 2.5
 """A size this many standard errors outside its physical bounds is impossible, not just badly known."""
 
@@ -89,11 +91,22 @@ def impossible(prepared: Prepared, fitted: Fit) -> str | None:
         candidate = prepared.pool.groups[member].candidate
         for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
             low, high = bounds(candidate, name, prepared)
-            if value < low - _BEYOND * error:
+            width = high - low
+            if value < low - _BEYOND * error or value < low - width:
                 return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
-            if value > high + _BEYOND * error:
+            if value > high + _BEYOND * error or value > high + width:
                 return "only a size beyond what is possible would fit"
+            if _far_fetched(candidate, name, value, error):
+                return "only a size far beyond the usual would fit, balanced against others"
     return None
+
+
+def _far_fetched(candidate: Candidate, name: str, value: float, error: float) -> bool:
+    """Whether a size is far beyond the usual and badly known at that: terms that all but cancel each other."""
+    if candidate.share or candidate.outside:
+        return False
+    usual = max(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical)
+    return abs(value) > _UNUSUAL * usual and abs(value) < _SURE * error
 
 
 def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, float]:

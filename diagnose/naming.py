@@ -12,11 +12,11 @@ from arm.effects import EFFECTS
 
 from .calibrate import Calibrated, Given, given_model, one_more
 from .candidates import PLAUSIBLE, columns_of
-from .fit import Fit, displacement, fit, impossible, typical
+from .fit import Fit, fit, impossible, typical
 from .pool import Pool, with_group
-from .prepare import Prepared
+from .prepare import Prepared, limits
 from .refit import refined_shapes
-from .search import Subset, best_subsets, gains, products
+from .search import Subset, best_subsets, gains, gains_beside, own_blocks, products
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -36,7 +36,10 @@ _BESIDE = 6.0
 """How much a form must better the criterion beside something that was named."""
 _MATERIAL = 0.15
 """A remainder below this share of the whole mismatch (RMS) is a blemish of the model found, not another cause."""
+_MANY = 3000
 _DRAWS, _THOROUGH_DRAWS = 499, 2999
+_FEW_DRAWS = 99
+"""Draws for each finding beyond three; the tail is read off a Gumbel distribution."""
 _MOST = 30
 _WORTH = 0.01
 """Beyond three findings, one more must take off this share of the sum of squares that is left."""
@@ -83,7 +86,7 @@ class Namer:
                 found.append(member)
                 continue
             white = self.prepared.observed.whitened(columns)
-            pool = with_group(self.pool, candidate, white)
+            pool = with_group(self.pool, candidate, white, limits(candidate, columns))
             if len(pool.groups) == len(self.pool.groups):
                 found.append(member)
                 continue
@@ -98,13 +101,13 @@ class Namer:
         """The candidates."""
         return self.prepared.pool
 
-    def test(self, members: Sequence[int]) -> tuple[Calibrated, Calibrated]:
+    def test(self, members: Sequence[int], draws: int | None = None) -> tuple[Calibrated, Calibrated]:
         """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
         given: Given = given_model(self.pool, self.prepared.vector, members)
         width = self.prepared.observed.residual.shape[1]
         among = (self.library, ~self.library)
         tested = one_more(
-            self.pool, given, self.criterion, self.visits, width, draws=self.draws, rng=self.rng, among=among
+            self.pool, given, self.criterion, self.visits, width, draws=draws or self.draws, rng=self.rng, among=among
         )
         return tested[0], tested[1]
 
@@ -140,12 +143,10 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
         return Named((), (), (), gate, None)
     members, p_values = _of_library(namer)
     tell(0.6)
-    members, outside, p_values = _against_forms(namer, members, p_values)
-    if not outside and len(members) > 1:
+    if len(members) > 1:
         members, p_values = _carried_on(namer, members, p_values)
         tell(0.8)
-        if len(members) > 3:
-            members, outside, p_values = _against_forms(namer, members, p_values)
+    members, outside, p_values = _against_forms(namer, members, p_values)
     left = namer.test((*members, *outside))
     tell(1.0)
     return Named(members, outside, p_values, gate, left)
@@ -181,7 +182,7 @@ def _carried_on(
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it."""
     while len(members) < _MOST:
-        tested = namer.test(members)[0]
+        tested = namer.test(members, _FEW_DRAWS)[0]
         if tested.p_value > FALSE_ALARM:
             break
         before = fit(namer.prepared, members)
@@ -191,6 +192,21 @@ def _carried_on(
         if len(added) <= len(members) or worse or after.rss > (1.0 - _WORTH) * before.rss:
             break
         members, p_values = added, (*p_values, tested.p_value)
+    return _pruned(namer, members, p_values) if len(members) > 3 else (members, p_values)
+
+
+def _pruned(
+    namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """The members without those that later ones have made superfluous."""
+    while len(members) > 1:
+        whole = fit(namer.prepared, members).rss
+        without = [fit(namer.prepared, [m for m in members if m != member]).rss for member in members]
+        least = int(np.argmin(without))
+        if without[least] > (1.0 + _WORTH) * whole:
+            break
+        members = tuple(m for k, m in enumerate(members) if k != least)
+        p_values = tuple(p for k, p in enumerate(p_values) if k != least)
     return members, p_values
 
 
@@ -209,12 +225,13 @@ def _best_addition(namer: Namer, members: tuple[int, ...], tested: Calibrated) -
 def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
     """The members after exchanging one at a time for whatever explains more, as long as that helps."""
     start = products(namer.pool, namer.prepared.vector)
+    blocks = own_blocks(namer.pool, start)
     for _ in range(3):
         changed = False
         for place, member in enumerate(members):
             rest = [m for k, m in enumerate(members) if k != place]
             families = {namer.pool.groups[m].candidate.family for m in rest}
-            gained = gains(namer.pool, start.beside(namer.pool.columns(rest)))
+            gained, _ = gains_beside(namer.pool, start, namer.pool.columns(rest), blocks)
             own = gained[member]
             for other in np.argsort(-gained)[:10].tolist():
                 allowed = namer.library[other] and namer.pool.groups[other].candidate.family not in families
@@ -237,21 +254,35 @@ def _against_forms(
     own = namer.criterion_of(members)
     rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
     best = min(rivals, key=lambda subset: subset.criterion, default=None)
-    if best is not None and best.criterion < own - (_MARGIN if len(members) <= 2 else 0.0):
+    handicap = _MARGIN * (1 if len(members) <= 2 else 2 - len(members))
+    if best is not None and best.criterion < own - handicap and not _near_enough(namer, members, best):
         outside = tuple(m for m in best.members if not namer.library[m])
         inside = tuple(m for m in best.members if namer.library[m])
         if namer.test(inside)[1].p_value <= FALSE_ALARM:
             return _still_there(namer, inside, outside)
     tested = namer.test(members)[1]
     if tested.p_value <= FALSE_ALARM and tested.best >= 0:
-        wider = fit(namer.prepared, (*members, tested.best))
-        rest = displacement(namer.prepared, wider, (tested.best,)) / namer.prepared.observed.scale
-        whole = displacement(namer.prepared, wider) / namer.prepared.observed.scale
+        without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
+        whole = float(namer.prepared.vector @ namer.prepared.vector)
         needed = namer.criterion_of(members) - (_BESIDE if members else 0.0)
-        material = np.sum(rest**2) > _MATERIAL**2 * np.sum(whole**2)
-        if material and namer.criterion_of([*members, tested.best]) < needed:
+        material = without - beside > _MATERIAL**2 * (whole - beside)
+        wider = [*members, tested.best]
+        if material and namer.criterion_of(wider) < needed and namer.possible(wider):
             return _still_there(namer, members, (tested.best,))
     return members, (), p_values
+
+
+def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
+    """Whether named physics explains so nearly what a form does that the form is no better answer.
+
+    With thousands of readings the least blemish is beyond chance, and a smooth field can always be found that describes
+    it; with few, whatever is beyond chance is large.
+    """
+    if namer.criterion.count < _MANY or not members:
+        return False
+    whole = float(namer.prepared.vector @ namer.prepared.vector)
+    missed = fit(namer.prepared, members).rss - best.rss
+    return missed < _MATERIAL**2 * (whole - best.rss)
 
 
 def _still_there(
@@ -294,8 +325,6 @@ def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
         family = other.candidate.family
         if family in taken or not namer.library[number]:
             continue
-        if other.rank > group.rank + 1:
-            continue  # a richer pattern that holds this one and more is no other name for it
         part = slice(other.start, other.stop)
         block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
         alike = float(np.sqrt(max(mixed[part] @ block @ mixed[part], 0.0) / max(signal, 1e-300)))

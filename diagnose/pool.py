@@ -18,6 +18,11 @@ Array = NDArray[np.float64]
 
 _RANK = 1e-7
 """Directions of a candidate below this share of its largest are rounding."""
+_SEEN = 5.0
+"""A direction whose whole pattern, at its physical bounds, stays below so many standard deviations is not seen."""
+_WEIGHT = 0.001
+"""Directions of a drive's sag under links of unknown weight below this share of the largest are left: what a wrist's
+small links add is no finding of its own."""
 VISIBLE = 1e-5
 """A pattern of which less than this share is left beside the nuisances cannot be seen at all."""
 
@@ -103,28 +108,36 @@ def orthonormal(columns: Array, tolerance: float = 1e-10) -> Array:
     return u[:, s > tolerance * s[0]] if len(s) else columns[:, :0]
 
 
-def _group(candidate: Candidate, columns: Array, beside: Array, at: int) -> tuple[Group, Array] | None:
+def _group(
+    candidate: Candidate, columns: Array, limits: Array | None, beside: Array, at: int
+) -> tuple[Group, Array] | None:
     """A candidate with whitened columns (n, d) as a group whose basis begins at column `at`; None where nothing is
-    seen of it beside the nuisances."""
+    seen of it beside the nuisances.
+
+    `limits` (d,) is how large each size may be: a direction that would not be seen even there is not kept.
+    """
     length = np.linalg.norm(columns, axis=0)
     if not (length > 0.0).any():
         return None
-    unit = np.where(length > 0.0, length, 1.0)
+    unit = np.where(length > 0.0, length, 1.0) if limits is None else 1.0 / limits
     scaled = columns / unit
     left = scaled - beside @ (beside.T @ scaled)
     left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
     u, s, vt = np.linalg.svd(left, full_matrices=False)
     full = np.linalg.svd(scaled, compute_uv=False) if scaled.shape[1] > 1 else np.linalg.norm(scaled, axis=0)
-    keep = s > max(_RANK * s[0], VISIBLE)
+    tolerance = _WEIGHT if len(candidate.sizes) < columns.shape[1] else _RANK
+    keep = (s > tolerance * s[0]) & (s > VISIBLE * full[0])
+    if limits is not None:
+        keep &= s > _SEEN
     if not keep.any():
         return None
     back = (vt[keep].T / s[keep]) / unit[:, None]
     return Group(candidate, at, at + int(keep.sum()), back, length, float(s[0] / full[0])), u[:, keep]
 
 
-def with_group(pool: Pool, candidate: Candidate, columns: Array) -> Pool:
+def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array | None) -> Pool:
     """The pool with one more candidate, its whitened columns (n, d); the same pool where nothing is seen of it."""
-    made = _group(candidate, columns, pool.nuisance, pool.basis.shape[1])
+    made = _group(candidate, columns, limits, pool.nuisance, pool.basis.shape[1])
     if made is None:
         return pool
     group, basis = made
@@ -135,15 +148,15 @@ def with_group(pool: Pool, candidate: Candidate, columns: Array) -> Pool:
     )
 
 
-def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array]]) -> Pool:
-    """The pool of candidates with whitened columns (n, d) each, beside nuisance columns (n, b)."""
+def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array | None]]) -> Pool:
+    """The pool of candidates with whitened columns (n, d) and limits of their sizes, beside nuisance columns (n, b)."""
     beside = orthonormal(nuisance)
     groups: list[Group] = []
     bases: list[Array] = []
     invisible: list[Candidate] = []
     at = 0
-    for candidate, columns in patterns:
-        made = _group(candidate, columns, beside, at)
+    for candidate, columns, limits in patterns:
+        made = _group(candidate, columns, limits, beside, at)
         if made is None:
             invisible.append(candidate)
             continue

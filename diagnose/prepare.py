@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from arm.effects import Settings
+from arm.effects import EFFECTS, Settings
 
-from .candidates import Candidate, candidates
+from .candidates import Candidate, candidates, parameter_of
 from .forms import forms
-from .observed import Observed, blocks_of, kept, observe
+from .observed import Observed, kept, observe
 from .options import Options
 from .pool import Pool, make_pool
 from .recording import RejectedRow
@@ -31,6 +31,9 @@ _MARGIN = 1.25
 _MOST_OUTLIERS = 0.05
 """With more rows than this share far off, it is no handful of bad readings but part of the mismatch."""
 _LEAST_PAIRS = 20
+_SOFTEST = 1e-3
+"""rad/(N*m) times kg or kg*m: the compliance of a soft drive times a light link's mass, or a stiff one's times a heavy
+one's."""
 _ROUGH = 4
 """Patterns in the first rough model, at most."""
 
@@ -59,9 +62,9 @@ class Prepared:
         return np.array([not group.candidate.outside for group in self.pool.groups], dtype=bool)
 
     @property
-    def visits(self) -> list[NDArray[np.int64]]:
-        """The row numbers of each visit."""
-        return list(blocks_of(self.observed.block))
+    def visits(self) -> NDArray[np.int64]:
+        """Which visit each reading belongs to, numbered from 0."""
+        return np.unique(self.observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
 def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
@@ -90,6 +93,16 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     return (np.stack(parts, axis=2) if parts else np.zeros(shape)), tuple(names)
 
 
+def limits(candidate: Candidate, columns: Array) -> Array | None:
+    """How large each size of a candidate may physically be (d,), None where nobody can say."""
+    if candidate.outside or candidate.share:
+        return None
+    if columns.shape[2] != len(candidate.sizes):
+        return np.full(columns.shape[2], _SOFTEST)
+    parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
+    return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
+
+
 Patterns = list[tuple[Candidate, Array]]
 
 
@@ -101,7 +114,8 @@ def patterns_of(observed: Observed, options: Options) -> Patterns:
 def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, ...] = ()) -> Prepared:
     """The pool of patterns for a recording as it stands."""
     beside, names = nuisances(observed)
-    pool = make_pool(observed.whitened(beside), [(c, observed.whitened(columns)) for c, columns in patterns])
+    white = [(candidate, observed.whitened(columns), limits(candidate, columns)) for candidate, columns in patterns]
+    pool = make_pool(observed.whitened(beside), white)
     seen = {id(group.candidate) for group in pool.groups}
     columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
     vector = pool.projected(observed.whitened(observed.residual))
@@ -145,9 +159,11 @@ def _left_by_rough_model(prepared: Prepared) -> Array:
     least squares with bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
     given, members = products(pool, prepared.vector), list[int]()
+    # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for.
+    wanders = np.array([group.candidate.effect in ("smooth_in_time", "trend_in_time") for group in pool.groups])
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)
-        left = np.maximum(given.rss - gained, 1e-12 * given.rss)
+        left = np.where(wanders, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
         best = int(np.argmin(criterion.count * np.log(left) + criterion.price))
         if criterion(float(left[best]), [*members, best]) >= criterion(given.rss, members):
             break

@@ -48,6 +48,8 @@ def assembled(
     def stacked(names: Sequence[str]) -> Array:
         return np.stack([columns[name].values for name in names], axis=1)
 
+    total = len(table.row)
+
     def each_joint(base: str) -> Array | None:
         names = [f"{base}{k + 1}" for k in range(arm.size)]
         there = [name for name in names if name in columns]
@@ -55,11 +57,14 @@ def assembled(
             return None
         if len(there) < len(names):
             lacking = ", ".join(name for name in names if name not in columns)
+            if base in ("v", "a"):
+                warnings.append(f"There is no {lacking}: these joints are taken to stand still.")
+                still = np.zeros(total)
+                return np.stack([columns[name].values if name in columns else still for name in names], axis=1)
             warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
             return None
         return stacked(names)
 
-    total = len(table.row)
     sides = None
     if any(f"dir{k + 1}" in columns for k in range(arm.size)):
         sides = np.stack(

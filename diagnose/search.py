@@ -2,8 +2,8 @@
 
 Criterion: the extended BIC of J. Chen & Z. Chen, Biometrika 95 (2008) 759, doi:10.1093/biomet/asn034, with gamma = 1:
 n log(RSS/n) + k log n + 2 log C(P, s) for s of P families of candidates with k coefficients in all, and 2 log V for
-each member that was picked from V variants. Greedy selection names a wrong effect in one mixture in five; so pairs are all
-looked at, and all triples of what any smaller model wants.
+each member that was picked from V variants. Greedy selection names a wrong effect in one mixture in five; so pairs are
+all looked at, and all triples of what any smaller model wants.
 """
 
 from __future__ import annotations
@@ -134,6 +134,10 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
     """The criterion for a pool's candidates and `count` observations."""
     alike = families(pool)
     price: Array = pool.ranks.astype(float) * math.log(count)
+    for number, group in enumerate(pool.groups):
+        if not group.candidate.outside and len(group.candidate.sizes) < len(group.length):
+            # Links of unknown weight still have masses, positive and of an ordinary size: no free coefficient each.
+            price[number] = min(group.rank, 2) * math.log(count)
     for members in alike:
         price[members] = price[members] + 2.0 * math.log(len(members))
     return Criterion(count, max(len(alike), 1), price)

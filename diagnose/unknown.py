@@ -51,6 +51,8 @@ def describe(
     prepared, observed = namer.prepared, namer.prepared.observed
     whole = fit(prepared, [*known, *outside])
     moved = displacement(prepared, whole, outside)[:, : observed.components]
+    if not outside:
+        moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
     leading = ranked[0].name if ranked else "nothing simple"
     on = _depends(namer, outside, dependences)

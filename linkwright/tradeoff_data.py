@@ -12,8 +12,8 @@ from typing import Any
 from linkwright.as_json import links_json, program_version
 from linkwright.screen.tradeoff import slope_factor
 from linkwright.words import section_words
-from optimize.tradeoff import Front, Point, Tradeoff
 from optimize.tradeoff_question import Axis
+from optimize.tradeoff_result import Front, Point, Tradeoff
 
 COMMAND = "linkwright tradeoff"
 _FIGURES: Mapping[str, tuple[str, float]] = MappingProxyType(

@@ -39,6 +39,9 @@ class Combination:
     materials: tuple[Material | None, ...]
 
 
+Allowed = Callable[[Combination], bool]
+
+
 @dataclass(frozen=True)
 class Choice:
     """The best combination, its finished exchange and objective (SI), and what became of the others."""
@@ -95,8 +98,17 @@ def count(problem: Problem) -> int:
 class Chooser:
     """Works through combinations with one pool of poses and one incumbent."""
 
-    def __init__(self, context: Context, progress: Progress | None, log: Callable[[Iteration], None] | None) -> None:
-        self.context, self.progress = context, progress
+    def __init__(
+        self,
+        context: Context,
+        progress: Progress | None,
+        log: Callable[[Iteration], None] | None,
+        known: float = math.inf,
+        allowed: Allowed | None = None,
+    ) -> None:
+        """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
+        `allowed` tells which combinations count."""
+        self.context, self.progress, self.known, self._allowed = context, progress, known, allowed
         self.history: list[Iteration] = []
         self._listener = log
         self.pool: Pool | None = None
@@ -107,11 +119,13 @@ class Chooser:
     @property
     def objective(self) -> float:
         """The best objective so far (SI)."""
-        return math.inf if self.best is None else self.best[5]
+        return self.known if self.best is None else self.best[5]
 
     def try_all(self, picks: list[Combination]) -> None:
         """Bound every combination on the pool, then finish them best first until the rest is bounded out."""
         bounds: list[tuple[float, int, Array]] = []
+        if self._allowed is not None:
+            picks = [pick for pick in picks if self._allowed(pick)]
         if self.pool is None:
             self._first(picks)
         for number, pick in enumerate(picks):
@@ -145,6 +159,7 @@ class Chooser:
                 self._finish(pick, start)
                 if self.best is not None:
                     self.pool = self.best[4].solution.active
+                if pick in self.candidates and self.candidates[pick].outcome != "infeasible":
                     return
             self._note(pick, None, "infeasible")
 
@@ -210,11 +225,17 @@ class Chooser:
 
 
 def choose(
-    context: Context, *, progress: Progress | None = None, log: Callable[[Iteration], None] | None = None
+    context: Context,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    known: float = math.inf,
+    allowed: Allowed | None = None,
 ) -> Choice | None:
-    """The best combination of shapes and materials; None where none has a solution."""
+    """The best combination of shapes and materials among those `allowed` (all by default); None where none has a
+    solution (better than `known`, SI)."""
     problem = context.problem
-    chooser = Chooser(context, progress, log)
+    chooser = Chooser(context, progress, log, known, allowed)
     exhaustive = count(problem) <= MOST_COMBINATIONS
     if exhaustive:
         chooser.try_all(combinations(problem))

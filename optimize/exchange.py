@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain import Arm
+from arm.drive_load import DriveCase, DriveLoads, drive_case, greatest_drive_loads
 from arm.evaluation import least_frequency, strength_over
 from arm.model import ErrorModel, beams_of, error_model
 from arm.modes import first_modes
@@ -22,6 +23,7 @@ from arm.strength import StrengthCase, StrengthResult, strength_case
 from arm.workspace import Unreachable, pull
 from arm.worst import WorstCase, WorstPose, WorstSearch
 from materials.material import Material
+from materials.quantities import InputError
 
 from .design import DesignSpace, arm_of, numeric_beams
 from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
@@ -48,6 +50,7 @@ class Context:
     model: ErrorModel
     search: WorstSearch
     strengths: tuple[StrengthCase, ...]
+    drives: tuple[DriveCase, ...] = ()
 
     @property
     def uses_error(self) -> bool:
@@ -77,12 +80,16 @@ class Exchanged:
 
 
 def context_of(problem: Problem) -> Context:
-    """The shared parts of a problem's exchanges."""
+    """The shared parts of a problem's exchanges; its arm has the drives that it has."""
+    if problem.actuators is not None:
+        message = "is settled by `optimize` alone; name the drives in the arm file for this"
+        raise InputError(problem.file, "choose.actuator", message)
     model = error_model(problem.arm, problem.load_cases)
     search = WorstSearch(model, problem.workspace, gap=CERTIFICATE_GAP)
     wanted = problem.limit("safety_factor") or problem.limit("buckling")
     strengths = tuple(strength_case(problem.arm, load) for load in problem.load_cases) if wanted else ()
-    return Context(problem, model, search, strengths)
+    drives = tuple(drive_case(problem.arm, load) for load in problem.load_cases) if problem.limit("torque_use") else ()
+    return Context(problem, model, search, strengths, drives)
 
 
 def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
@@ -110,7 +117,7 @@ class Exchange:
             room = pool.room(len(self.context.model.cases))
             # Eight slots compile about as fast as one, where poses need no unknowns of their own.
             room = room.spare(1 if self._anchors else 8) if spare else room
-            self._program = Program(self.space, self.context.model, self.context.strengths, room)
+            self._program = Program(self.space, self.context.model, self.context.strengths, room, self.context.drives)
         return self._program
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
@@ -232,6 +239,7 @@ class Exchange:
             grown = grown.with_errors(cuts)
         violation, grown = self._judge_strength(arm, p, violation, grown)
         violation, grown = self._judge_modes(context, arm, p, violation, grown)
+        violation, grown = self._judge_torque(p, violation, grown)
         return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
 
     def _judge_strength(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
@@ -253,6 +261,15 @@ class Exchange:
                 if buckling / have - 1.0 > TOLERANCE:
                     cuts.append(StrengthCut(*place))
         return violation, pool.with_strengths(tuple(cuts))
+
+    def _judge_torque(self, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
+        limit = min((each.value for each in self.context.problem.limit("torque_use")), default=None)
+        if limit is None:
+            return violation, pool
+        found = drive_loads_of(self.context, p)
+        uses = [(0.0 if use is None else use) / limit - 1.0 for use in found.use]
+        worse = [StrengthCut(*at) for at, over in zip(found.poses, uses, strict=True) if over > TOLERANCE]
+        return max([violation, *uses]), pool.with_torques(tuple(worse))
 
     def _judge_modes(
         self, context: Context, arm: Arm, p: Array, violation: float, pool: Pool
@@ -292,6 +309,12 @@ def strength_of(context: Context, arm: Arm, p: Array) -> StrengthResult:
     """The strength of a design over spread poses of the workspace and the worst poses for each link."""
     poses = context.search.poses(p, _STRENGTH_POSES)
     return strength_over(arm, context.problem.load_cases, poses, p, context.search)
+
+
+def drive_loads_of(context: Context, p: Array) -> DriveLoads:
+    """What the drives of a design p hold over the workspace."""
+    poses = context.search.poses(p, _STRENGTH_POSES)
+    return greatest_drive_loads(context.problem.arm, context.drives, poses, p, context.search)
 
 
 def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:
@@ -362,4 +385,6 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
         pool = pool.with_strengths(tuple(cuts))
     if context.limit("first_frequency") is not None:
         pool = pool.with_modes((slowest_mode(context, arm, p)[0],))
+    if context.drives:
+        pool = pool.with_torques(tuple(StrengthCut(*at) for at in drive_loads_of(context, p).poses))
     return pool

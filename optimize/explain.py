@@ -31,6 +31,7 @@ _UNITS = MappingProxyType({
     "safety_factor": ("", 1.0),
     "first_frequency": ("Hz", 1.0),
     "buckling": ("", 1.0),
+    "torque_use": ("", 1.0),
 })
 _FELT = 1e-6
 """A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""

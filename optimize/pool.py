@@ -32,7 +32,7 @@ class ErrorCut:
 
 @dataclass(frozen=True)
 class StrengthCut:
-    """A pose at which a stress or a compression binds."""
+    """A pose at which a stress, a compression or the load on a drive binds."""
 
     q: tuple[float, ...]
     load_case: int
@@ -49,15 +49,18 @@ class ModeCut:
 
 @dataclass(frozen=True)
 class Room:
-    """Slots of a compiled program: for each load case's errors, for each load case's strengths, and for modes."""
+    """Slots of a compiled program: for each load case's errors, for each load case's strengths, for modes, and for each
+    load case's drive loads."""
 
     errors: tuple[int, ...]
     strengths: tuple[int, ...]
     modes: int
+    torques: tuple[int, ...] = ()
 
     def holds(self, other: Room) -> bool:
         """Whether there is room for what `other` needs; a load case without poses of its own cannot fill its slots."""
         pairs = [*zip(self.errors, other.errors, strict=True), *zip(self.strengths, other.strengths, strict=True)]
+        pairs += zip(self.torques, other.torques, strict=True)
         return all(_fits(have, need) for have, need in [*pairs, (self.modes, other.modes)])
 
     def spare(self, errors: int = 1) -> Room:
@@ -66,6 +69,7 @@ class Room:
             tuple(max(_grown(need), errors if need else 0) for need in self.errors),
             tuple(map(_grown, self.strengths)),
             _grown(self.modes),
+            tuple(map(_grown, self.torques)),
         )
 
 
@@ -84,11 +88,12 @@ class Pool:
     errors: tuple[ErrorCut, ...] = ()
     strengths: tuple[StrengthCut, ...] = ()
     modes: tuple[ModeCut, ...] = ()
+    torques: tuple[StrengthCut, ...] = ()
 
     @property
     def size(self) -> int:
         """How many poses there are."""
-        return len(self.errors) + len(self.strengths) + len(self.modes)
+        return len(self.errors) + len(self.strengths) + len(self.modes) + len(self.torques)
 
     def room(self, cases: int) -> Room:
         """How many slots a program needs for these poses."""
@@ -96,12 +101,14 @@ class Pool:
             tuple(sum(cut.load_case == case for cut in self.errors) for case in range(cases)),
             tuple(sum(cut.load_case == case for cut in self.strengths) for case in range(cases)),
             len(self.modes),
+            tuple(sum(cut.load_case == case for cut in self.torques) for case in range(cases)),
         )
 
     def joined(self, other: Pool) -> Pool:
         """The poses of both pools, repeats left out."""
         modes = tuple(mode for mode in other.modes if mode not in self.modes)
-        return self.with_errors(other.errors).with_strengths(other.strengths).with_modes(modes)
+        grown = self.with_errors(other.errors).with_strengths(other.strengths).with_modes(modes)
+        return grown.with_torques(other.torques)
 
     def with_errors(self, cuts: tuple[ErrorCut, ...]) -> Pool:
         """The pool with more error cuts, repeats left out."""
@@ -117,6 +124,11 @@ class Pool:
         """The pool with more strength cuts, repeats left out."""
         fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in self.strengths)
         return replace(self, strengths=self.strengths + fresh)
+
+    def with_torques(self, cuts: tuple[StrengthCut, ...]) -> Pool:
+        """The pool with more poses at which drives are loaded most, repeats left out."""
+        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in self.torques)
+        return replace(self, torques=self.torques + fresh)
 
     def with_modes(self, cuts: tuple[ModeCut, ...]) -> Pool:
         """The pool with more modes."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
+from arm.actuators import Actuator, load_actuators
 from arm.chain import Arm, LoadCase, askew
 from arm.files import read_arm, read_load
 from arm.vectors import ZERO
@@ -33,6 +34,7 @@ LIMIT_KINDS = MappingProxyType({
     "safety_factor": "dimensionless",
     "first_frequency": "frequency",
     "buckling": "dimensionless",
+    "torque_use": "dimensionless",
 })
 """The quantities that `subject_to` can limit, with their kinds."""
 _SENSE: MappingLike[str, tuple[Relation, ...]] = MappingProxyType({
@@ -44,6 +46,7 @@ _SENSE: MappingLike[str, tuple[Relation, ...]] = MappingProxyType({
     "safety_factor": (">=",),
     "first_frequency": (">=",),
     "buckling": (">=",),
+    "torque_use": ("<=",),
 })
 _RANGES = MappingProxyType({"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)})
 
@@ -71,7 +74,8 @@ class Problem:
     """A design problem, in SI. `shapes` and `materials` are what each link may be; None keeps the arm's own.
 
     `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
-    `material`, `size` (the dimensions too).
+    `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
+    (nothing for a joint that keeps its own); None keeps all.
     """
 
     file: str
@@ -86,6 +90,7 @@ class Problem:
     shapes: tuple[str, ...] | None
     materials: tuple[Material, ...] | None
     same: frozenset[str]
+    actuators: tuple[tuple[Actuator, ...], ...] | None = None
 
     def limit(self, name: str) -> tuple[Limit, ...]:
         """The limits on one quantity."""
@@ -104,7 +109,9 @@ def read_problem(path: Path | str, catalogue: Catalogue | None = None) -> Proble
         workspace = _workspace(mapping, arm)
         cases = _load_cases(mapping)
         limits, ranges = _subject_to(mapping)
-        shapes, materials, same = _choose(mapping, known)
+        shapes, materials, same, actuators = _choose(mapping, known, arm)
+        if not any(limit.name == "torque_use" for limit in limits) and (actuators is not None or _driven(arm)):
+            limits = (*limits, Limit("torque_use", "<=", 1.0))
     problem = Problem(
         file=str(path),
         arm=arm,
@@ -118,6 +125,7 @@ def read_problem(path: Path | str, catalogue: Catalogue | None = None) -> Proble
         shapes=shapes,
         materials=materials,
         same=same,
+        actuators=actuators,
     )
     _check(mapping, problem)
     return problem
@@ -237,11 +245,17 @@ def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[floa
     return low, high
 
 
+def _driven(arm: Arm) -> bool:
+    return any(joint.actuator is not None for joint in arm.joints)
+
+
 def _choose(
-    mapping: Mapping, catalogue: Catalogue
-) -> tuple[tuple[str, ...] | None, tuple[Material, ...] | None, frozenset[str]]:
+    mapping: Mapping, catalogue: Catalogue, arm: Arm
+) -> tuple[
+    tuple[str, ...] | None, tuple[Material, ...] | None, frozenset[str], tuple[tuple[Actuator, ...], ...] | None
+]:
     if not mapping.has("choose"):
-        return None, None, frozenset()
+        return None, None, frozenset(), None
     with mapping.mapping("choose").reading() as body:
         shapes: tuple[str, ...] | None = None
         materials: tuple[Material, ...] | None = None
@@ -265,9 +279,34 @@ def _choose(
             materials = tuple({material.name: material for material in read}.values())
         same = body.items("same", [])
         for name in same:
-            if name not in ("section", "material", "size"):
-                raise body.error("same", f"takes section, material and size, not {shown(name)}")
-        return shapes, materials, frozenset(str(name) for name in same)
+            if name not in ("section", "material", "size", "actuator"):
+                raise body.error("same", f"takes section, material, size and actuator, not {shown(name)}")
+        return shapes, materials, frozenset(str(name) for name in same), _actuators(body, arm)
+
+
+def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | None:
+    """What each joint's drive may be: one list for all joints that turn, or a list for each joint."""
+    if not body.has("actuator"):
+        return None
+    raw = body.raw("actuator")
+    entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
+    if not any(isinstance(entry, list) for entry in entries):
+        entries = [entries if joint.revolute else [] for joint in arm.joints]
+    if len(entries) != arm.size:
+        raise body.error("actuator", f"is one list of names, or a list for each of the {arm.size} joints")
+    known, path = load_actuators(), body.path_of("actuator")
+    found: list[tuple[Actuator, ...]] = []
+    for number, (entry, joint) in enumerate(zip(entries, arm.joints, strict=True), start=1):
+        names = cast(list[object], entry) if isinstance(entry, list) else [entry]
+        if not all(isinstance(name, str) for name in names):
+            raise body.error("actuator", f"needs names, e.g. [RV-20E, RV-40E], not {shown(entry)}")
+        if names and not joint.revolute:
+            raise body.error("actuator", f"joint {number} slides, and no actuator drives a slide; write [] for it")
+        chosen = [known.find(str(name), file=body.file, key=path) for name in names]
+        found.append(tuple({actuator.name: actuator for actuator in chosen}.values()))
+    if not any(found):
+        raise body.error("actuator", "is empty; name at least one actuator")
+    return tuple(found)
 
 
 def _can_be_chosen(shape: str) -> bool:

@@ -21,9 +21,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.drive_load import DriveCase
 from arm.model import ErrorModel
 from arm.strength import StrengthCase
 from arm.workspace import climbing_bounds, joint_box
+from materials.quantities import InputError
 
 from .design import MATERIAL_FIELDS, DesignSpace, expressions
 from .pool import ErrorCut, ModeCut, Pool, Room, StrengthCut
@@ -40,6 +42,7 @@ from .rows import (
     shape_rows,
     strength_rows,
     symbol,
+    torque_rows,
 )
 
 Array = NDArray[np.float64]
@@ -98,6 +101,20 @@ def carried_mass(problem: Problem) -> float:
     return sum(joint.mass for joint in problem.arm.joints) + max(case.mass for case in problem.load_cases)
 
 
+def drives_cost(problem: Problem) -> float:
+    """What the arm's actuators cost together (EUR); raises `InputError` where the problem asks for a cost and the
+    price of one is not known."""
+    total = 0.0
+    for number, joint in enumerate(problem.arm.joints, start=1):
+        if joint.actuator is not None and joint.actuator.cost is None:
+            if problem.minimize != "cost" and not problem.limit("cost"):
+                return 0.0
+            message = f"no price is known of {joint.actuator.name} (joint {number}); give one in your own file"
+            raise InputError(problem.file, "cost", message)
+        total += 0.0 if joint.actuator is None else joint.actuator.cost or 0.0
+    return total
+
+
 def anchored(space: DesignSpace) -> bool:
     """Whether poses must follow the design: the workspace is fixed in space and the lengths are free."""
     return space.free_lengths and space.problem.workspace.kind != "joints"
@@ -111,7 +128,14 @@ def fixed_error(model: ErrorModel) -> float:
 class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
-    def __init__(self, space: DesignSpace, model: ErrorModel, strengths: Sequence[StrengthCase], room: Room) -> None:
+    def __init__(
+        self,
+        space: DesignSpace,
+        model: ErrorModel,
+        strengths: Sequence[StrengthCase],
+        room: Room,
+        drives: Sequence[DriveCase] = (),
+    ) -> None:
         """`room`: how many binding poses of each kind there is room for."""
         self.space, self.model, self.room = space, model, room
         problem = space.problem
@@ -122,6 +146,7 @@ class Program:
         materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
         pushed = symbol("pushed", len(limits))
         design = expressions(space, x, materials)
+        design = replace(design, cost=design.cost + drives_cost(problem))
         self.fixed_error = fixed_error(model)
         worst = self.fixed_error + ca.exp(y) / MM
         errors = error_rows(model, design, y, room.errors, anchored=self._anchored)
@@ -131,6 +156,7 @@ class Program:
         shapes = shape_rows(space, design)
         sides = Rows(errors.sides)
         families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes, "sides": sides}
+        families["torque"] = torque = torque_rows(space, limits, drives, design, slack, room.torques)
         self._families = families
         rows = [row for family in families.values() for row in family.rows]
         self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
@@ -148,6 +174,7 @@ class Program:
             "cost": ca.log(ca.SX(design.cost)),
         }[problem.minimize]
         parameters = [materials, weights, pushed, levels, *errors.parameters, *stress.parameters, *modes.parameters]
+        parameters += torque.parameters
         every = [*rows, *errors.equalities]
         program = {
             "x": ca.vertcat(x, y, slack, *errors.unknowns),
@@ -204,6 +231,9 @@ class Program:
             values += list(cut.q)
         for mode in modes:
             values += [*mode.q, mode.payload, *mode.shape]
+        torques = filled(pool.torques, self.room.torques)
+        for cut in torques:
+            values += list(cut.q)
         give = np.full(count, 10.0 if relax else 0.0)
         equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
         slack, pushed = 0.05 * give, np.zeros(count)
@@ -234,7 +264,7 @@ class Program:
             bound_prices=np.array(result["lam_x"]).ravel()[:size],
             shape_prices=tuple(zip(self._families["shapes"].labels, shapes.tolist(), strict=True)),
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
-            active=self._active(multipliers, errors, strengths, modes),
+            active=self._active(multipliers, errors, strengths, modes, torques),
             message=str(stats["return_status"]),
             turned=bool(np.any(np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn)),
         )
@@ -250,7 +280,12 @@ class Program:
         return np.maximum(q - turn, np.tile(low, times)), np.minimum(q + turn, np.tile(high, times))
 
     def _active(
-        self, multipliers: Array, errors: list[ErrorCut], strengths: list[StrengthCut], modes: list[ModeCut]
+        self,
+        multipliers: Array,
+        errors: list[ErrorCut],
+        strengths: list[StrengthCut],
+        modes: list[ModeCut],
+        torques: list[StrengthCut],
     ) -> Pool:
         """The poses that hold the solution."""
 
@@ -265,13 +300,15 @@ class Program:
         pool = pool.with_errors(tuple(cut for cut, holds in zip(errors, held, strict=True) if holds))
         held = pressing("stress", len(strengths))
         pool = pool.with_strengths(tuple(cut for cut, holds in zip(strengths, held, strict=True) if holds))
+        held = pressing("torque", len(torques))
+        pool = pool.with_torques(tuple(cut for cut, holds in zip(torques, held, strict=True) if holds))
         held = pressing("modes", len(modes))
         return pool.with_modes(tuple(dict.fromkeys(m for m, holds in zip(modes, held, strict=True) if holds)))
 
     def _limit_prices(self, multipliers: Array) -> list[float]:
         """A multiplier for each limit: its own row's, or the sum over the poses through which it holds."""
         sums: dict[str, float] = {}
-        for family in ("stress", "modes"):
+        for family in ("stress", "modes", "torque"):
             for label, value in zip(self._families[family].labels, multipliers[self._place[family]], strict=True):
                 sums[label] = sums.get(label, 0.0) + float(value)
         own = iter(multipliers[self._place["own"]].tolist())

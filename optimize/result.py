@@ -71,6 +71,65 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class DriveCandidate:
+    """One choice of actuators, joint by joint (None: the joint keeps its own drive): the objective that it allows (SI),
+    or why it was left. `objective` is None where `outcome` is not `best` or `solved`."""
+
+    actuators: tuple[str | None, ...]
+    objective: float | None
+    outcome: Literal["best", "solved", "bounded out", "infeasible"]
+
+
+@dataclass(frozen=True)
+class KeptLimit:
+    """A limit with what the optimum had and what the rounded design has of it (SI)."""
+
+    name: str
+    text: str
+    before: float
+    after: float
+    relation: Literal["<=", "==", ">="]
+    value: float
+
+    @property
+    def room(self) -> float:
+        """How far inside the limit the rounded design is, relative to it; zero for an equality."""
+        if self.relation == "==":
+            return 0.0
+        ratio = self.after / self.value
+        return ratio - 1.0 if self.relation == ">=" else 1.0 - ratio
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """The best design of sizes that can be had, near the optimum.
+
+    `to` is `stock` or the grid (`0.5 mm`), `length_step` the grid of the link lengths (m; None where they stay).
+    `objective` and `before` are in SI units of what was minimised, of this design and of the optimum. `compared`
+    designs were scored, `searched` of them over their whole workspace; `exhaustive`: every combination of the nearest
+    sizes was among them.
+    """
+
+    to: str
+    length_step: float | None
+    arm: Arm
+    evaluation: Evaluation
+    links: tuple[LinkDesign, ...]
+    objective: float
+    before: float
+    limits: tuple[KeptLimit, ...]
+    compared: int
+    searched: int
+    exhaustive: bool
+    seconds: float
+
+    @property
+    def certified(self) -> bool:
+        """Whether no pose of the workspace is worse than this design's error, within the gap."""
+        return self.evaluation.worst.certified
+
+
+@dataclass(frozen=True)
 class OptimizationResult:
     """The best design found, with the arm as given for comparison.
 
@@ -99,3 +158,8 @@ class OptimizationResult:
     seconds: float
     before_map: ErrorMap
     after_map: ErrorMap
+    drives: tuple[DriveCandidate, ...] = ()
+    """The choices of actuators that were looked at, best first; none where the problem chooses no actuators."""
+    drives_exhaustive: bool = True
+    rounded: Rounded | None = None
+    """The design of sizes that can be had, where that was asked for."""

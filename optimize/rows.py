@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import casadi as ca
 
+from arm.drive_load import DriveCase, rated_torques
 from arm.kinematics import place
 from arm.model import ErrorModel
 from arm.modes import inertia_excess, segmented
@@ -142,6 +143,31 @@ def strength_rows(
                             share = stress[len(STATIONS) * entry + station] * limit.value / strength
                             out.rows.append(ca.log(share) - slack[index])
                             out.labels.append(limit.name)
+    return out
+
+
+def torque_rows(
+    space: DesignSpace,
+    limits: Sequence[Limit],
+    cases: Sequence[DriveCase],
+    design: DesignExpressions,
+    slack: Any,
+    slots: Sequence[int],
+) -> Rows:
+    """The loads on the drives, to either side, against the rated torques of their actuators."""
+    out = Rows()
+    rated = rated_torques(space.problem.arm)
+    for number, case in enumerate(cases):
+        for slot in range(slots[number]):
+            q = symbol(f"torque{number}_{slot}", len(design.beams))
+            out.parameters.append(q)
+            loads = case.function(q, design.beam_column)
+            for index, limit in enumerate(limits):
+                for joint, torque in enumerate(rated):
+                    if limit.name == "torque_use" and torque is not None:
+                        use = loads[joint] / (torque * limit.value)
+                        out.rows += [use - ca.exp(slack[index]), -use - ca.exp(slack[index])]
+                        out.labels += [limit.name] * 2
     return out
 
 

@@ -7,36 +7,44 @@ from collections.abc import Callable
 from types import MappingProxyType
 
 from arm.chain import Arm
-from arm.evaluation import Evaluation, error_map, evaluate
+from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
+from arm.model import error_model
 from arm.workspace import Unreachable
+from arm.worst import WorstSearch
 from materials.quantities import format_quantity
 
-from .choice import Choice, Progress, choose
+from .actuators import choose_driven
+from .choice import Allowed, Choice, Progress
 from .design import arm_of, numeric_beams
-from .exchange import Context, context_of
+from .exchange import Context
 from .explain import binding_limits, why_infeasible
+from .figures import figures_of
 from .problem import NoAnswer, Problem
 from .result import Iteration, LinkDesign, OptimizationResult, Status
 
 Log = Callable[[Iteration], None]
 
 
-def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | None = None) -> OptimizationResult:
-    """The best design for a problem.
+def optimise(
+    problem: Problem, *, log: Log | None = None, progress: Progress | None = None, allowed: Allowed | None = None
+) -> OptimizationResult:
+    """The best design for a problem, of the combinations of shapes and materials that are `allowed` (all by default).
 
     `log` hears of every round of an exchange, `progress` of combinations tried. Raises `NoAnswer` where no design keeps
     the limits or the workspace cannot be reached, and `InputError` where a figure is missing that the problem needs.
     """
     began = time.perf_counter()
-    context = context_of(problem)
+    given = problem
     try:
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
-        choice = choose(context, progress=progress, log=log)
+        found = choose_driven(problem, progress=progress, log=log, allowed=allowed)
     except Unreachable as error:
         hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
         raise NoAnswer(f"workspace: {error}{hint}") from None
+    context, choice, problem = found.context, found.choice, found.context.problem
     if choice is None:
-        raise NoAnswer(why_infeasible(context))
+        words = f" (looked at with {found.names})" if found.names else ""
+        raise NoAnswer(why_infeasible(context) + words)
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
@@ -46,22 +54,32 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         problem_file=problem.file,
         minimize=problem.minimize,
         limits=_limits(problem),
-        choices=_choices(problem),
+        choices=_choices(given),
         status=_status(choice, context),
         arm=arm,
         before=before,
         after=after,
-        links=_links(arm, after),
+        links=links_of(arm, after),
         objective=_objective(problem, after),
         lower_bound=lower_bound,
-        binding=binding_limits(problem, choice, _figures(after)),
+        binding=binding_limits(problem, choice, figures_of(after)),
         iterations=choice.history,
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
-        before_map=error_map(context.search, numeric_beams(problem.arm, problem.load_cases), poses=poses),
+        before_map=_map_before(given, context, poses),
         after_map=error_map(context.search, numeric_beams(arm, problem.load_cases), poses=poses),
+        drives=found.candidates,
+        drives_exhaustive=found.exhaustive,
     )
+
+
+def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:
+    """The error map of the arm as given; with other drives it has an error model of its own."""
+    search = context.search
+    if given.actuators is not None:
+        search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
+    return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
 
 
 def _limits(problem: Problem) -> tuple[str, ...]:
@@ -82,6 +100,11 @@ def _choices(problem: Problem) -> tuple[str, ...]:
         found.append(f"section: {', '.join(problem.shapes)}")
     if problem.materials is not None:
         found.append(f"material: {', '.join(material.name for material in problem.materials)}")
+    if problem.actuators is not None:
+        lists = [", ".join(each.name for each in own) for own in problem.actuators]
+        each = [f"joint {number}: {names}" for number, names in enumerate(lists, start=1) if names]
+        alike = len(each) == len(lists) and len(set(lists)) == 1
+        found.append(f"actuator: {lists[0] if alike else '; '.join(each)}")
     if problem.same:
         found.append(f"the same for all links: {', '.join(sorted(problem.same))}")
     return tuple(found)
@@ -93,25 +116,12 @@ def _status(choice: Choice, context: Context) -> Status:
     return "certified" if choice.exchanged.certified and context.uses_error else "converged"
 
 
-def _figures(evaluation: Evaluation) -> dict[str, float]:
-    strength, frequency = evaluation.strength, evaluation.frequency
-    return {
-        "max_error": evaluation.max_error,
-        "mass": evaluation.mass,
-        "total_mass": evaluation.total_mass,
-        "reach": evaluation.reach,
-        "cost": evaluation.cost if evaluation.cost is not None else float("nan"),
-        "safety_factor": strength.least_safety_factor or float("nan"),
-        "first_frequency": frequency.value if frequency is not None else float("nan"),
-        "buckling": strength.least_buckling or float("nan"),
-    }
-
-
 def _objective(problem: Problem, after: Evaluation) -> float:
-    return _figures(after)[problem.minimize]
+    return figures_of(after)[problem.minimize]
 
 
-def _links(arm: Arm, evaluation: Evaluation) -> tuple[LinkDesign, ...]:
+def links_of(arm: Arm, evaluation: Evaluation) -> tuple[LinkDesign, ...]:
+    """The links of an evaluated arm."""
     found: list[LinkDesign] = []
     for index, (link, mass) in enumerate(zip(arm.links, evaluation.link_masses, strict=True)):
         dimensions = {} if link.section is None else {k: float(v) for k, v in link.section.given().items()}

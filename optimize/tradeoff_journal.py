@@ -184,9 +184,13 @@ def _pool(content: Mapping[str, Any]) -> Pool:
             null = tuple(tuple(row) for row in anchor["null"])
             anchor = Anchor(_three(anchor["tip"]), null, anchor["side"])
         errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
-    strengths = tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content["strengths"])
+    strengths, torques = (
+        tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content[name])
+        for name in ("strengths", "torques")
+    )
     modes = tuple(ModeCut(tuple(cut["q"]), cut["payload"], tuple(cut["shape"])) for cut in content["modes"])
-    return Pool(tuple(errors), strengths, modes)
+    torques = tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content.get("torques", ()))
+    return Pool(tuple(errors), strengths, modes, torques)
 
 
 def _three(values: list[float]) -> tuple[float, float, float]:

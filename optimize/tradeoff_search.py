@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +18,13 @@ from numpy.typing import NDArray
 from .choice import MOST_COMBINATIONS, Combination, combinations, count, one_link_changed, uniform
 from .design import design_space, material_row, starting_points
 from .exchange import Context, Exchange, Exchanged, context_of, first_pool
-from .pool import Pool
+from .pool import ErrorCut, Pool, StrengthCut
 from .problem import Problem
 from .tradeoff_question import Question
 
 Array = NDArray[np.float64]
 
+AnyCut = TypeVar("AnyCut", ErrorCut, StrengthCut)
 Told = Callable[[str], None]
 """Hears what is being done, often; may raise to stop."""
 
@@ -119,12 +121,9 @@ class Search:
     def few_poses(self, pool: Pool) -> Pool:
         """A pool with at least one pose of every kind that ever held a design, so that what is compiled can stay."""
         met = self._met = self._met.joined(pool)
-        errors = {cut.load_case for cut in pool.errors}
-        strengths = {cut.load_case for cut in pool.strengths}
-        spare_errors = {cut.load_case: cut for cut in met.errors if cut.load_case not in errors}
-        spare_strengths = {cut.load_case: cut for cut in met.strengths if cut.load_case not in strengths}
         spare_modes = () if pool.modes else met.modes[:1]
-        return pool.joined(Pool(tuple(spare_errors.values()), tuple(spare_strengths.values()), spare_modes))
+        spare = Pool(_others(met.errors, pool.errors), _others(met.strengths, pool.strengths), spare_modes)
+        return pool.joined(spare.with_torques(_others(met.torques, pool.torques)))
 
     def starts(self, pick: Combination, number: int = 2) -> list[Array]:
         """Where to start for a combination: where it ended last, or its starting points."""
@@ -145,6 +144,12 @@ class Search:
     def say(self, text: str) -> None:
         """Tell what is being done."""
         self._told(text)
+
+
+def _others(met: tuple[AnyCut, ...], own: tuple[AnyCut, ...]) -> tuple[AnyCut, ...]:
+    """A cut of each load case that has none of its own."""
+    covered = {cut.load_case for cut in own}
+    return tuple({cut.load_case: cut for cut in met if cut.load_case not in covered}.values())
 
 
 class _Trial:

@@ -65,4 +65,5 @@ AXIS_MISALIGNMENT = Effect(
         _size("shift_v", "length", "shift of the axis along the second direction", 0.1, (0.05e-3, 2e-3)),
     ),
     twists=_twists,
+    only="joints after the first",
 )

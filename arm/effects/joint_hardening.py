@@ -64,7 +64,7 @@ def _limit(number: int) -> Parameter:
 JOINT_HARDENING = Effect(
     id="joint_hardening",
     title="hardening of the drives",
-    formula="sum J_i (c_i t0 tanh(tau_i/t0) + c_r tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
+    formula="sum J_i (c_i t0 tanh(tau_i/t0) + c tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
     automatic=False,
     needs="a wide range of torque",

@@ -54,7 +54,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if not settings.acts_at(index):
             continue
         if "flexibility" in settings.values:
-            yield _more_flexible(index, link, settings.values["flexibility"])
+            yield _more_flexible(state, index, settings.values["flexibility"])
             continue
         if link.beam.flexural_rigidity_height is None:
             continue
@@ -62,9 +62,16 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         yield Twist("link", index, add(scale(along_height, link.height), scale(along_width, link.width)))
 
 
-def _more_flexible(index: int, link: LinkState, flexibility: Scalar) -> Twist:
-    """Deflection and end slope of a link that bends alike in all planes, by a flexibility 1/EI beyond the model's."""
+def _more_flexible(state: PoseState, index: int, flexibility: Scalar) -> Twist:
+    """Deflection and end slope of a link that bends alike in all planes, by a flexibility 1/EI beyond the model's.
+
+    The mass of a link of unknown section lies along it with a density that is linear and has its centre of mass: with
+    k = 3 (2 a/L - 1), a weight P bends the end by P L^3 (1/8 + 7 k/120) and turns it by P L^2 (1/6 + k/12).
+    """
+    link = state.links[index]
     length = link.beam.length
+    lean = 0.0 if length == 0.0 else 3.0 * (2.0 * link.beam.lumped_at / length - 1.0)
+    lumped = _across(link, scale(times(link.beam.lumped_mass, times(length, length)), state.gravity))
     across = _across(link, add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight)))
     turning = _across(link, add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight)))
     moment = _across(link, link.moment)
@@ -72,6 +79,8 @@ def _more_flexible(index: int, link: LinkState, flexibility: Scalar) -> Twist:
     shift = add(scale(times(length, times(length, length)), across), scale(times(0.5, times(length, length)),
                 cross(moment, link.along)))  # fmt: skip
     turn = add(scale(times(length, length), cross(link.along, turning)), scale(length, moment))
+    shift = add(shift, scale(length * (0.125 + 7.0 * lean / 120.0), lumped))
+    turn = add(turn, scale(1.0 / 6.0 + lean / 12.0, cross(link.along, lumped)))
     return Twist("link", index, scale(flexibility, shift), scale(flexibility, turn))
 
 

@@ -28,9 +28,10 @@ from materials.quantities import InputError
 from .options import CatalogueFile, JsonFile, asked_of, catalogue_with
 
 if TYPE_CHECKING:
-    from optimize.tradeoff import Progress, Tradeoff
     from optimize.tradeoff_journal import Journal
     from optimize.tradeoff_question import Question
+    from optimize.tradeoff_result import Tradeoff
+    from optimize.tradeoff_trace import Progress
 
 HELP = """The trade-off between two figures: no design of the front can be beaten in both.
 

@@ -18,8 +18,8 @@ from linkwright.screen.tradeoff import (
 )
 from linkwright.tradeoff_data import point_file
 from linkwright.words import figure, load_case_words, section_words, with_unit, workspace_words
-from optimize.tradeoff import Front, Point, Tradeoff
 from optimize.tradeoff_question import Axis
+from optimize.tradeoff_result import Front, Point, Tradeoff
 
 from . import parts
 from .figures import Figure

@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 
 from linkwright.screen.tradeoff import shown
 from linkwright.words import figure
-from optimize.tradeoff import Front, Point, Tradeoff
 from optimize.tradeoff_question import Axis
+from optimize.tradeoff_result import Front, Point, Tradeoff
 
 from .svg import element, nice_below, text
 
 WIDTH, HEIGHT = 860.0, 560.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 92.0, 30.0, 78.0, 64.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 92.0, 30.0, 60.0, 64.0
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a7a00", "#7f3c8d")
 """Apart for people who are colour-blind as well (after Okabe and Ito, Color Universal Design, 2008)."""
 INK, MUTED, LINE = "#1d2530", "#5b6675", "#d9dee5"
@@ -36,9 +36,9 @@ def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, floa
     """Where an axis begins and ends (in its unit), with a little air."""
     low, high = axis.factor * min(values), axis.factor * max(values)
     if log:
-        air = (high / low) ** 0.05
+        air = (high / low) ** 0.07
         return low / air, high * air
-    air = 0.05 * (high - low) or 0.05 * high
+    air = 0.07 * (high - low) or 0.05 * high
     return max(low - air, 0.0), high + air
 
 
@@ -53,9 +53,11 @@ def tradeoff_picture(result: Tradeoff) -> str:
     def at(point: Point) -> tuple[float, float]:
         return place_x(x.factor * point.x), place_y(y.factor * point.y)
 
-    parts = [element("rect", x=0, y=0, width=WIDTH, height=HEIGHT, fill="#ffffff")]
-    parts += _frame(x, across, place_x, y, up, place_y, result.logs)
     grouped = len(result.fronts) > 1
+    legend, more = _legend(result) if grouped else ([], 0.0)
+    parts = [element("rect", x=0, y=0, width=WIDTH, height=HEIGHT + more, fill="#ffffff"), *legend]
+    parts += _frame(x, across, place_x, y, up, place_y, result.logs)
+    parts += _ends(result, at)  # beneath the fronts, so that its words hide no point
     if grouped:
         parts.append(_curve(result, result.envelope, at, "#b8c0cb", 7.0))
     for number, front in enumerate(result.fronts):
@@ -63,18 +65,15 @@ def tradeoff_picture(result: Tradeoff) -> str:
         parts.append(_curve(result, front, at, colour, 2.0))
         parts += [_dot(at(point), 2.6, colour) for point in result.of(front)]
     parts += _knee(result, at)
-    parts += _ends(result, at)
     better = [f"{'more' if axis.more_is_better else 'less'} {axis.title}" for axis in (x, y)]
     title = f"{result.asked.given.arm.name}: {y.title} against {x.title}"
     parts.append(_words(_LEFT, 26.0, title, size=17, colour=INK, anchor="start", weight="600"))
     parts.append(_words(_LEFT, 46.0, f"better: {better[0]}, {better[1]}", size=12.5, anchor="start"))
-    if grouped:
-        parts += _legend(result)
-    window = f"0 0 {WIDTH:g} {HEIGHT:g}"
+    window = f"0 0 {WIDTH:g} {HEIGHT + more:g}"
     family = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{window}" width="{WIDTH:g}" height="{HEIGHT:g}" role="img" '
-        f'aria-label="{text(picture_words(result)).replace(chr(34), "")}" font-family="{family}">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{window}" width="{WIDTH:g}" height="{HEIGHT + more:g}" '
+        f'role="img" aria-label="{text(picture_words(result)).replace(chr(34), "")}" font-family="{family}">'
         + "".join(parts)
         + "</svg>\n"
     )
@@ -167,8 +166,11 @@ def _knee(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[
     size = 7.0
     diamond = f"M{across - size:.2f},{up:.2f}l{size},{-size}l{size},{size}l{-size},{size}z"
     words = f"knee: {shown(result.asked.x, point.x, 3)}, {shown(result.asked.y, point.y, 3)}"
-    # On the better side of the front, where nothing else is drawn.
+    # On the better side of the front, where nothing else is drawn, as far as there is room.
+    room = 8.0 * len(words) + 12.0
     right, above = result.asked.x.more_is_better, result.asked.y.more_is_better
+    if (not right and across - room < _LEFT) or (right and across + room > WIDTH - _RIGHT):
+        right, above = not right, not above
     start = (across + 12.0, "start") if right else (across - 12.0, "end")
     mark = element("path", d=diamond, fill="#ffffff", stroke=INK, stroke_width=2.0)
     height = up - 12.0 if above else up + 20.0
@@ -182,23 +184,29 @@ def _ends(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[
         given = result.points[number - 1]
         across, up = at(given)
         late = across > 0.5 * WIDTH
-        low = up + 24.0 < HEIGHT - _BOTTOM and not result.asked.y.more_is_better
+        # Beyond the end itself, where no front goes on: above the highest point, below the lowest.
+        first = number == points[0].number
+        height = up - 11.0 if first != result.asked.y.more_is_better else up + 20.0
         words = f"{shown(result.asked.x, given.x, 4)}, {shown(result.asked.y, given.y, 4)}"
         parts.append(element("circle", cx=across, cy=up, r=5.0, fill="none", stroke=INK, stroke_width=1.6))
-        place = (across - 9.0, up + (18.0 if low else -10.0)) if late else (across + 10.0, up + 4.0)
-        parts.append(_words(*place, words, size=12.0, anchor="end" if late else "start"))
+        start = (across + 9.0, "end") if late else (across - 9.0, "start")
+        parts.append(_words(start[0], height, words, size=12.0, anchor=start[1]))
     return parts
 
 
-def _legend(result: Tradeoff) -> list[str]:
+def _legend(result: Tradeoff) -> tuple[list[str], float]:
+    """The fronts' names below the picture, in as many rows as they need, and the height that those take."""
     parts: list[str] = []
-    across = _LEFT
+    across, up = _LEFT, HEIGHT + 2.0
     entries = [(front.name, COLOURS[k % len(COLOURS)], 3.0) for k, front in enumerate(result.fronts)]
     for name, colour, wide in [*entries, ("envelope", "#b8c0cb", 7.0)]:
-        parts.append(_line((across, 62.0), (across + 20.0, 62.0), colour, wide))
-        parts.append(_words(across + 26.0, 66.0, name, size=12.0, anchor="start"))
-        across += 48.0 + 7.0 * len(name)
-    return parts
+        width = 48.0 + 7.0 * len(name)
+        if across > _LEFT and across + width > WIDTH - _RIGHT:
+            across, up = _LEFT, up + 20.0
+        parts.append(_line((across, up), (across + 20.0, up), colour, wide))
+        parts.append(_words(across + 26.0, up + 4.0, name, size=12.0, anchor="start"))
+        across += width
+    return parts, up + 16.0 - HEIGHT
 
 
 def _dot(place: tuple[float, float], size: float, colour: str) -> str:

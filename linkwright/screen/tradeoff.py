@@ -10,8 +10,9 @@ from rich.status import Status
 from rich.table import Table
 
 from linkwright.words import figure, percent
-from optimize.tradeoff import Front, Point, Progress, Tradeoff
 from optimize.tradeoff_question import Axis
+from optimize.tradeoff_result import Front, Point, Tradeoff
+from optimize.tradeoff_trace import Progress
 
 from .console import console, table
 from .optimization import names_words

@@ -1,0 +1,240 @@
+"""The catalogue of actuators: what a joint's drive gives under, loses, weighs, holds and costs.
+
+A file of actuators, the shipped ones beside this module and the user's own alike:
+
+```yaml
+format_version: 1
+maker: Harmonic Drive
+references:
+  csf-csg: "Harmonic Drive LLC, Cup Type Component Sets and Housed Units, CSF & CSG Series"
+actuators:
+  CSG-25-100-2UH:
+    gear: strain wave                  # or cycloidal, planetary
+    ratio: 100                         # optional
+    rated_torque: 87 N*m
+    peak_torque: 204 N*m               # optional
+    stiffness: [31 kN*m/rad, 50 kN*m/rad, 57 kN*m/rad]   # or one value; in zones that end at zone_torques
+    zone_torques: [14 N*m, 48 N*m]
+    backlash: 0 arcmin                 # total lost motion
+    mass: 1.5 kg
+    cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}    # left out where unknown
+    source: csf-csg
+```
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+
+from platformdirs import user_config_dir
+
+from materials.quantities import InputError, read_quantity, shown
+from materials.reading import Mapping as Keys
+from materials.reading import load_yaml, nearest, parse_yaml
+
+FORMAT_VERSION = 1
+"""The version of the format that this code reads."""
+
+ACTUATORS_VARIABLE = "LINKWRIGHT_ACTUATORS"
+"""The environment variable that names the user's own actuators in place of the default file."""
+
+GEARS = ("strain wave", "cycloidal", "planetary")
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A gear or actuator of a joint that turns, SI (N*m, N*m/rad, rad, kg, EUR).
+
+    `stiffnesses` are those of its zones of torque, which end at `zone_torques` (one fewer). `backlash` is the total
+    lost motion. `cost` is indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None
+    where unknown. `file` is where the entry stands.
+    """
+
+    name: str
+    maker: str
+    gear: str
+    rated_torque: float
+    stiffnesses: tuple[float, ...]
+    backlash: float
+    mass: float
+    source: str
+    file: str
+    peak_torque: float | None = None
+    ratio: float | None = None
+    zone_torques: tuple[float, ...] = ()
+    cost: float | None = None
+    cost_spread: tuple[float, float] | None = None
+    cost_date: str | None = None
+    note: str = ""
+
+    @property
+    def stiffness(self) -> float:
+        """The stiffness (N*m/rad) of the softest zone: under no torque does the gear give more than by this one."""
+        return min(self.stiffnesses)
+
+    def wind_up(self, torque: float) -> float:
+        """How far the gear gives (rad) under a torque (N*m, either sign), zone by zone."""
+        left, turned, start = abs(torque), 0.0, 0.0
+        for stiffness, end in itertools.zip_longest(self.stiffnesses, self.zone_torques):
+            part = left if end is None else min(left, end - start)
+            turned += part / stiffness
+            left -= part
+            start = start if end is None else end
+        return turned if torque >= 0.0 else -turned
+
+
+@dataclass(frozen=True)
+class Actuators:
+    """Actuators by name; of two with the same name the one of the later file counts."""
+
+    by_name: Mapping[str, Actuator]
+
+    def __iter__(self) -> Iterator[Actuator]:
+        """Iterate over the actuators, maker by maker."""
+        return iter(self.by_name.values())
+
+    def __len__(self) -> int:
+        """Count the actuators."""
+        return len(self.by_name)
+
+    def find(self, name: str, *, file: object = "", key: str = "actuator") -> Actuator:
+        """The actuator of that name; raises `InputError` for file and key with the nearest known name."""
+        if name not in self.by_name:
+            raise InputError(file, key, f"there is no actuator '{name}'{nearest(name, list(self.by_name))}")
+        return self.by_name[name]
+
+
+def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Actuators:
+    """The shipped actuators, over them the user's own (where the file exists and `user` is true), over that `paths`.
+
+    A file named by the environment variable or in `paths` must exist. Raises `InputError`.
+    """
+    found = dict(shipped_actuators())
+    own = user_actuators_path()
+    if user and (own.exists() or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
+        found.update(read_actuators(load_yaml(own)))
+    for path in paths:
+        found.update(read_actuators(load_yaml(path)))
+    return Actuators(MappingProxyType(found))
+
+
+def user_actuators_path() -> Path:
+    """Where the user's own actuators are, or would be: `LINKWRIGHT_ACTUATORS`, or the configuration folder."""
+    named = os.environ.get(ACTUATORS_VARIABLE, "").strip()
+    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "actuators.yaml"
+
+
+@lru_cache(maxsize=1)
+def shipped_actuators() -> Mapping[str, Actuator]:
+    """The actuators that come with the program, read from its package data and checked."""
+    found: dict[str, Actuator] = {}
+    for item in sorted(files("arm.actuators").iterdir(), key=lambda entry: entry.name):
+        if item.name.endswith(".yaml"):
+            name = f"actuators/{item.name}"
+            found.update(read_actuators(Keys(parse_yaml(item.read_text(encoding="utf-8"), file=name), file=name)))
+    return MappingProxyType(found)
+
+
+def read_actuators(keys: Keys) -> dict[str, Actuator]:
+    """The checked actuators of a file's content; raises `InputError` naming the entry and its key."""
+    with keys.reading():
+        version = keys.raw("format_version", f"format_version: {FORMAT_VERSION}")
+        if isinstance(version, bool) or version != FORMAT_VERSION:
+            known = f"this program reads {FORMAT_VERSION}"
+            raise keys.error("format_version", f"{shown(version)} is not known here; {known}")
+        maker = keys.text("maker")
+        references = keys.mapping("references")
+        sources = {name: references.text(name) for name in references.content}
+        entries = keys.mapping("actuators")
+        return {name: _read(entries.mapping(name), name, maker, sources) for name in entries.content}
+
+
+def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str]) -> Actuator:
+    with keys.reading():
+        if not name.strip() or name != name.strip():
+            raise keys.error("", f"{name!r} cannot be an actuator's name")
+        rated = _positive(keys, "rated_torque", "torque")
+        peak = _positive(keys, "peak_torque", "torque") if keys.has("peak_torque") else None
+        if peak is not None and peak < rated:
+            raise keys.error("peak_torque", "must not be below the rated torque")
+        stiffnesses, ends = _stiffnesses(keys)
+        backlash = keys.quantity("backlash", "angle")
+        if backlash < 0.0:
+            raise keys.error("backlash", "cannot be negative")
+        ratio = keys.number("ratio") if keys.has("ratio") else None
+        if ratio is not None and ratio <= 0.0:
+            raise keys.error("ratio", "must be positive")
+        source = keys.text("source")
+        if source not in sources:
+            known = ", ".join(sources) or "none are given"
+            raise keys.error("source", f"'{source}' is not among the file's references ({known})")
+        cost, spread, date = _cost(keys)
+        return Actuator(
+            name=name,
+            maker=maker,
+            gear=keys.choice("gear", GEARS),
+            rated_torque=rated,
+            stiffnesses=stiffnesses,
+            backlash=backlash,
+            mass=_positive(keys, "mass", "mass"),
+            source=sources[source],
+            file=str(keys.file),
+            peak_torque=peak,
+            ratio=ratio,
+            zone_torques=ends,
+            cost=cost,
+            cost_spread=spread,
+            cost_date=date,
+            note=keys.text("note", "") if keys.has("note") else "",
+        )
+
+
+def _positive(keys: Keys, name: str, kind: str) -> float:
+    value = keys.quantity(name, kind)
+    if value <= 0.0:
+        raise keys.error(name, f"must be positive, not {shown(keys.content[name])}")
+    return value
+
+
+def _stiffnesses(keys: Keys) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The stiffness of each zone of torque, and the torques at which the zones end."""
+    if not isinstance(keys.content.get("stiffness"), list):
+        return (_positive(keys, "stiffness", "torsional_stiffness"),), ()
+    zones = _quantities(keys, "stiffness", "torsional_stiffness")
+    ends = _quantities(keys, "zone_torques", "torque")
+    if len(ends) != len(zones) - 1:
+        raise keys.error("zone_torques", f"needs {len(zones) - 1} torques for {len(zones)} zones of stiffness")
+    if not zones or min(zones) <= 0.0 or any(end <= start for start, end in itertools.pairwise((0.0, *ends))):
+        raise keys.error("zone_torques", "must rise from zone to zone, and every stiffness must be positive")
+    return zones, ends
+
+
+def _quantities(keys: Keys, name: str, kind: str) -> tuple[float, ...]:
+    path = keys.path_of(name)
+    return tuple(
+        read_quantity(item, kind, file=keys.file, key=f"{path}[{number}]")
+        for number, item in enumerate(keys.items(name), start=1)
+    )
+
+
+def _cost(keys: Keys) -> tuple[float | None, tuple[float, float] | None, str | None]:
+    """A price is worth something only with its date and spread."""
+    if not keys.has("cost"):
+        return None, None, None
+    with keys.mapping("cost").reading() as price:
+        value = price.quantity("value", "cost")
+        spread = price.range("spread", "cost")
+        date = price.text("date")
+        if not re.fullmatch(r"\d{4}-\d{2}(-\d{2})?", date):
+            raise price.error("date", f"is a month or day, e.g. 2026-01, not {shown(date)}")
+        if not 0.0 <= spread[0] <= value <= spread[1]:
+            raise price.error("spread", "must hold the value, and nothing below zero")
+    return value, spread, date

@@ -1,0 +1,177 @@
+"""Which actuator each joint should have: every choice up to a number, else a search joint by joint.
+
+Stiffness, backlash and mass of the drives are constants of an error model, so each choice is a problem of its own for
+the links (`optimize.choice`). The choices are taken in the order of the error that they give the arm as it stands; one
+whose design for its binding poses alone is worse than the best so far is given up.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from arm.actuators import Actuator
+from arm.chain import Arm
+from arm.worst import WorstSearch
+
+from .choice import Allowed, Choice, Progress, choose
+from .design import numeric_beams
+from .exchange import Context, context_of
+from .problem import Problem
+from .program import carried_mass, drives_cost
+from .result import DriveCandidate, Iteration
+
+Log = Callable[[Iteration], None]
+Assignment = tuple[Actuator | None, ...]
+"""An actuator for each joint; None for a joint that keeps its own drive."""
+
+MOST_ASSIGNMENTS = 64
+"""Up to this many choices every one is looked at."""
+
+
+@dataclass(frozen=True)
+class Driven:
+    """The best choice of actuators: the problem with them in its arm (in `context`), and the links' choice.
+
+    `choice` is None where no assignment has a design; the context is then that of the most promising one. `names` are
+    the actuators, in words; empty where the problem chooses none.
+    """
+
+    context: Context
+    choice: Choice | None
+    candidates: tuple[DriveCandidate, ...]
+    exhaustive: bool
+    names: str
+
+
+def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
+    """The arm with these actuators: their stiffness, backlash and mass replace those of the joints."""
+    joints = [
+        joint
+        if actuator is None
+        else replace(
+            joint,
+            actuator=actuator,
+            stiffness=actuator.stiffness,
+            backlash=actuator.backlash,
+            mass=actuator.mass,
+        )
+        for joint, actuator in zip(arm.joints, assignment, strict=True)
+    ]
+    return replace(arm, joints=tuple(joints))
+
+
+def assignments(problem: Problem) -> list[Assignment]:
+    """Every choice of actuators that the problem allows; under `same: [actuator]` those in which all joints agree."""
+    lists = [tuple[Actuator | None, ...](own) or (None,) for own in problem.actuators or ()]
+    picks = itertools.product(*lists)
+    if "actuator" not in problem.same:
+        return list(picks)
+    return [pick for pick in picks if len({each.name for each in pick if each is not None}) <= 1]
+
+
+def count(problem: Problem) -> int:
+    """How many choices there are, without listing them."""
+    sizes = [max(len(own), 1) for own in problem.actuators or ()]
+    return max(sizes) if "actuator" in problem.same else math.prod(sizes)
+
+
+class _Search:
+    """Works through assignments with one incumbent."""
+
+    def __init__(
+        self, problem: Problem, progress: Progress | None, log: Log | None, allowed: Allowed | None
+    ) -> None:
+        self.problem, self.progress, self.log, self.allowed = problem, progress, log, allowed
+        self.best: tuple[Assignment, Context, Choice] | None = None
+        self.candidates: dict[Assignment, DriveCandidate] = {}
+
+    @property
+    def objective(self) -> float:
+        """The best objective so far (SI)."""
+        return math.inf if self.best is None else self.best[2].objective
+
+    def problem_with(self, pick: Assignment) -> Problem:
+        """The problem of the links once the drives are chosen."""
+        return replace(self.problem, arm=with_actuators(self.problem.arm, pick), actuators=None)
+
+    def try_all(self, picks: list[Assignment]) -> None:
+        """Look at assignments, those first with which the arm as given errs least."""
+        fresh = [pick for pick in picks if pick not in self.candidates and not self._hopeless(pick)]
+        for done, pick in enumerate(sorted(fresh, key=self._error)):
+            if self.progress is not None:
+                self.progress(done, len(fresh), f"actuators {names_of(pick)}")
+            context = context_of(self.problem_with(pick))
+            before = math.inf if self.best is None else self.objective
+            choice = choose(context, log=self.log, known=before, allowed=self.allowed)
+            if choice is not None:
+                self._note(pick, choice.objective, "solved")
+                if choice.objective < before:
+                    self.best = (pick, context, choice)
+            else:
+                self._note(pick, None, "infeasible" if math.isinf(before) else "bounded out")
+
+    def _hopeless(self, pick: Assignment) -> bool:
+        """Whether the drives alone break the limit on the total mass or the cost."""
+        problem = self.problem_with(pick)
+        heavy = any(x.relation != ">=" and carried_mass(problem) >= x.value for x in problem.limit("total_mass"))
+        dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
+        if heavy or dear:
+            self._note(pick, None, "infeasible")
+        return heavy or dear
+
+    def _error(self, pick: Assignment) -> float:
+        problem = self.problem_with(pick)
+        context = context_of(problem)
+        search = WorstSearch(context.model, problem.workspace, scan=1024)
+        return search.worst(numeric_beams(problem.arm, problem.load_cases), certify=False).error
+
+    def _note(self, pick: Assignment, objective: float | None, outcome: str) -> None:
+        names = tuple(None if actuator is None else actuator.name for actuator in pick)
+        self.candidates[pick] = DriveCandidate(names, objective, outcome)  # type: ignore[arg-type]
+
+    def joint_by_joint(self) -> None:
+        """Assignments in which the joints agree as far as they can, then one joint at a time until none improves."""
+        lists = [own or (None,) for own in self.problem.actuators or ()]
+        longest = max(len(own) for own in lists)
+        self.try_all(list(dict.fromkeys(tuple(own[min(k, len(own) - 1)] for own in lists) for k in range(longest))))
+        improved = True
+        while improved and self.best is not None:
+            before = self.objective
+            for joint, own in enumerate(lists):
+                pick = self.best[0]
+                self.try_all([(*pick[:joint], other, *pick[joint + 1 :]) for other in own])
+            improved = self.objective < before * (1.0 - 1e-6)
+
+
+def choose_driven(
+    problem: Problem, *, progress: Progress | None = None, log: Log | None = None, allowed: Allowed | None = None
+) -> Driven:
+    """The best actuators with the best links for them (of combinations `allowed`); without a choice of actuators, the
+    best links."""
+    if problem.actuators is None:
+        context = context_of(problem)
+        return Driven(context, choose(context, progress=progress, log=log, allowed=allowed), (), True, "")
+    search = _Search(problem, progress, log, allowed)
+    exhaustive = count(problem) <= MOST_ASSIGNMENTS
+    if exhaustive:
+        search.try_all(assignments(problem))
+    else:
+        search.joint_by_joint()
+    candidates = [
+        replace(each, outcome="best") if search.best is not None and pick == search.best[0] else each
+        for pick, each in search.candidates.items()
+    ]
+    ranked = tuple(sorted(candidates, key=lambda each: math.inf if each.objective is None else each.objective))
+    if search.best is not None:
+        pick, context, choice = search.best
+        return Driven(context, choice, ranked, exhaustive, names_of(pick))
+    first = next(iter(search.candidates))
+    return Driven(context_of(search.problem_with(first)), None, ranked, exhaustive, names_of(first))
+
+
+def names_of(pick: Assignment) -> str:
+    """The actuators of an assignment from the base out, in words."""
+    return ", ".join("own drive" if actuator is None else actuator.name for actuator in pick)

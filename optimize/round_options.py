@@ -1,0 +1,226 @@
+"""What a link's section and length can be rounded to: a grid of sizes, or the rows of the stock tables."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from arm.chain import Link
+from materials.catalogue import shipped_layers
+from materials.material import Material
+from materials.quantities import InputError, format_quantity, read_quantity
+from sections import StockSize, load_stock
+from sections.section import Section
+
+from .choice import Combination
+from .problem import NoAnswer, Problem
+
+LENGTH_STEP = 1e-3
+"""The grid of link lengths unless another is given, m."""
+_ON_GRID = 1e-4
+"""A size this near to the grid (in steps) is on it."""
+_WITHIN = 1e-9
+
+_STEELS = ("steel-s235", "steel-s275", "steel-s355", "steel-s460n")
+_WROUGHT = (
+    "aluminium-2024-t3",
+    "aluminium-5083-h111",
+    "aluminium-6061-t6",
+    "aluminium-6063-t6",
+    "aluminium-6082-t6",
+    "aluminium-7075-t6",
+)
+GRADES = MappingProxyType(
+    {"EN 10210": _STEELS, "EN 10219": _STEELS, "EN 10365": _STEELS, "EN 755": _WROUGHT}
+)
+"""The shipped materials that a standard of dimensions is delivered in, by the technical conditions that go with it:
+EN 10210-1, EN 10219-1, EN 10025 (for EN 10365) and EN 755-2."""
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """What to round to: a grid with this `step` (m), or the stock tables where it is None; lengths go to their own."""
+
+    step: float | None
+    length_step: float = LENGTH_STEP
+
+    @property
+    def text(self) -> str:
+        """As people write it."""
+        return "stock" if self.step is None else format_quantity(self.step, "length")
+
+
+@dataclass(frozen=True)
+class Option:
+    """A section with its material for one link (None for a rigid link), and its name where it is a stock size."""
+
+    section: Section | None
+    material: Material | None
+    stock: str | None = None
+
+
+def read_rounding(text: str, length: str | None = None) -> Rounding:
+    """What `--round stock` or `--round "0.5 mm"` asks for, lengths to 1 mm unless given. Raises `InputError`."""
+    step = None if text.strip().casefold() == "stock" else _step(text, "--round")
+    return Rounding(step, LENGTH_STEP if length is None else _step(length, "--round-length"))
+
+
+def _step(text: str, key: str) -> float:
+    step = read_quantity(text, "length", file="", key=key)
+    if not 1e-6 <= step <= 0.1:
+        raise InputError("", key, f"is a step from 1 um to 100 mm, not {text}")
+    return step
+
+
+# ---- stock
+
+
+def stock_rows(problem: Problem, shape: str) -> list[StockSize]:
+    """The stock sizes of a shape whose dimensions lie within the problem's bounds."""
+    return [size for size in load_stock() if size.shape == shape and _in_bounds(problem, size.section)]
+
+
+def _in_bounds(problem: Problem, section: Section) -> bool:
+    """Whether outer sizes and walls (not the radii of fillets and corners) lie within the problem's bounds."""
+    bounds = {"outer": problem.section_size, "wall": problem.thickness}
+    for dimension in section.dimensions:
+        value = getattr(section, dimension.name)
+        if value is None or dimension.kind not in bounds:
+            continue
+        low, high = bounds[dimension.kind]
+        if not low * (1.0 - _WITHIN) <= float(value) <= high * (1.0 + _WITHIN):
+            return False
+    return True
+
+
+def comes_in(size: StockSize, material: Material) -> bool:
+    """Whether a stock size is delivered in a material. A standard that is not known here, or a material that is not the
+    program's own, is taken at its user's word."""
+    for standard, grades in GRADES.items():
+        if re.search(rf"\b{re.escape(standard)}(?!\d)", size.source):
+            return material.name in grades or material.name not in _shipped_names()
+    return True
+
+
+def _shipped_names() -> frozenset[str]:
+    return frozenset(name for layer in shipped_layers() for name in layer.materials)
+
+
+def stock_options(problem: Problem, shape: str, materials: Iterable[Material]) -> list[Option]:
+    """Every stock size of a shape in every one of the materials that it comes in."""
+    return [
+        Option(size.section, material, size.name)
+        for size in stock_rows(problem, shape)
+        for material in materials
+        if comes_in(size, material)
+    ]
+
+
+def allowed_materials(problem: Problem, link: Link) -> tuple[Material, ...]:
+    """The materials that the problem allows a link."""
+    own = () if link.material is None else (link.material,)
+    return own if problem.materials is None else problem.materials
+
+
+def buyable(problem: Problem) -> Callable[[Combination], bool]:
+    """Tells whether every link of a combination can be had from stock. Raises `NoAnswer` where no combination can."""
+    shapes = problem.shapes or tuple(link.section.shape for link in problem.arm.links if link.section is not None)
+    shapes = tuple(dict.fromkeys(shapes))
+    materials = {m.name: m for link in problem.arm.links for m in allowed_materials(problem, link)}
+    rows = {shape: stock_rows(problem, shape) for shape in shapes}
+    pairs = {(s, m.name) for s in shapes for m in materials.values() if any(comes_in(row, m) for row in rows[s])}
+    if not pairs:
+        span = " to ".join(format_quantity(bound, "length") for bound in problem.section_size)
+        raise NoAnswer(
+            f"no stock size is of shape {' or '.join(shapes)}, comes in {' or '.join(materials)} and keeps "
+            f"section_size {span}; `linkwright sections list` has them all"
+        )
+
+    def can_be_bought(pick: Combination) -> bool:
+        return all(
+            shape is None or material is None or (shape, material.name) in pairs
+            for shape, material in zip(pick.shapes, pick.materials, strict=True)
+        )
+
+    return can_be_bought
+
+
+# ---- the grid
+
+
+def multiples(value: float, step: float, bounds: tuple[float, float], reach: int) -> list[float]:
+    """The multiples of a step nearest to a value (m), `reach` to either side, within bounds."""
+    at = value / step
+    whole = round(at)
+    if abs(at - whole) < _ON_GRID:
+        numbers = range(whole - reach, whole + reach + 1)
+    else:
+        numbers = range(math.floor(at) - reach + 1, math.floor(at) + reach + 1)
+    found = [float(f"{number * step:.12g}") for number in numbers if number > 0]
+    low, high = bounds
+    return [each for each in found if low * (1.0 - _WITHIN) <= each <= high * (1.0 + _WITHIN)]
+
+
+def grid_sections(problem: Problem, section: Section, step: float, reach: int, link: int) -> list[Section]:
+    """The possible sections whose every dimension is one of the nearest multiples of a step (m).
+
+    Raises `NoAnswer` where a bound leaves no multiple.
+    """
+    choices: dict[str, list[float]] = {}
+    for dimension in section.dimensions:
+        value = getattr(section, dimension.name)
+        if value is None:
+            continue
+        name = "section_size" if dimension.kind == "outer" else "thickness"
+        bounds = problem.section_size if dimension.kind == "outer" else problem.thickness
+        choices[dimension.name] = multiples(float(value), step, bounds, reach)
+        if not choices[dimension.name]:
+            span = " to ".join(format_quantity(bound, "length") for bound in bounds)
+            grid = format_quantity(step, "length")
+            raise NoAnswer(f"{name} {span} holds no multiple of {grid} for the {dimension.name} of link {link + 1}")
+    made = [type(section)(**dict(zip(choices, sizes, strict=True))) for sizes in itertools.product(*choices.values())]
+    return [each for each in made if not each.check() and _keeps_bounds(problem, each)]
+
+
+def _keeps_bounds(problem: Problem, section: Section) -> bool:
+    rows = section.bound_constraints(problem.section_size, problem.thickness)
+    return all(float(row.value) <= 1e-9 for row in rows)
+
+
+def length_choices(problem: Problem, lengths: tuple[float, ...], step: float, reach: int) -> list[tuple[float, ...]]:
+    """All links' lengths together: multiples of a step (m) near the free ones that keep the limits on the reach.
+
+    Raises `NoAnswer` where none do.
+    """
+    choices: list[list[float]] = []
+    for number, (length, link) in enumerate(zip(lengths, problem.arm.links, strict=True), start=1):
+        if problem.link_length is None or not link.elastic:
+            choices.append([length])
+            continue
+        choices.append(multiples(length, step, problem.link_length, reach))
+        if not choices[-1]:
+            span = " to ".join(format_quantity(bound, "length") for bound in problem.link_length)
+            grid = format_quantity(step, "length")
+            raise NoAnswer(f"link_length {span} holds no multiple of {grid} for link {number}")
+    found = [
+        pick
+        for pick in itertools.product(*choices)
+        if all(_keeps_reach(limit.relation, sum(pick), limit.value) for limit in problem.limit("reach"))
+    ]
+    if not found:
+        limit = problem.limit("reach")[0]
+        grid = format_quantity(step, "length")
+        hint = "; give a finer --round-length" if problem.link_length is not None else ""
+        raise NoAnswer(f"{limit.text}: no lengths in steps of {grid} keep it{hint}")
+    return found
+
+
+def _keeps_reach(relation: str, reach: float, value: float) -> bool:
+    slack = _WITHIN * value
+    if relation == "==":
+        return abs(reach - value) <= slack
+    return reach <= value + slack if relation == "<=" else reach >= value - slack

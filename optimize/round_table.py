@@ -1,0 +1,145 @@
+"""Many designs at once: the figures of every combination of section options and lengths, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.beam import elastic_beam
+from arm.chain import Arm
+from arm.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from arm.strength import STRENGTH_FIELDS, strength_values
+
+from .problem import Problem
+from .program import carried_mass, drives_cost
+from .round_options import Option
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Links (from 0) that must agree in their dimensions, and what they can be: an option for each of them, the ones
+    nearest to the optimum first. The first `near` are those to try in every combination."""
+
+    links: tuple[int, ...]
+    options: tuple[tuple[Option, ...], ...]
+    near: int
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of N designs (SI): beam values (N, 9 n), section values (N, 4 n), and N each of the rest."""
+
+    p: Array
+    sections: Array
+    mass: Array
+    cost: Array
+    reach: Array
+
+
+class Table:
+    """All groups' options and all choices of lengths, ready to be combined."""
+
+    def __init__(
+        self, problem: Problem, arm: Arm, groups: Sequence[Group], lengths: Sequence[tuple[float, ...]]
+    ) -> None:
+        """`arm` is the optimum; links in no group (rigid ones) stay as they are."""
+        self.problem, self.arm = problem, arm
+        self.groups, self.lengths = tuple(groups), tuple(lengths)
+        self.carried = carried_mass(problem)
+        self._bought = drives_cost(problem)
+        self._length_rows = np.array(self.lengths)
+        self._rigid = beam_values(beams_of(arm, problem.load_cases)).reshape(arm.size, -1)
+        self._rigid_mass = np.array([0.0 if link.elastic else link.mass or 0.0 for link in arm.links])
+        self._strong = strength_values(
+            [None if link.section is None else link.section.properties(0.3) for link in arm.links]
+        ).reshape(arm.size, -1)
+        shear = needs_shear_modulus(arm, problem.load_cases)
+        strong = bool(problem.limit("safety_factor"))
+        priced = problem.minimize == "cost" or bool(problem.limit("cost"))
+        rows = [[self._rows(option, shear, priced, strong) for option in group.options] for group in self.groups]
+        self._beams = [np.array([[entry[0] for entry in own] for own in group]) for group in rows]
+        self._sections = [np.array([[entry[1] for entry in own] for own in group]) for group in rows]
+        self._prices = [np.array([[entry[2] for entry in own] for own in group]) for group in rows]
+        self.yields = [np.array([[entry[3] for entry in own] for own in group]) for group in rows]
+
+    def _rows(
+        self, options: tuple[Option, ...], shear: bool, priced: bool, strong: bool
+    ) -> list[tuple[Array, Array, float, float]]:
+        """For each link: beam values without length, section values, price (EUR/kg) and yield strength (Pa)."""
+        found: list[tuple[Array, Array, float, float]] = []
+        temperature = self.arm.temperature
+        for option in options:
+            assert option.section is not None
+            assert option.material is not None
+            values = option.material.at(temperature)
+            properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
+            beam = elastic_beam(1.0, properties, values, shear=shear)
+            price = option.material.need("cost", temperature) if priced else 0.0
+            strength = values.need("yield_strength") if strong else np.nan
+            # The moduli that count for strength are those of `evaluate`.
+            moduli = strength_values([option.section.properties(0.3)])
+            found.append((beam_values([beam]), moduli, price, strength))
+        return found
+
+    def figures(self, picks: Integers) -> Figures:
+        """The figures of designs: rows of picks are an option of each group, then a choice of lengths."""
+        count, size = len(picks), self.arm.size
+        lengths = self._length_rows[picks[:, -1]]
+        p = np.broadcast_to(self._rigid, (count, *self._rigid.shape)).copy()
+        s = np.broadcast_to(self._strong, (count, *self._strong.shape)).copy()
+        cost = np.full(count, self._bought)
+        mass = np.full(count, self._rigid_mass.sum())
+        for number, group in enumerate(self.groups):
+            for place, link in enumerate(group.links):
+                p[:, link] = self._beams[number][picks[:, number], place]
+                s[:, link] = self._sections[number][picks[:, number], place]
+                own = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
+                mass += own
+                cost += own * self._prices[number][picks[:, number], place]
+        p[:, :, BEAM_FIELDS.index("length")] = lengths
+        width = len(STRENGTH_FIELDS) * size
+        return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))
+
+    def yield_strengths(self, picks: Integers) -> Array:
+        """The links' yield strengths (N, n), Pa; NaN where unknown."""
+        found = np.full((len(picks), self.arm.size), np.nan)
+        for number, group in enumerate(self.groups):
+            for place, link in enumerate(group.links):
+                found[:, link] = self.yields[number][picks[:, number], place]
+        return found
+
+    def arm_of(self, pick: Sequence[int]) -> Arm:
+        """The arm that a row of picks describes."""
+        links = list(self.arm.links)
+        lengths = self.lengths[pick[-1]]
+        for number, group in enumerate(self.groups):
+            for option, link in zip(group.options[pick[number]], group.links, strict=True):
+                given = links[link].material_given if option.material == links[link].material else None
+                links[link] = replace(
+                    links[link],
+                    section=option.section,
+                    section_name=option.stock,
+                    material=option.material,
+                    material_given=given,
+                )
+        links = [replace(link, length=length) for link, length in zip(links, lengths, strict=True)]
+        return self.arm.with_links(tuple(links))
+
+    def agreeing(self, picks: Integers) -> Integers:
+        """The picks in which all links are of one material, where the problem asks for that."""
+        if "material" not in self.problem.same or len(picks) == 0:
+            return picks
+        every = (option.material for group in self.groups for own in group.options for option in own)
+        names = sorted({material.name for material in every if material is not None})
+        columns: list[Integers] = []
+        for number, group in enumerate(self.groups):
+            for place in range(len(group.links)):
+                own = [names.index(m.name) for each in group.options if (m := each[place].material) is not None]
+                columns.append(np.array(own, dtype=np.intp)[picks[:, number]])
+        return picks[np.all([column == columns[0] for column in columns], axis=0)]

@@ -1,0 +1,286 @@
+"""An optimum moved to sizes that a workshop can get: a grid of sizes or the stock tables, certified anew.
+
+Rounding each size to its nearest neighbour seldom gives the best design, and often breaks a limit. Here every
+combination of the nearest sizes is compared (`optimize.round_search`), up to a number; what is beyond that is reached
+by exchanging two links at a time among wider choices until nothing improves.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Link
+from arm.error import active_effects
+from arm.evaluation import Evaluation, evaluate
+from materials.material import Material
+from materials.quantities import format_quantity
+
+from .choice import Progress
+from .design import numeric_beams
+from .exchange import context_of, drive_loads_of, strength_of
+from .figures import broken, figures_of
+from .problem import LIMIT_KINDS, Limit, NoAnswer, Problem
+from .result import KeptLimit, OptimizationResult, Rounded
+from .round_options import Option, Rounding, allowed_materials, buyable, grid_sections, length_choices, stock_options
+from .round_search import RoundSearch
+from .round_table import Group, Table
+from .run import Log, links_of, optimise
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.intp]
+
+MOST_DESIGNS = 100_000
+"""Up to this many combinations of the nearest sizes every one is compared."""
+_WIDE = 300
+_ROUNDS = 12
+
+
+def optimise_rounded(
+    problem: Problem, rounding: Rounding, *, log: Log | None = None, progress: Progress | None = None
+) -> OptimizationResult:
+    """The best design for a problem, with `rounded` in it.
+
+    With stock the optimum is sought among the shapes and materials that stock comes in. Raises `NoAnswer` where no
+    design, or no rounded one, keeps the limits.
+    """
+    allowed = buyable(problem) if rounding.step is None else None
+    result = optimise(problem, log=log, progress=progress, allowed=allowed)
+    return replace(result, rounded=rounded(problem, result, rounding, progress=progress))
+
+
+def rounded(
+    problem: Problem, result: OptimizationResult, rounding: Rounding, *, progress: Progress | None = None
+) -> Rounded:
+    """The best rounded design near a problem's optimum. Raises `NoAnswer` where none keeps the limits."""
+    began = time.perf_counter()
+    arm = result.arm
+    own = replace(problem, arm=arm, actuators=None)
+    search = _search(own, result.after, rounding, progress)
+    while search.best is not None:
+        pick, _ = search.best
+        made = search.table.arm_of(pick)
+        after = evaluate(made, own.workspace, own.load_cases)
+        if not broken(own.limits, figures_of(after)):
+            return _rounded(own, result, rounding, search, after, time.perf_counter() - began)
+        # The last word is that of the evaluation, which looks closer than a search does.
+        search.exclude(pick)
+        _compare(search)
+    raise NoAnswer(_why_not(search, rounding))
+
+
+def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress: Progress | None) -> RoundSearch:
+    context = context_of(problem)
+    groups = _groups(problem, rounding)
+    lengths = length_choices(problem, problem.arm.lengths, rounding.length_step, 1)
+    heard = _telling(progress)
+    search = RoundSearch(context, Table(problem, problem.arm, groups, lengths), heard)
+    p = numeric_beams(problem.arm, problem.load_cases)
+    poses = [(pose.q, pose.load_case) for pose in optimum.worst.poses] if context.uses_error else []
+    if context.strengths:
+        result = strength_of(context, problem.arm, p)
+        poses += [*result.poses, *result.buckling_poses]
+    if context.drives:
+        poses += drive_loads_of(context, p).poses
+    if poses:
+        search.add_poses(np.array([q for q, _ in poses]), [case for _, case in poses], p)
+    _compare(search)
+    return search
+
+
+def _telling(progress: Progress | None) -> Callable[[int, int], None] | None:
+    if progress is None:
+        return None
+
+    def tell(offered: int, searched: int) -> None:
+        progress(searched, searched + 1, f"rounding: {offered} designs compared")
+
+    return tell
+
+
+# ---- what each link can be
+
+
+def _groups(problem: Problem, rounding: Rounding) -> list[Group]:
+    """The links that can be rounded, those of one shape together where they must agree in their dimensions."""
+    elastic = [index for index, link in enumerate(problem.arm.links) if link.section is not None]
+    together: dict[object, list[int]] = {}
+    for index in elastic:
+        section = problem.arm.links[index].section
+        assert section is not None
+        together.setdefault(section.shape if "size" in problem.same else index, []).append(index)
+    return [
+        _stock_group(problem, links) if rounding.step is None else _grid_group(problem, links, rounding.step)
+        for links in together.values()
+    ]
+
+
+def _grid_group(problem: Problem, links: Sequence[int], step: float) -> Group:
+    first = problem.arm.links[links[0]]
+    assert first.section is not None
+    options: list[tuple[Option, ...]] = []
+    near = 0
+    for reach in (1, 2):
+        for section in grid_sections(problem, first.section, step, reach, links[0]):
+            option = tuple(Option(section, problem.arm.links[link].material) for link in links)
+            if option not in options:
+                options.append(option)
+        near = near or len(options)
+    if not options:
+        grid = format_quantity(step, "length")
+        raise NoAnswer(f"link {links[0] + 1}: no {first.section.shape} near the optimum has sizes in steps of {grid}")
+    ranked = sorted(options[:near], key=lambda option: _distance(option, problem, links))
+    wide = sorted(options[near:], key=lambda option: _distance(option, problem, links))
+    return Group(tuple(links), (*ranked, *wide), near)
+
+
+def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
+    first = problem.arm.links[links[0]]
+    assert first.section is not None
+    shape = first.section.shape
+    each = [stock_options(problem, shape, _materials(problem, problem.arm.links[index])) for index in links]
+    if len(links) == 1:
+        options = [(option,) for option in each[0]]
+    else:
+        names = dict.fromkeys(option.stock for option in each[0])
+        options = [
+            pick for name in names for pick in itertools.product(*[[o for o in own if o.stock == name] for own in each])
+        ]
+    if not options:
+        named = " or ".join(material.name for material in _materials(problem, first))
+        within = "within section_size and thickness"
+        raise NoAnswer(f"link {links[0] + 1}: no stock size of shape {shape} comes in {named} {within}")
+    options.sort(key=lambda option: _distance(option, problem, links))
+    return Group(tuple(links), tuple(options), len(options))
+
+
+def _materials(problem: Problem, link: Link) -> tuple[Material, ...]:
+    """The materials that a link may be changed to: its own alone where warmth moves it, which the model holds fixed."""
+    if link.material is None:
+        return ()
+    warmed = any(active.effect.id.startswith("thermal") for active in active_effects(problem.arm))
+    return (link.material,) if warmed else allowed_materials(problem, link)
+
+
+def _distance(option: tuple[Option, ...], problem: Problem, links: Sequence[int]) -> float:
+    """How far an option is from the optimum: in the logarithms of mass and of bending rigidity."""
+    total = 0.0
+    for each, index in zip(option, links, strict=True):
+        link = problem.arm.links[index]
+        own, other = _stiff_and_heavy(Option(link.section, link.material), problem), _stiff_and_heavy(each, problem)
+        total += sum(abs(math.log(a / b)) for a, b in zip(other, own, strict=True))
+    return total
+
+
+def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
+    assert option.section is not None
+    assert option.material is not None
+    found = option.section.properties(0.3)
+    values = option.material.at(problem.arm.temperature)
+    return (
+        float(found.area) * values.need("density"),
+        float(found.second_moment_y) * values.need("elastic_modulus"),
+    )
+
+
+# ---- which designs to compare
+
+
+def _compare(search: RoundSearch) -> None:
+    """Offer the combinations of the nearest sizes, then exchanges of two among the wider ones."""
+    groups, lengths = search.table.groups, len(search.table.lengths)
+    sizes = [group.near for group in groups]
+    while math.prod(sizes) * lengths > MOST_DESIGNS:
+        largest = max(range(len(sizes)), key=lambda k: sizes[k])
+        if sizes[largest] == 1:
+            break
+        sizes[largest] = max(1, int(0.9 * sizes[largest]))
+        search.complete = False
+    search.offer(_product([range(size) for size in sizes], range(lengths)))
+    if search.best is None and sum(sizes) < sum(len(group.options) for group in groups):
+        search.offer(_product([range(size) for size in _widest(search)], range(lengths)))
+    for _ in range(_ROUNDS):
+        if search.best is None or not _exchanged(search):
+            break
+
+
+def _widest(search: RoundSearch) -> list[int]:
+    """How many options of each group there can be in combinations of all that are still few enough."""
+    sizes = [len(group.options) for group in search.table.groups]
+    while math.prod(sizes) * len(search.table.lengths) > MOST_DESIGNS and max(sizes) > 1:
+        largest = max(range(len(sizes)), key=lambda k: sizes[k])
+        sizes[largest] = max(1, int(0.9 * sizes[largest]))
+    return sizes
+
+
+def _exchanged(search: RoundSearch) -> bool:
+    """Other options for every two groups, or a group and the lengths, at once; whether that found a better design."""
+    assert search.best is not None
+    counts = [*(min(len(group.options), _WIDE) for group in search.table.groups), len(search.table.lengths)]
+    if len(counts) == 2:
+        return search.offer(_product([range(counts[0])], range(counts[1])))
+    better = False
+    for one, other in itertools.combinations(range(len(counts)), 2):
+        pick = search.best[0]
+        own = [range(counts[k]) if k in (one, other) else [pick[k]] for k in range(len(counts))]
+        better = search.offer(_product(own[:-1], own[-1])) or better
+    return better
+
+
+def _product(options: Sequence[Sequence[int]], lengths: Sequence[int]) -> Integers:
+    """Every combination, (N, groups + 1)."""
+    axes = np.meshgrid(*[np.array(each, dtype=np.intp) for each in (*options, lengths)], indexing="ij")
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
+# ---- what came of it
+
+
+def _rounded(
+    problem: Problem,
+    result: OptimizationResult,
+    rounding: Rounding,
+    search: RoundSearch,
+    after: Evaluation,
+    seconds: float,
+) -> Rounded:
+    figures, before = figures_of(after), figures_of(result.after)
+    kept = [KeptLimit(x.name, x.text, before[x.name], figures[x.name], x.relation, x.value) for x in problem.limits]
+    return Rounded(
+        to=rounding.text,
+        length_step=rounding.length_step if problem.link_length is not None else None,
+        arm=after.arm,
+        evaluation=after,
+        links=links_of(after.arm, after),
+        objective=figures[problem.minimize],
+        before=before[problem.minimize],
+        limits=tuple(kept),
+        compared=search.offered,
+        searched=search.searched,
+        exhaustive=search.complete,
+        seconds=seconds,
+    )
+
+
+def _why_not(search: RoundSearch, rounding: Rounding) -> str:
+    """Which limit no rounded design keeps."""
+    sizes = "stock sizes" if rounding.step is None else f"sizes in steps of {rounding.text}"
+    for limit in search.problem.limits:
+        over = search.least.get(limit.text, 0.0)
+        if over > 0.0 and not math.isinf(over):
+            return f"no design of {sizes} keeps {limit.text}: the nearest has {_had(limit, over)}"
+    if search.nearest is None:
+        return f"no design of {sizes} near the optimum reaches the whole workspace"
+    over, limit = search.nearest
+    return f"no design of {sizes} keeps all limits at once: the nearest breaks {limit.text} with {_had(limit, over)}"
+
+
+def _had(limit: Limit, over: float) -> str:
+    way = -1.0 if limit.relation == ">=" else 1.0
+    return format_quantity(limit.value * (1.0 + way * over), LIMIT_KINDS[limit.name], digits=4)
