@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -197,26 +198,31 @@ def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
 
 def _unknown_weight(observed: Observed, joint: int) -> Array:
     """How the drive of `joint` gives under links of unknown weight, (N, C, d): for each of them beyond the joint its
-    mass at its own joint and its first moment along itself, times the compliance, in rad/(N*m) * kg and kg*m."""
+    mass at its own joint and its first moments along and across itself, times the compliance, in rad/(N*m) * kg and
+    kg*m."""
     parts: list[Array] = []
     for index in observed.unknown_masses:
         if index < joint:
             continue
-        for at in (0.0, max(observed.arm.links[index].length, 1.0)):
-            state = _weighing(observed.state, index, at)
+        for towards in (None, "along", "height", "width"):
+            state = _weighing(observed.state, index, towards)
             weighed = replace(observed, state=state)
             settings = Settings((joint,), MappingProxyType({"compliance": 1.0}))
             parts.append(weighed.signature("joint_compliance", settings))
     return np.stack(parts, axis=2)
 
 
-def _weighing(state: PoseState, link: int, at: float) -> PoseState:
-    """The same poses where only one link weighs: 1 kg at `at` m along it."""
+def _weighing(state: PoseState, link: int, towards: Literal["along", "height", "width"] | None) -> PoseState:
+    """The same poses where only one link weighs: 1 kg at its joint, or a metre from there in one of its directions."""
     arm = state.arm
     bare = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
     beams = [
-        Beam(length=each.beam.length, lumped_mass=1.0 if index == link else 0.0, lumped_at=at)
+        Beam(length=each.beam.length, lumped_mass=float(index == link), lumped_at=float(towards is not None))
         for index, each in enumerate(state.links)
     ]
+    links = list(state.frames.links)
+    if towards is not None:
+        links[link] = replace(links[link], along=getattr(links[link], towards))
+    frames = replace(state.frames, links=tuple(links))
     coordinates = [joint.coordinate for joint in state.joints]
-    return solve(bare, coordinates, beams, LoadCase(), conditions=state.conditions, frames=state.frames)
+    return solve(bare, coordinates, beams, LoadCase(), conditions=state.conditions, frames=frames)

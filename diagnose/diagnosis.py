@@ -33,8 +33,8 @@ from .unknown import describe, rejected_forms
 Array = NDArray[np.float64]
 
 _ENOUGH_REPEATS, _FAR_ABOVE = 20, 1.6
-"""What is left at 1.6 times the noise floor of 20 or more repeats is physics still; noise with a memory (correlation 0.6
-from reading to reading) makes repeats of three look 1.45 times too quiet at most."""
+"""What is left at 1.6 times the noise floor of 20 or more repeats is physics still; noise with a memory (correlation
+0.6 from reading to reading) makes repeats of three look 1.45 times too quiet at most."""
 _LEAST = 12
 """Fewer observations than this beyond the nuisances decide nothing."""
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from types import MappingProxyType
 
 from arm.chain import Arm
 from arm.effects import EFFECTS
@@ -54,7 +56,7 @@ def quantity(value: float, kind: str, digits: int = 3, like: float | None = None
     if like is not None and math.isfinite(like):
         unit = format_quantity(like, kind).partition(" ")[2] or None
     written = format_quantity(value, kind, unit, digits) if value else f"0 {unit or ''}".strip()
-    return written.replace("-", "−").replace("*", "·")
+    return written.replace("-", "−").replace("*", "·").replace("^2", "²")
 
 
 def value_words(fitted: FittedParameter) -> str:
@@ -164,7 +166,7 @@ def where_sentences(diagnosis: Diagnosis) -> list[str]:
     found: list[str] = []
     if where.joint is not None:
         share = where.joint_shares[where.joint - 1] if where.joint <= len(where.joint_shares) else math.nan
-        part = f": its motion alone could be {percent(share)} of the sum of squares" if math.isfinite(share) else ""
+        part = f": its motion alone could describe {percent(share)} of it" if math.isfinite(share) else ""
         found.append(f"The mismatch sits at joint {where.joint}{part}.")
     if where.direction:
         words = dict(DIRECTIONS).get(where.direction, f"mostly {where.direction}")
@@ -185,9 +187,25 @@ def time_words(seconds: float) -> str:
     return f"{with_unit(seconds, 's', 6)} ({with_unit(seconds / 3600.0, 'h', 3)})"
 
 
+_PER_HOUR = MappingProxyType({"speed": (1e6, "um/h"), "angular_speed": (1e6, "urad/h")})
+
+
 def detectable_words(detectable: Detectable) -> str:
-    """The smallest value of the effect's parameter that would have been found."""
+    """The smallest value of the effect's parameter that would have been found; drifts by the hour."""
+    if detectable.kind in _PER_HOUR and detectable.effect == "frame_drift":
+        factor, unit = _PER_HOUR[detectable.kind]
+        return with_unit(3600.0 * factor * detectable.value, unit, 3)
     return quantity(detectable.value, detectable.kind)
+
+
+def spoken(sentence: str) -> str:
+    """A sentence with the names of parameters and the units as people write them."""
+    return re.sub(r"(?<=[a-z])_(?=[a-z])", " ", sentence).replace("*", "·").replace("^2", "²")
+
+
+def whole_sentence(words: str) -> str:
+    """Words that begin with a capital and end with a full stop."""
+    return f"{words[:1].upper()}{words[1:]}" + ("" if words.endswith((".", "!", "?")) else ".")
 
 
 def next_pose_words(arm: Arm, each: NextPose) -> tuple[str, str, str]:

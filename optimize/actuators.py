@@ -16,7 +16,7 @@ from arm.actuators import Actuator
 from arm.chain import Arm
 from arm.worst import WorstSearch
 
-from .choice import Allowed, Choice, Progress, choose
+from .choice import Choice, Progress, choose
 from .design import numeric_beams
 from .exchange import Context, context_of
 from .problem import Problem
@@ -81,10 +81,8 @@ def count(problem: Problem) -> int:
 class _Search:
     """Works through assignments with one incumbent."""
 
-    def __init__(
-        self, problem: Problem, progress: Progress | None, log: Log | None, allowed: Allowed | None
-    ) -> None:
-        self.problem, self.progress, self.log, self.allowed = problem, progress, log, allowed
+    def __init__(self, problem: Problem, progress: Progress | None, log: Log | None) -> None:
+        self.problem, self.progress, self.log = problem, progress, log
         self.best: tuple[Assignment, Context, Choice] | None = None
         self.candidates: dict[Assignment, DriveCandidate] = {}
 
@@ -105,7 +103,7 @@ class _Search:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
             before = math.inf if self.best is None else self.objective
-            choice = choose(context, log=self.log, known=before, allowed=self.allowed)
+            choice = choose(context, log=self.log, known=before)
             if choice is not None:
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:
@@ -146,15 +144,12 @@ class _Search:
             improved = self.objective < before * (1.0 - 1e-6)
 
 
-def choose_driven(
-    problem: Problem, *, progress: Progress | None = None, log: Log | None = None, allowed: Allowed | None = None
-) -> Driven:
-    """The best actuators with the best links for them (of combinations `allowed`); without a choice of actuators, the
-    best links."""
+def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Log | None = None) -> Driven:
+    """The best actuators with the best links for them; without a choice of actuators, the best links."""
     if problem.actuators is None:
         context = context_of(problem)
-        return Driven(context, choose(context, progress=progress, log=log, allowed=allowed), (), True, "")
-    search = _Search(problem, progress, log, allowed)
+        return Driven(context, choose(context, progress=progress, log=log), (), True, "")
+    search = _Search(problem, progress, log)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS
     if exhaustive:
         search.try_all(assignments(problem))

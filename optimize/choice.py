@@ -39,9 +39,6 @@ class Combination:
     materials: tuple[Material | None, ...]
 
 
-Allowed = Callable[[Combination], bool]
-
-
 @dataclass(frozen=True)
 class Choice:
     """The best combination, its finished exchange and objective (SI), and what became of the others."""
@@ -104,11 +101,9 @@ class Chooser:
         progress: Progress | None,
         log: Callable[[Iteration], None] | None,
         known: float = math.inf,
-        allowed: Allowed | None = None,
     ) -> None:
-        """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
-        `allowed` tells which combinations count."""
-        self.context, self.progress, self.known, self._allowed = context, progress, known, allowed
+        """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up."""
+        self.context, self.progress, self.known = context, progress, known
         self.history: list[Iteration] = []
         self._listener = log
         self.pool: Pool | None = None
@@ -124,8 +119,6 @@ class Chooser:
     def try_all(self, picks: list[Combination]) -> None:
         """Bound every combination on the pool, then finish them best first until the rest is bounded out."""
         bounds: list[tuple[float, int, Array]] = []
-        if self._allowed is not None:
-            picks = [pick for pick in picks if self._allowed(pick)]
         if self.pool is None:
             self._first(picks)
         for number, pick in enumerate(picks):
@@ -230,12 +223,10 @@ def choose(
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
-    allowed: Allowed | None = None,
 ) -> Choice | None:
-    """The best combination of shapes and materials among those `allowed` (all by default); None where none has a
-    solution (better than `known`, SI)."""
+    """The best combination of shapes and materials; None where none has a solution (better than `known`, SI)."""
     problem = context.problem
-    chooser = Chooser(context, progress, log, known, allowed)
+    chooser = Chooser(context, progress, log, known)
     exhaustive = count(problem) <= MOST_COMBINATIONS
     if exhaustive:
         chooser.try_all(combinations(problem))

@@ -5,18 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from arm.chain import Link
 from materials.catalogue import shipped_layers
 from materials.material import Material
 from materials.quantities import InputError, format_quantity, read_quantity
-from sections import StockSize, load_stock
+from sections import SHAPES, StockSize, load_stock
 from sections.section import Section
 
-from .choice import Combination
 from .problem import NoAnswer, Problem
 
 LENGTH_STEP = 1e-3
@@ -110,14 +109,22 @@ def _shipped_names() -> frozenset[str]:
     return frozenset(name for layer in shipped_layers() for name in layer.materials)
 
 
-def stock_options(problem: Problem, shape: str, materials: Iterable[Material]) -> list[Option]:
-    """Every stock size of a shape in every one of the materials that it comes in."""
+def stock_options(problem: Problem, shapes: Iterable[str], materials: Iterable[Material]) -> list[Option]:
+    """Every stock size of these shapes in every one of the materials that it comes in."""
+    materials = tuple(materials)
     return [
         Option(size.section, material, size.name)
+        for shape in shapes
         for size in stock_rows(problem, shape)
         for material in materials
         if comes_in(size, material)
     ]
+
+
+def allowed_shapes(problem: Problem) -> tuple[str, ...]:
+    """The shapes that the problem allows its links."""
+    own = (link.section.shape for link in problem.arm.links if link.section is not None)
+    return tuple(dict.fromkeys(own)) if problem.shapes is None else problem.shapes
 
 
 def allowed_materials(problem: Problem, link: Link) -> tuple[Material, ...]:
@@ -126,27 +133,34 @@ def allowed_materials(problem: Problem, link: Link) -> tuple[Material, ...]:
     return own if problem.materials is None else problem.materials
 
 
-def buyable(problem: Problem) -> Callable[[Combination], bool]:
-    """Tells whether every link of a combination can be had from stock. Raises `NoAnswer` where no combination can."""
-    shapes = problem.shapes or tuple(link.section.shape for link in problem.arm.links if link.section is not None)
-    shapes = tuple(dict.fromkeys(shapes))
-    materials = {m.name: m for link in problem.arm.links for m in allowed_materials(problem, link)}
-    rows = {shape: stock_rows(problem, shape) for shape in shapes}
-    pairs = {(s, m.name) for s in shapes for m in materials.values() if any(comes_in(row, m) for row in rows[s])}
-    if not pairs:
-        span = " to ".join(format_quantity(bound, "length") for bound in problem.section_size)
-        raise NoAnswer(
-            f"no stock size is of shape {' or '.join(shapes)}, comes in {' or '.join(materials)} and keeps "
-            f"section_size {span}; `linkwright sections list` has them all"
-        )
+def on_grid(problem: Problem, rounding: Rounding) -> Problem:
+    """The problem with bounds on sizes, walls and lengths drawn in to multiples of the steps; the same where they are.
 
-    def can_be_bought(pick: Combination) -> bool:
-        return all(
-            shape is None or material is None or (shape, material.name) in pairs
-            for shape, material in zip(pick.shapes, pick.materials, strict=True)
-        )
+    Raises `NoAnswer` where a bound leaves no multiple.
+    """
+    lengths = None
+    if problem.link_length is not None:
+        lengths = _drawn_in("link_length", problem.link_length, rounding.length_step)
+    if rounding.step is None:
+        return replace(problem, link_length=lengths)
+    sizes = _drawn_in("section_size", problem.section_size, rounding.step)
+    walls = problem.thickness
+    if any(dimension.kind == "wall" for shape in allowed_shapes(problem) for dimension in SHAPES[shape].dimensions):
+        walls = _drawn_in("thickness", walls, rounding.step)
+    return replace(problem, section_size=sizes, thickness=walls, link_length=lengths)
 
-    return can_be_bought
+
+def _drawn_in(name: str, bounds: tuple[float, float], step: float) -> tuple[float, float]:
+    low, high = math.ceil(bounds[0] / step - _ON_GRID) * step, math.floor(bounds[1] / step + _ON_GRID) * step
+    if low > high * (1.0 + _WITHIN):
+        span = " to ".join(format_quantity(bound, "length") for bound in bounds)
+        raise NoAnswer(f"{name} {span} holds no multiple of {format_quantity(step, 'length')}")
+    drawn = (float(f"{low:.12g}"), float(f"{high:.12g}"))
+    # A bound that is on the grid stays what it was, digit by digit.
+    return (
+        bounds[0] if abs(drawn[0] - bounds[0]) < _WITHIN * bounds[0] else drawn[0],
+        bounds[1] if abs(drawn[1] - bounds[1]) < _WITHIN * bounds[1] else drawn[1],
+    )
 
 
 # ---- the grid
@@ -191,8 +205,8 @@ def _keeps_bounds(problem: Problem, section: Section) -> bool:
     return all(float(row.value) <= 1e-9 for row in rows)
 
 
-def length_choices(problem: Problem, lengths: tuple[float, ...], step: float, reach: int) -> list[tuple[float, ...]]:
-    """All links' lengths together: multiples of a step (m) near the free ones that keep the limits on the reach.
+def length_choices(problem: Problem, lengths: tuple[float, ...], step: float) -> list[tuple[float, ...]]:
+    """All links' lengths together: the multiples of a step (m) next to the free ones that keep the limits on the reach.
 
     Raises `NoAnswer` where none do.
     """
@@ -201,22 +215,37 @@ def length_choices(problem: Problem, lengths: tuple[float, ...], step: float, re
         if problem.link_length is None or not link.elastic:
             choices.append([length])
             continue
-        choices.append(multiples(length, step, problem.link_length, reach))
+        choices.append(multiples(length, step, problem.link_length, 1))
         if not choices[-1]:
             span = " to ".join(format_quantity(bound, "length") for bound in problem.link_length)
             grid = format_quantity(step, "length")
             raise NoAnswer(f"link_length {span} holds no multiple of {grid} for link {number}")
-    found = [
-        pick
-        for pick in itertools.product(*choices)
-        if all(_keeps_reach(limit.relation, sum(pick), limit.value) for limit in problem.limit("reach"))
-    ]
+    found = [pick for pick in itertools.product(*choices) if keeps_lengths(problem, pick)]
     if not found:
         limit = problem.limit("reach")[0]
         grid = format_quantity(step, "length")
         hint = "; give a finer --round-length" if problem.link_length is not None else ""
         raise NoAnswer(f"{limit.text}: no lengths in steps of {grid} keep it{hint}")
     return found
+
+
+def moved_lengths(problem: Problem, lengths: tuple[float, ...], by: float) -> list[tuple[float, ...]]:
+    """The lengths (m) with one of them, or two to opposite sides, moved by so much; those that keep the limits."""
+    free = [k for k, link in enumerate(problem.arm.links) if link.elastic and problem.link_length is not None]
+    moves = [{k: sign * by} for k in free for sign in (1.0, -1.0)]
+    moves += [{one: by, other: -by} for one, other in itertools.permutations(free, 2)]
+    found = [tuple(float(f"{x + move.get(k, 0.0):.12g}") for k, x in enumerate(lengths)) for move in moves]
+    return [pick for pick in found if keeps_lengths(problem, pick)]
+
+
+def keeps_lengths(problem: Problem, lengths: tuple[float, ...]) -> bool:
+    """Whether lengths (m) keep the problem's bounds and its limits on the reach."""
+    if problem.link_length is not None:
+        low, high = problem.link_length
+        free = [x for x, link in zip(lengths, problem.arm.links, strict=True) if link.elastic]
+        if min(free) < low * (1.0 - _WITHIN) or max(free) > high * (1.0 + _WITHIN):
+            return False
+    return all(_keeps_reach(limit.relation, sum(lengths), limit.value) for limit in problem.limit("reach"))
 
 
 def _keeps_reach(relation: str, reach: float, value: float) -> bool:

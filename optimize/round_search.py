@@ -26,6 +26,7 @@ from arm.workspace import Unreachable, pull
 from .exchange import Context, strength_of
 from .figures import KEPT_WITHIN, excess
 from .problem import Limit
+from .round_options import Rounding
 from .round_table import Figures, Table
 
 Array = NDArray[np.float64]
@@ -63,9 +64,11 @@ class _Scores:
 class RoundSearch:
     """Looks for the best design; `offer` designs, again and again."""
 
-    def __init__(self, context: Context, table: Table, heard: Callable[[int, int], None] | None = None) -> None:
+    def __init__(
+        self, context: Context, table: Table, rounding: Rounding, heard: Callable[[int, int], None] | None = None
+    ) -> None:
         """`context` is of the problem whose arm is the optimum; `heard` is told designs offered and searched."""
-        self.context, self.table, self.problem = context, table, context.problem
+        self.context, self.table, self.problem, self.rounding = context, table, context.problem, rounding
         self.best: tuple[tuple[int, ...], float] | None = None
         self.offered, self.searched, self.complete = 0, 0, True
         self.least: dict[str, float] = {}
@@ -79,7 +82,7 @@ class RoundSearch:
         self._excluded: set[tuple[int, ...]] = set()
         self._heard = heard
         # Poses of a place in space turn with the lengths.
-        self._turning = self.problem.workspace.kind != "joints" and len(table.lengths) > 1
+        self._turning = self.problem.workspace.kind != "joints" and self.problem.link_length is not None
 
     def add_poses(self, q: Array, load_cases: list[int], p: Array) -> None:
         """Poses (N, n) of a design p's workspace to bound others with."""

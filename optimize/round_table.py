@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,6 +54,7 @@ class Table:
         self.carried = carried_mass(problem)
         self._bought = drives_cost(problem)
         self._length_rows = np.array(self.lengths)
+        self._placed = {lengths: number for number, lengths in enumerate(self.lengths)}
         self._rigid = beam_values(beams_of(arm, problem.load_cases)).reshape(arm.size, -1)
         self._rigid_mass = np.array([0.0 if link.elastic else link.mass or 0.0 for link in arm.links])
         self._strong = strength_values(
@@ -106,6 +107,15 @@ class Table:
         width = len(STRENGTH_FIELDS) * size
         return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))
 
+    def add_lengths(self, lengths: Sequence[tuple[float, ...]]) -> list[int]:
+        """The numbers of choices of lengths (m), added where they are new."""
+        fresh = [each for each in dict.fromkeys(lengths) if each not in self._placed]
+        for each in fresh:
+            self._placed[each] = len(self._placed)
+        self.lengths = (*self.lengths, *fresh)
+        self._length_rows = np.array(self.lengths)
+        return [self._placed[each] for each in lengths]
+
     def yield_strengths(self, picks: Integers) -> Array:
         """The links' yield strengths (N, n), Pa; NaN where unknown."""
         found = np.full((len(picks), self.arm.size), np.nan)
@@ -132,14 +142,21 @@ class Table:
         return self.arm.with_links(tuple(links))
 
     def agreeing(self, picks: Integers) -> Integers:
-        """The picks in which all links are of one material, where the problem asks for that."""
-        if "material" not in self.problem.same or len(picks) == 0:
-            return picks
-        every = (option.material for group in self.groups for own in group.options for option in own)
-        names = sorted({material.name for material in every if material is not None})
+        """The picks in which all links are of one material, or of one shape, where the problem asks for that."""
+        kinds: dict[str, Callable[[Option], str]] = {
+            "material": lambda option: "" if option.material is None else option.material.name,
+            "section": lambda option: "" if option.section is None else option.section.shape,
+        }
+        for same, kind in kinds.items():
+            if same in self.problem.same and len(picks):
+                picks = self._of_one(picks, kind)
+        return picks
+
+    def _of_one(self, picks: Integers, kind: Callable[[Option], str]) -> Integers:
+        names = sorted({kind(option) for group in self.groups for own in group.options for option in own})
         columns: list[Integers] = []
         for number, group in enumerate(self.groups):
             for place in range(len(group.links)):
-                own = [names.index(m.name) for each in group.options if (m := each[place].material) is not None]
+                own = [names.index(kind(each[place])) for each in group.options]
                 columns.append(np.array(own, dtype=np.intp)[picks[:, number]])
         return picks[np.all([column == columns[0] for column in columns], axis=0)]

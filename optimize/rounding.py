@@ -28,7 +28,17 @@ from .exchange import context_of, drive_loads_of, strength_of
 from .figures import broken, figures_of
 from .problem import LIMIT_KINDS, Limit, NoAnswer, Problem
 from .result import KeptLimit, OptimizationResult, Rounded
-from .round_options import Option, Rounding, allowed_materials, buyable, grid_sections, length_choices, stock_options
+from .round_options import (
+    Option,
+    Rounding,
+    allowed_materials,
+    allowed_shapes,
+    grid_sections,
+    length_choices,
+    moved_lengths,
+    on_grid,
+    stock_options,
+)
 from .round_search import RoundSearch
 from .round_table import Group, Table
 from .run import Log, links_of, optimise
@@ -40,6 +50,7 @@ MOST_DESIGNS = 100_000
 """Up to this many combinations of the nearest sizes every one is compared."""
 _WIDE = 300
 _ROUNDS = 12
+_LENGTH_STEPS = (64, 16, 4, 1)
 
 
 def optimise_rounded(
@@ -47,11 +58,9 @@ def optimise_rounded(
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it.
 
-    With stock the optimum is sought among the shapes and materials that stock comes in. Raises `NoAnswer` where no
-    design, or no rounded one, keeps the limits.
+    Raises `NoAnswer` where no design, or no rounded one, keeps the limits.
     """
-    allowed = buyable(problem) if rounding.step is None else None
-    result = optimise(problem, log=log, progress=progress, allowed=allowed)
+    result = optimise(problem, log=log, progress=progress)
     return replace(result, rounded=rounded(problem, result, rounding, progress=progress))
 
 
@@ -60,9 +69,18 @@ def rounded(
 ) -> Rounded:
     """The best rounded design near a problem's optimum. Raises `NoAnswer` where none keeps the limits."""
     began = time.perf_counter()
-    arm = result.arm
-    own = replace(problem, arm=arm, actuators=None)
-    search = _search(own, result.after, rounding, progress)
+    # Where the bounds are no multiples themselves, the optimum within those that are is what to round.
+    drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None)
+    own = replace(problem, arm=result.arm, actuators=None)
+    if drawn != own:
+        try:
+            result_there = optimise(drawn)
+        except NoAnswer as reason:
+            raise NoAnswer(f"within bounds that are multiples of the steps: {reason}") from None
+        own = replace(drawn, arm=result_there.arm)
+    else:
+        result_there = result
+    search = _search(own, result_there.after, rounding, progress)
     while search.best is not None:
         pick, _ = search.best
         made = search.table.arm_of(pick)
@@ -78,9 +96,8 @@ def rounded(
 def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress: Progress | None) -> RoundSearch:
     context = context_of(problem)
     groups = _groups(problem, rounding)
-    lengths = length_choices(problem, problem.arm.lengths, rounding.length_step, 1)
-    heard = _telling(progress)
-    search = RoundSearch(context, Table(problem, problem.arm, groups, lengths), heard)
+    lengths = length_choices(problem, problem.arm.lengths, rounding.length_step)
+    search = RoundSearch(context, Table(problem, problem.arm, groups, lengths), rounding, _telling(progress))
     p = numeric_beams(problem.arm, problem.load_cases)
     poses = [(pose.q, pose.load_case) for pose in optimum.worst.poses] if context.uses_error else []
     if context.strengths:
@@ -114,7 +131,7 @@ def _groups(problem: Problem, rounding: Rounding) -> list[Group]:
     for index in elastic:
         section = problem.arm.links[index].section
         assert section is not None
-        together.setdefault(section.shape if "size" in problem.same else index, []).append(index)
+        together.setdefault("all" if "size" in problem.same else index, []).append(index)
     return [
         _stock_group(problem, links) if rounding.step is None else _grid_group(problem, links, rounding.step)
         for links in together.values()
@@ -141,10 +158,8 @@ def _grid_group(problem: Problem, links: Sequence[int], step: float) -> Group:
 
 
 def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
-    first = problem.arm.links[links[0]]
-    assert first.section is not None
-    shape = first.section.shape
-    each = [stock_options(problem, shape, _materials(problem, problem.arm.links[index])) for index in links]
+    shapes = allowed_shapes(problem)
+    each = [stock_options(problem, shapes, _materials(problem, problem.arm.links[index])) for index in links]
     if len(links) == 1:
         options = [(option,) for option in each[0]]
     else:
@@ -153,9 +168,9 @@ def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
             pick for name in names for pick in itertools.product(*[[o for o in own if o.stock == name] for own in each])
         ]
     if not options:
-        named = " or ".join(material.name for material in _materials(problem, first))
-        within = "within section_size and thickness"
-        raise NoAnswer(f"link {links[0] + 1}: no stock size of shape {shape} comes in {named} {within}")
+        named = " or ".join(material.name for material in _materials(problem, problem.arm.links[links[0]]))
+        what = f"no stock size of shape {' or '.join(shapes)} within section_size and thickness comes in {named}"
+        raise NoAnswer(f"link {links[0] + 1}: {what}; `linkwright sections list` has them all")
     options.sort(key=lambda option: _distance(option, problem, links))
     return Group(tuple(links), tuple(options), len(options))
 
@@ -206,7 +221,10 @@ def _compare(search: RoundSearch) -> None:
     if search.best is None and sum(sizes) < sum(len(group.options) for group in groups):
         search.offer(_product([range(size) for size in _widest(search)], range(lengths)))
     for _ in range(_ROUNDS):
-        if search.best is None or not _exchanged(search):
+        if search.best is None:
+            break
+        better = _exchanged(search)
+        if not (_lengths_moved(search) or better):
             break
 
 
@@ -231,6 +249,28 @@ def _exchanged(search: RoundSearch) -> bool:
         own = [range(counts[k]) if k in (one, other) else [pick[k]] for k in range(len(counts))]
         better = search.offer(_product(own[:-1], own[-1])) or better
     return better
+
+
+def _lengths_moved(search: RoundSearch) -> bool:
+    """Other lengths, by ever fewer steps, each with other options of one group; whether that found a better design."""
+    better, table = False, search.table
+    for steps in _LENGTH_STEPS:
+        while search.best is not None:
+            pick = search.best[0]
+            lengths = moved_lengths(search.problem, table.lengths[pick[-1]], steps * search.rounding.length_step)
+            places = table.add_lengths(lengths)
+            if not places or not any([search.offer(each) for each in _one_group_free(search, pick, places)]):
+                break
+            better = True
+    return better
+
+
+def _one_group_free(search: RoundSearch, pick: tuple[int, ...], lengths: Sequence[int]) -> list[Integers]:
+    """A design's picks with other options of each group in turn, for choices of lengths."""
+    wide = [range(min(len(group.options), _WIDE)) for group in search.table.groups]
+    return [
+        _product([own if k == free else [pick[k]] for k, own in enumerate(wide)], lengths) for free in range(len(wide))
+    ]
 
 
 def _product(options: Sequence[Sequence[int]], lengths: Sequence[int]) -> Integers:
@@ -274,11 +314,12 @@ def _why_not(search: RoundSearch, rounding: Rounding) -> str:
     for limit in search.problem.limits:
         over = search.least.get(limit.text, 0.0)
         if over > 0.0 and not math.isinf(over):
-            return f"no design of {sizes} keeps {limit.text}: the nearest has {_had(limit, over)}"
+            return f"no design of {sizes} near the optimum keeps {limit.text}: the nearest has {_had(limit, over)}"
     if search.nearest is None:
         return f"no design of {sizes} near the optimum reaches the whole workspace"
     over, limit = search.nearest
-    return f"no design of {sizes} keeps all limits at once: the nearest breaks {limit.text} with {_had(limit, over)}"
+    broken_by = f"the nearest breaks {limit.text} with {_had(limit, over)}"
+    return f"no design of {sizes} near the optimum keeps all limits at once: {broken_by}"
 
 
 def _had(limit: Limit, over: float) -> str:

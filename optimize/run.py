@@ -14,7 +14,7 @@ from arm.worst import WorstSearch
 from materials.quantities import format_quantity
 
 from .actuators import choose_driven
-from .choice import Allowed, Choice, Progress
+from .choice import Choice, Progress
 from .design import arm_of, numeric_beams
 from .exchange import Context
 from .explain import binding_limits, why_infeasible
@@ -25,10 +25,8 @@ from .result import Iteration, LinkDesign, OptimizationResult, Status
 Log = Callable[[Iteration], None]
 
 
-def optimise(
-    problem: Problem, *, log: Log | None = None, progress: Progress | None = None, allowed: Allowed | None = None
-) -> OptimizationResult:
-    """The best design for a problem, of the combinations of shapes and materials that are `allowed` (all by default).
+def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | None = None) -> OptimizationResult:
+    """The best design for a problem.
 
     `log` hears of every round of an exchange, `progress` of combinations tried. Raises `NoAnswer` where no design keeps
     the limits or the workspace cannot be reached, and `InputError` where a figure is missing that the problem needs.
@@ -37,7 +35,7 @@ def optimise(
     given = problem
     try:
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
-        found = choose_driven(problem, progress=progress, log=log, allowed=allowed)
+        found = choose_driven(problem, progress=progress, log=log)
     except Unreachable as error:
         hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
         raise NoAnswer(f"workspace: {error}{hint}") from None

@@ -82,7 +82,7 @@ def small_multiples(diagnosis: Diagnosis) -> str:
         noise = 1e3 * diagnosis.noise_floor / np.sqrt(diagnosis.recording.tip.shape[1])
     drawn = [_panel(diagnosis, each, parts, up, noise) for each in covariates(diagnosis)]
     keys = "".join(element("span", class_=f"key {when}") + text(when) for when, _ in parts)
-    lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means; the band is the noise floor."
+    lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means; the band is the noise, ±1 σ."
     return element("p", text(lead), keys, class_="lead") + element("div", *drawn, class_="multiples")
 
 
@@ -117,7 +117,7 @@ def _panel(
     tested = next((each for each in diagnosis.where.dependences if each.on == covariate.name), None)
     depends = covariate.name in diagnosis.where.depends_on
     said = "" if tested is None else f", p {p_words(tested.p_value)}"
-    verdict = f"the mismatch depends on {covariate_words(covariate.name)}" if depends else "no dependence shown"
+    verdict = f"Depends on {covariate_words(covariate.name)}" if depends else "No dependence shown"
     caption = "" if tested is None and not depends else f"{verdict}{said}"
     ticks = np.unique(x).tolist() if two else None
     picture = plot.drawn(f"Residuals against {covariate.label}", (covariate.label, "mm"), *children, ticks=ticks)

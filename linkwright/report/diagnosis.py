@@ -28,7 +28,11 @@ def diagnosis_page(diagnosis: Diagnosis, redesign: Redesign | None = None) -> st
     if diagnosis.unknown is not None:
         lead = "What remains, and what it depends on; nothing here is a cause."
         body.append(section("What nothing in the library explains", parts.unknown(diagnosis.unknown), lead=lead))
-    body.append(section("Where it sits", parts.location(diagnosis), parts.dependences(diagnosis)))
+    anything = bool(diagnosis.findings) or diagnosis.unknown is not None
+    if anything:
+        body.append(section("Where it sits", parts.location(diagnosis), parts.dependences(diagnosis)))
+    else:
+        body += _could_have_shown(diagnosis)
     body.append(section("Residuals over the workspace", arrow_maps(diagnosis), places))
     if diagnosis.ladder:
         lead = "Each model is fitted and then tried on readings that it has not seen."
@@ -38,9 +42,8 @@ def diagnosis_page(diagnosis: Diagnosis, redesign: Redesign | None = None) -> st
         lead = "How much more of the mismatch each would explain, and why it is not named."
         rejected = parts.rejected(diagnosis.rejected_forms)
         body.append(section("Considered and rejected", rejected, lead=lead))
-    if diagnosis.detectable or diagnosis.invisible:
-        lead = "The smallest size that this recording would have shown nine times in ten, where it shows least."
-        body.append(section("What this recording could have shown", parts.detectable(diagnosis), lead=lead))
+    if anything:
+        body += _could_have_shown(diagnosis)
     if diagnosis.next_poses or diagnosis.next_poses_note:
         body.append(section("What to record next", parts.next_poses(diagnosis)))
     if diagnosis.figures:
@@ -48,9 +51,19 @@ def diagnosis_page(diagnosis: Diagnosis, redesign: Redesign | None = None) -> st
         body.append(section("In the words of the standards", parts.standards(diagnosis), lead=lead))
     if redesign is not None:
         body.append(section("The design with the corrected physics", redesign_part(redesign)))
+    if anything:
+        body.append(section("What to do with it", parts.to_do(diagnosis)))
     body.append(section("Rows set aside", parts.set_aside(diagnosis)))
     body.append(section("Notes", parts.sentences(_notes(diagnosis)), table(("", ""), _asked(diagnosis))))
     return page(f"{diagnosis.arm.name}: what the model leaves out", diagnosis.sentence, body, figures, _WITHOUT)
+
+
+def _could_have_shown(diagnosis: Diagnosis) -> list[str]:
+    """The answer where nothing is missing, a caution elsewhere."""
+    if not (diagnosis.detectable or diagnosis.invisible):
+        return []
+    lead = "The smallest size that this recording would have shown nine times in ten, where it shows least."
+    return [section("What this recording could have shown", parts.detectable(diagnosis), lead=lead)]
 
 
 def _tiles(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
@@ -64,7 +77,7 @@ def _tiles(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
         explained = described if share is None else f"{share_words(share)} of the mismatch explained"
         entries.insert(1, ("what remains", mm(diagnosis.rms_after, 3), explained))
         entries.insert(2, ("on readings not fitted", mm(diagnosis.rms_after_held_out, 3), "RMS, held out"))
-    gate = f"any mismatch at all: p {p_words(diagnosis.gate_p)}"
+    gate = f"any mismatch at all: p {p_words(diagnosis.gate_p)}".replace("p < ", "p\u00a0<\u00a0")
     entries.append(("verdict", verdict_words(diagnosis.verdict, short=True), gate))
     return entries
 

@@ -20,9 +20,11 @@ from linkwright.diagnosis_words import (
     p_words,
     parameter_title,
     share_words,
+    spoken,
     time_words,
     value_words,
     where_sentences,
+    whole_sentence,
 )
 from linkwright.words import figure, mm, pose
 
@@ -31,6 +33,13 @@ from .page import side_by_side, table
 from .svg import element, nice_below, text
 
 MOST_LISTED = 40
+
+SPLITS = (
+    ("pose blocks", "a part of the workspace at a time (the one quoted above)"),
+    ("random rows", "a fifth of the rows at random"),
+    ("time blocks", "a stretch of time at a time"),
+    ("payloads", "a payload at a time"),
+)
 
 
 def sentences(lines: list[str], class_: str = "binding") -> str:
@@ -48,7 +57,9 @@ def findings(diagnosis: Diagnosis) -> str:
             value = value_words(fitted) + (" (at its bound)" if fitted.at_bound else "")
             row = [effect_words(finding.effect, finding.at) if index == 0 else "", title, value, interval_words(fitted)]
             rows.append(row + (rest if index == 0 else ["", "", ""]))
-    said = "".join(element("p", text(each.reading), class_="statement") for each in diagnosis.findings if each.reading)
+    said = "".join(
+        element("p", text(spoken(each.reading)), class_="statement") for each in diagnosis.findings if each.reading
+    )
     headings = ("left out", "parameter", "value", "95 % interval", "explains (RMS)", "RMS without it", "p")
     # The engine's sentence may say it already; then only how alike the patterns are is new.
     aliases = [
@@ -70,8 +81,29 @@ def findings(diagnosis: Diagnosis) -> str:
     if not others:
         return said + found
     heading = element("h3", text("What the data cannot tell apart"))
-    columns = ("named", "may as well be", "likeness of the patterns", "criterion worse by")
+    columns = ("named", "may as well be", "likeness of the patterns", "criterion (BIC) worse by")
     return said + found + heading + sentences(aliases) + table(columns, others, numbers=(2, 3))
+
+
+def to_do(diagnosis: Diagnosis) -> str:
+    """What the files beside the page are good for."""
+    if diagnosis.unknown is not None:
+        lines = []
+        if diagnosis.unknown.predicted is not None:
+            lines.append(
+                "compensation.csv: what to subtract at the poses recorded. It describes and does not explain, and holds "
+                "only as long as the cause stays as it was."
+            )
+        lines.append("Record what would decide (above), and diagnose again.")
+        return sentences(lines)
+    if not diagnosis.findings:
+        return ""
+    return sentences([
+        "arm.yaml: the arm with what was found in it. linkwright evaluate and optimize take it; linkwright compensate "
+        "makes the table of it that a controller can subtract.",
+        "residuals.csv: every reading with its residual before and after.",
+        "After a repair, record the same poses again; linkwright compare says what has changed and what has not.",
+    ])
 
 
 def unknown(found: Unknown) -> str:
@@ -82,7 +114,7 @@ def unknown(found: Unknown) -> str:
     if found.since is not None:
         lines.append(f"It is there since {time_words(found.since)} into the recording.")
     if found.decide:
-        lines.append(f"What would decide: {found.decide}")
+        lines.append(f"What would decide: {whole_sentence(found.decide)}")
     if found.held_out_share is not None:
         lines.append(
             f"A smooth model of it predicts {share_words(found.held_out_share)} of its sum of squares on readings that "
@@ -197,8 +229,9 @@ def ladder(diagnosis: Diagnosis) -> str:
     titles = (("model", None), ("residual", None), ("mean", "number"), ("largest", "number"))
     head = element("tr", *(element("th", text(words), scope="col", class_=class_) for words, class_ in titles))
     shown = element("table", element("thead", head), element("tbody", *rows), class_="bars")
-    splits = [f"{name}: RMS {mm(value, 3)} on the rows held out" for name, value in diagnosis.splits.items()]
-    return shown + element("p", text(diagnosis.noise_source), class_="lead") + sentences(splits)
+    splits = [f"{dict(SPLITS).get(name, name)}: RMS {mm(value, 3)}" for name, value in diagnosis.splits.items()]
+    held = element("h3", text("On readings that it has not seen, by what was held out")) if splits else ""
+    return shown + element("p", text(diagnosis.noise_source), class_="lead") + held + sentences(splits)
 
 
 def detectable(diagnosis: Diagnosis) -> str:
@@ -219,16 +252,19 @@ def detectable(diagnosis: Diagnosis) -> str:
 
 
 def _detectable_table(found: list[Detectable]) -> str:
+    # Where no nuisance hides a part of any pattern, there is nothing to say about it.
+    hidden = any(each.visible < 0.995 for each in found)
     rows = [
         [
             effect_words(each.effect, each.at),
             mm(each.rms, 3),
             f"{each.parameter.replace('_', ' ')} {detectable_words(each)}",
-            share_words(each.visible),
+            *([share_words(each.visible)] if hidden else []),
         ]
         for each in found
     ]
-    return table(("effect", "RMS at the tip", "its parameter", "visible share of its pattern"), rows, numbers=(1, 2, 3))
+    headings = ("effect", "RMS at the tip", "its parameter", "visible share of its pattern")
+    return table(headings if hidden else headings[:3], rows, numbers=(1, 2, 3))
 
 
 def next_poses(diagnosis: Diagnosis) -> str:

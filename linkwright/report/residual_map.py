@@ -48,12 +48,13 @@ def arrow_maps(diagnosis: Diagnosis) -> str:
     rows = chosen_rows(len(tip), MOST_ARROWS)
     largest = 1e3 * float(np.linalg.norm(diagnosis.residual_before, axis=1).max())
     shown: list[str] = []
+    several = len(states(diagnosis)) > 1
     for *view, seen in views:
         plot = _plot(tip, (view[0], view[1]))
         scale = (plot.across[1] - plot.across[0]) / plot.width
         exaggeration = nice_below(_ARROW * _WIDTH * scale / largest) if largest > 0.0 else 1.0
         maps = [
-            _map(plot, tip, 1e3 * residual, rows, (view[0], view[1]), (when, seen), exaggeration)
+            _map(plot, tip, 1e3 * residual, rows, (view[0], view[1]), (when, seen), exaggeration, several=several)
             for when, residual in states(diagnosis)
         ]
         shown.append(side_by_side(*maps))
@@ -86,6 +87,8 @@ def _map(
     view: tuple[int, int],
     named: tuple[str, str],
     exaggeration: float,
+    *,
+    several: bool,
 ) -> str:
     when, seen = named
     names = "xyz"
@@ -101,7 +104,8 @@ def _map(
     axes = (f"{names[view[0]]} in mm", f"{names[view[1]]} in mm")
     drawn = plot.drawn(about, axes, arrows(page, page + moved, when), key)
     rms = float(np.sqrt(np.mean(np.sum(residual * residual, axis=1)))) if len(residual) else 0.0
-    heading = element("h3", text(when.capitalize() + seen))
+    title = when.capitalize() if several else "As measured"
+    heading = element("h3", text(title + seen))
     words = f"RMS {figure(rms, 3)} mm; arrows {figure(exaggeration)} times their size"
     return element("figure", heading, drawn, element("figcaption", text(words)))
 
@@ -116,8 +120,10 @@ def hover_maps(diagnosis: Diagnosis) -> tuple[str, dict[str, Figure]]:
     for (when, _), length in zip(states(diagnosis), lengths, strict=True):
         name = f"readings-{when}"
         figures[name] = _hovered(diagnosis, length, rows, greatest)
-        words = f"Length of the residual at each reading {when}; the largest is {mm(1e-3 * float(length.max()), 3)}."
-        places.append(element("div", element("h3", text(when.capitalize())), figure_place(name, words, text(words))))
+        which = f" {when}" if len(lengths) > 1 else ""
+        words = f"Length of the residual at each reading{which}; the largest is {mm(1e-3 * float(length.max()), 3)}."
+        heading = element("h3", text(when.capitalize() if which else "Each reading"))
+        places.append(element("div", heading, figure_place(name, words, text(words))))
     return side_by_side(*places), figures
 
 

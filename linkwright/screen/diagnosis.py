@@ -19,6 +19,7 @@ from linkwright.diagnosis_words import (
     value_words,
     verdict_words,
     where_sentences,
+    whole_sentence,
 )
 from linkwright.words import effect_title, mm
 
@@ -107,7 +108,7 @@ def show_unknown(out: Console, unknown: Unknown) -> None:
             shown.add_row(effect_words(form.effect, form.at), share_words(form.share), form.reason)
         out.print(shown)
     if unknown.decide:
-        out.print(f"What would decide: {unknown.decide}", soft_wrap=True)
+        out.print(f"What would decide: {whole_sentence(unknown.decide)}", soft_wrap=True)
 
 
 def detectable(diagnosis: Diagnosis) -> Table:
