@@ -33,7 +33,8 @@ def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]
             )
             continue
         values = {name: float(size) for name, size in zip(candidate.sizes, term.sizes.tolist(), strict=True)}
-        shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0}
+        # A shape of nought is what the file means anyway, but for creep that does not begin anew.
+        shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or name == "anew"}
         at = tuple(index + 1 for index in candidate.at)
         entries.append(EffectEntry(candidate.effect, at, MappingProxyType({**values, **shapes})))
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)

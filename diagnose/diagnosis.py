@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from arm.chain import Arm
 from arm.effects import EFFECTS
 
+from .candidates import columns_of
 from .correct import corrected_arm
 from .detectable import detectable
 from .fit import Fit, displacement, fit, remaining
@@ -21,9 +22,9 @@ from .locate import dependences, depends_on, direction, joint_shares
 from .naming import FALSE_ALARM, Named, Namer, Rival, name_missing, preferred, rivals
 from .next_poses import next_poses
 from .noise import NoiseFloor, noise_floor
-from .observed import Observed, kept, observe, rms_length
+from .observed import Observed, kept, observe, rms_length, visits
 from .options import Options, Progress
-from .prepare import Prepared, prepare
+from .prepare import FAR_ABOVE, Prepared, prepare, set_up
 from .recording import Recording
 from .refit import Refit, refit
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
@@ -32,9 +33,13 @@ from .unknown import describe, rejected_forms
 
 Array = NDArray[np.float64]
 
-_ENOUGH_REPEATS, _FAR_ABOVE = 20, 1.6
-"""What is left at 1.6 times the noise floor of 20 or more repeats is physics still; noise with a memory (correlation
-0.6 from reading to reading) makes repeats of three look 1.45 times too quiet at most."""
+_ENOUGH_REPEATS = 20
+"""Degrees of freedom (for each component) from which repeats are trusted to tell noise from physics."""
+_FARTHER = 2.0
+"""Where nothing was found, so many times the noise floor must be left before that is called unknown: heavy tails and a
+memory of the noise together make repeats look up to twice too quiet."""
+_LONG = 3000
+"""Readings that are searched at most; the findings are then fitted to all of them."""
 _LEAST = 12
 """Fewer observations than this beyond the nuisances decide nothing."""
 
@@ -56,7 +61,9 @@ def diagnose(
     noise = noise_floor(recording, arm)
     cleaned = _without(recording, noise)
     tell("setting the recording against the model", 0.05)
-    prepared = prepare(observe(arm, cleaned), asked)
+    searched = _thinned(arm, cleaned, asked.seed)
+    known = noise.rms_m if noise.source == "repeats" and noise.degrees_of_freedom >= _ENOUGH_REPEATS else None
+    prepared = prepare(observe(arm, searched), asked, known)
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
     if not prepared.pool.groups or prepared.criterion.count < _LEAST:
@@ -64,7 +71,18 @@ def diagnose(
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.4 * share))
     tell("fitting and confirming", 0.7)
-    return _Report(prepared, namer, named, noise, asked, progress=tell).result(arm, recording, began)
+    whole = cleaned if len(searched.q) < len(cleaned.q) else None
+    return _Report(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
+
+
+def _thinned(arm: Arm, recording: Recording, seed: int) -> Recording:
+    """Whole visits of a long recording, picked at random: what to look for is plain from a few thousand readings."""
+    if recording.size <= _LONG:
+        return recording
+    visit = visits(recording, arm)
+    share = _LONG / recording.size
+    taken = np.random.default_rng(seed).random(int(visit[-1]) + 1) < share
+    return kept(recording, taken[visit])
 
 
 def _without(recording: Recording, noise: NoiseFloor) -> Recording:
@@ -78,31 +96,50 @@ class _Report:
 
     def __init__(
         self,
-        prepared: Prepared,
         namer: Namer,
         named: Named | None,
         noise: NoiseFloor,
         options: Options,
         *,
+        whole: Recording | None,
         progress: Progress,
     ) -> None:
-        self.prepared, self.namer, self.named = prepared, namer, named
+        self.namer, self.named = namer, named
         self.noise, self.options, self.tell = noise, options, progress
+        self.search: Prepared = namer.prepared
+        self.found, self.alternatives = self._renamed()
+        self.forms: tuple[int, ...] = named.outside if named is not None else ()
+        self.prepared, number = self._fitted_to(whole)
+        self.members = tuple(number[m] for m in self.found)
+        self.outside = tuple(number[m] for m in self.forms)
+        prepared = self.prepared
         self.observed: Observed = prepared.observed
         self.folds: dict[str, Folds] = splits(self.observed, options.seed)
-        prepared = self.prepared = namer.prepared  # with the groups that the search has refined
-        self.members, self.alternatives = self._renamed()
-        self.outside: tuple[int, ...] = named.outside if named is not None else ()
         self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
         self.left_over = self._left_over()
         self.refit: Refit = refit(prepared, self.members, self.outside, self.fitted)
 
+    def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
+        """What the findings are fitted to: all readings where only some were searched (and no form won, whose places
+        belong to those searched). With it, the numbers that the search's groups have there."""
+        searched = self.search
+        if whole is None or self.forms:
+            return searched, {m: m for m in (*self.found, *self.forms)}
+        near = searched.observed
+        rejected = {each.row for each in searched.rejected}
+        rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
+        observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation)
+        patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
+        prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
+        return prepared, {m: k for k, m in enumerate(self.found)}
+
     def _left_over(self) -> bool:
         """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it."""
-        if not self.members or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
+        if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
             return False
         left = rms_length(remaining(self.prepared, self.fitted)[:, : self.observed.components])
-        return self.noise.degrees_of_freedom >= _ENOUGH_REPEATS and left > _FAR_ABOVE * self.noise.rms_m
+        limit = (FAR_ABOVE if self.members else _FARTHER) * self.noise.rms_m
+        return self.noise.degrees_of_freedom >= _ENOUGH_REPEATS and left > limit
 
     def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""
@@ -121,20 +158,21 @@ class _Report:
         before = remaining(self.prepared, fit(self.prepared, ()))[:, :width]
         after = self._after()
         rows = self._joint_of_forms()
-        shares = joint_shares(self.prepared)
+        shares = joint_shares(self.search)
         rng = np.random.default_rng(self.options.seed + 1)
-        found = () if not self._anything else dependences(self.prepared, int(np.argmax(shares)), rng)
+        found = () if not self._anything else dependences(self.search, int(np.argmax(shares)), rng)
         self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
         unknown = None
         if self.outside or self.left_over:
-            unknown = describe(self.namer, self.members, self.outside, found, self.folds["pose blocks"])
+            folds = splits(self.search.observed, self.options.seed)["pose blocks"]
+            unknown = describe(self.namer, self.found, self.forms, found, folds)
         findings = self._findings()
         corrected, notes = corrected_arm(arm, self.refit.terms)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
             self.namer,
-            [*self.members, *self.outside],
-            list(zip(self.members, self.alternatives, strict=True)),
+            [*self.found, *self.forms],
+            list(zip(self.found, self.alternatives, strict=True)),
             self.options.seed,
         )
         columns = self._columns([*self.members, *self.outside])
@@ -165,12 +203,12 @@ class _Report:
             unknown=unknown,
             ladder=self._ladder(),
             rejected_rows=(*recording.rejected, *self.noise.outliers, *self.prepared.rejected),
-            rejected_forms=rejected_forms(self.namer, self.members, self.outside) if self._anything else (),
+            rejected_forms=rejected_forms(self.namer, self.found, self.forms) if self._anything else (),
             detectable=self._detectable(),
             invisible=self._invisible(),
             next_poses=poses,
             next_poses_note=note,
-            null_vectors=null_vectors(self.prepared),
+            null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
             figures=iso_figures(self.observed.recording, arm),
             residual_before=before,
@@ -182,7 +220,7 @@ class _Report:
 
     @property
     def _anything(self) -> bool:
-        return bool(self.members or self.outside)
+        return bool(self.members or self.outside or self.left_over)
 
     def _verdict(self) -> Verdict:
         if self.named is None:
@@ -237,7 +275,7 @@ class _Report:
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
 
     def _alternative(self, rival: Rival) -> Alternative:
-        candidate = self.prepared.pool.groups[rival.member].candidate
+        candidate = self.search.pool.groups[rival.member].candidate
         at = tuple(index + 1 for index in candidate.at)
         return Alternative(candidate.effect, at, rival.likeness, rival.worse)
 
@@ -292,12 +330,12 @@ class _Report:
             return ()
         # What is left after the findings is scatter; the gate's own draws still hold what was found.
         test = self.named.gate[0] if self.named.left is None else self.named.left[0]
-        return detectable(self.prepared, test, self.fitted.unit, FALSE_ALARM)
+        return detectable(self.search, test, self.fitted.unit, FALSE_ALARM)
 
     def _invisible(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
         """What this recording cannot show: swallowed by the nuisances, or without a trace for want of a column."""
-        shown = {group.candidate.family for group in self.prepared.pool.groups}
-        swallowed = {c.family for c in self.prepared.pool.invisible if not c.outside} - shown
+        shown = {group.candidate.family for group in self.search.pool.groups}
+        swallowed = {c.family for c in self.search.pool.invisible if not c.outside} - shown
         found = {(effect, tuple(index + 1 for index in at)) for effect, at, _ in swallowed}
         present = {effect for effect, _, _ in shown} | {effect for effect, _ in found}
         absent = [

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 _UNUSUAL, _SURE = 30.0, 100.0
 """A size more than 30 times the usual is believed only where it is 100 times its standard error."""
+_CANCELLING = 4.0
+"""A displacement whose sum of squares is more than 4 times the whole mismatch's can only cancel another."""
 _BEYOND = 2.5
 """A size this many standard errors outside its physical bounds is impossible, not just badly known."""
 
@@ -81,14 +83,19 @@ def remaining(prepared: Prepared, fitted: Fit) -> Array:
     if prepared.beside.shape[2] == 0:
         return left
     design = prepared.observed.whitened(prepared.beside)
-    values = np.linalg.lstsq(design, prepared.observed.whitened(left), rcond=1e-12)[0]
+    values = solved(design, prepared.observed.whitened(left))
     return left - prepared.beside @ values
 
 
 def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     """Why a fit cannot be physics: the first size that lies beyond its bounds, as a clause; None where all can be."""
+    whole = float(prepared.vector @ prepared.vector)
     for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
-        candidate = prepared.pool.groups[member].candidate
+        group = prepared.pool.groups[member]
+        candidate = group.candidate
+        moved = np.linalg.pinv(group.back) @ sizes
+        if float(moved @ moved) > _CANCELLING * whole:
+            return "only a displacement far larger than the mismatch would fit, balanced against others"
         for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
             low, high = bounds(candidate, name, prepared)
             width = high - low
@@ -134,6 +141,16 @@ def typical(candidate: Candidate, sizes: Array) -> bool:
         if low / 3.0 <= abs(value) <= 3.0 * high:
             return True
     return False
+
+
+def solved(design: Array, target: Array) -> Array:
+    """Least squares by the normal equations of scaled columns; directions below 1e-6 of the largest stay at zero."""
+    size = np.linalg.norm(design, axis=0)
+    scaled = design / np.where(size > 0.0, size, 1.0)
+    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12, hermitian=True)
+    first = inverse @ (scaled.T @ target)
+    first += inverse @ (scaled.T @ (target - scaled @ first))  # refined once
+    return first / np.where(size > 0.0, size, 1.0)
 
 
 def t_quantile(freedom: int) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .fit import solved
 from .observed import Observed, poses, rms_length
 
 Array = NDArray[np.float64]
@@ -70,10 +71,7 @@ def residual_held_out(observed: Observed, columns: Sequence[Array], folds: Folds
         out = folds == fold
         if out.all():
             continue
-        train = scaled[~out].reshape(-1, scaled.shape[-1])
-        size = np.linalg.norm(train, axis=0)
-        size = np.where(size > 0.0, size, 1.0)
-        values = np.linalg.lstsq(train / size, target[~out].reshape(-1), rcond=1e-8)[0] / size
+        values = solved(scaled[~out].reshape(-1, scaled.shape[-1]), target[~out].reshape(-1))
         left[out] -= design[out][:, :width] @ values
     return left
 

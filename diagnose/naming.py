@@ -41,6 +41,7 @@ _DRAWS, _THOROUGH_DRAWS = 499, 2999
 _FEW_DRAWS = 99
 """Draws for each finding beyond three; the tail is read off a Gumbel distribution."""
 _MOST = 30
+_WORTH_OF_MANY = 0.004
 _WORTH = 0.01
 """Beyond three findings, one more must take off this share of the sum of squares that is left."""
 
@@ -189,7 +190,8 @@ def _carried_on(
         added = _swapped(namer, _best_addition(namer, members, tested))
         after = fit(namer.prepared, added)
         worse = namer.criterion_of(added) >= namer.criterion_of(members)
-        if len(added) <= len(members) or worse or after.rss > (1.0 - _WORTH) * before.rss:
+        worth = _WORTH if namer.criterion.count < _MANY else _WORTH_OF_MANY
+        if len(added) <= len(members) or worse or after.rss > (1.0 - worth) * before.rss:
             break
         members, p_values = added, (*p_values, tested.p_value)
     return _pruned(namer, members, p_values) if len(members) > 3 else (members, p_values)
@@ -203,7 +205,7 @@ def _pruned(
         whole = fit(namer.prepared, members).rss
         without = [fit(namer.prepared, [m for m in members if m != member]).rss for member in members]
         least = int(np.argmin(without))
-        if without[least] > (1.0 + _WORTH) * whole:
+        if without[least] > (1.0 + 0.5 * _WORTH_OF_MANY) * whole:
             break
         members = tuple(m for k, m in enumerate(members) if k != least)
         p_values = tuple(p for k, p in enumerate(p_values) if k != least)

@@ -17,7 +17,7 @@ from arm.effects import EFFECTS, Settings
 
 from .candidates import Candidate, candidates, parameter_of
 from .forms import forms
-from .observed import Observed, kept, observe
+from .observed import Observed, kept, observe, rms_length
 from .options import Options
 from .pool import Pool, make_pool
 from .recording import RejectedRow
@@ -34,6 +34,9 @@ _LEAST_PAIRS = 20
 _SOFTEST = 1e-3
 """rad/(N*m) times kg or kg*m: the compliance of a soft drive times a light link's mass, or a stiff one's times a heavy
 one's."""
+FAR_ABOVE = 1.6
+"""Noise with a memory (correlation 0.6 from reading to reading) makes repeats of three look 1.45 times too quiet at
+most; what is 1.6 times the noise floor of repeats is more than noise."""
 _ROUGH = 4
 """Patterns in the first rough model, at most."""
 
@@ -122,11 +125,14 @@ def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, 
     return Prepared(observed, vector, pool, columns, beside, names, rejected)
 
 
-def prepare(observed: Observed, options: Options) -> Prepared:
-    """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them."""
+def prepare(observed: Observed, options: Options, noise_floor: float | None = None) -> Prepared:
+    """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them.
+
+    `noise_floor` (m) is what repeats of a pose differ by, None where there are none.
+    """
     rough = replace(observed, scale=_first_scale(observed))
     patterns = patterns_of(rough, options)
-    left = _left_by_rough_model(set_up(rough, patterns))
+    left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
     scale = _scatter(left, rough)
     outlying = _outliers(left / scale, observed)
     keep = ~outlying
@@ -154,13 +160,17 @@ def _first_scale(observed: Observed) -> Array:
     return scale
 
 
-def _left_by_rough_model(prepared: Prepared) -> Array:
+def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array:
     """What the few patterns that explain most, one after the other and forms included, leave: (N, C) in m and rad, by
     least squares with bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
     given, members = products(pool, prepared.vector), list[int]()
-    # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for.
-    wanders = np.array([group.candidate.effect in ("smooth_in_time", "trend_in_time") for group in pool.groups])
+    # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for,
+    # unless it is far above what repeats differ by, which no memory makes it.
+    mismatch = rms_length(observed.tip_residual())
+    may_wander = noise_floor is not None and mismatch > FAR_ABOVE * noise_floor
+    names = () if may_wander else ("smooth_in_time", "trend_in_time")
+    wanders = np.array([group.candidate.effect in names for group in pool.groups], dtype=bool)
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)
         left = np.where(wanders, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))

@@ -21,16 +21,18 @@ from scipy.optimize import minimize_scalar
 from arm.effects import EFFECTS, kind_at
 
 from .candidates import Candidate, columns_of, parameter_of
-from .fit import Fit, bounds, t_quantile
-from .prepare import Prepared
+from .fit import Fit, bounds, solved, t_quantile
+from .pool import orthonormal
+from .prepare import Prepared, limits
 from .result import FittedParameter
 
 Array = NDArray[np.float64]
 
 _SWEEPS = 2
-_SCAN = 41
+_SCAN = 14
 _NEWTON = 6
 _DIFFERENCE = 1e-4
+_TETHER = 5.0
 _WHOLE = frozenset({"order", "anew", "sharp"})
 """Shapes that are whole numbers and stay on their grid."""
 
@@ -75,7 +77,7 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
     residual, rss, freedom = _left(prepared, terms)
     errors, told = _errors(prepared, terms, rss / max(freedom, 1))
     parameters = tuple(
-        _parameters(prepared, terms, place, error, sure, freedom)
+        _parameters(prepared, terms, place, error, sure, freedom, rss / max(freedom, 1))
         for place, (error, sure) in enumerate(zip(errors, told, strict=True))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom)
@@ -124,9 +126,22 @@ def _design(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, list[slic
 
 
 def _least_squares(design: Array, target: Array) -> Array:
-    size = np.linalg.norm(design, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    return np.linalg.lstsq(design / size, target, rcond=1e-10)[0] / size
+    return solved(design, target)
+
+
+def _tethers(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, Array]:
+    """Rows that hold each size within its physical bounds where the data say next to nothing: weights (k, b + k) and
+    what they ask for (k,), for the step from the present sizes. They count where a size at its bound would stay below
+    five standard deviations; what the data show beyond that they shift by less than a tenth of its error."""
+    beside = prepared.beside.shape[2]
+    weights: list[Array] = []
+    for term in terms:
+        bound = limits(term.candidate, term.columns)
+        weights.append(np.zeros(len(term.sizes)) if bound is None else _TETHER / bound)
+    weight = np.concatenate([np.zeros(0), *weights])
+    sizes = np.concatenate([np.zeros(0), *(term.sizes for term in terms)])
+    rows = np.hstack([np.zeros((len(weight), beside)), np.diag(weight)])
+    return rows, -weight * sizes
 
 
 def _solved(prepared: Prepared, terms: list[Term]) -> list[Term]:
@@ -134,7 +149,9 @@ def _solved(prepared: Prepared, terms: list[Term]) -> list[Term]:
     for _ in range(_NEWTON):
         design, spans = _design(prepared, terms)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
-        step = _least_squares(design, prepared.observed.whitened(target))
+        rows, wanted = _tethers(prepared, terms)
+        white = np.concatenate([prepared.observed.whitened(target), wanted])
+        step = _least_squares(np.vstack([design, rows]), white)
         terms = [
             _term(prepared, term.candidate, term.sizes + step[span], term.columns)
             for term, span in zip(terms, spans, strict=True)
@@ -162,26 +179,43 @@ def _free_shapes(candidate: Candidate) -> tuple[str, ...]:
     return tuple(name for name, value in candidate.shapes.items() if name not in _WHOLE and value > 0.0)
 
 
-def _rss_with(prepared: Prepared, terms: Sequence[Term], place: int, shapes: Mapping[str, float]) -> float:
-    """The sum of squares left with other shapes of one term, all sizes fitted anew."""
-    candidate = replace(terms[place].candidate, shapes=MappingProxyType(dict(shapes)))
-    columns = columns_of(prepared.observed, candidate)
-    if columns is None:
-        return float("inf")
-    changed = [
-        term if k != place else Term(candidate, term.sizes, columns, columns @ term.sizes)
-        for k, term in enumerate(terms)
-    ]
-    design, _ = _design(prepared, changed)
+@dataclass(frozen=True)
+class _Scan:
+    """What is left with other shapes of one term, all sizes fitted anew: everything else is projected out once."""
+
+    prepared: Prepared
+    candidate: Candidate
+    others: Array
+    left: Array
+
+    def __call__(self, shapes: Mapping[str, float]) -> float:
+        candidate = replace(self.candidate, shapes=MappingProxyType(dict(shapes)))
+        columns = columns_of(self.prepared.observed, candidate)
+        if columns is None:
+            return float("inf")
+        own = self.prepared.observed.whitened(columns)
+        bound = limits(candidate, columns)
+        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(_TETHER / bound)
+        padding = np.zeros((len(self.left) - len(own), own.shape[1]))
+        own = np.vstack([own, padding])
+        own = np.vstack([own - self.others @ (self.others.T @ own), tether])
+        target = np.concatenate([self.left, np.zeros(len(tether))])
+        left = target - own @ _least_squares(own, target)
+        return float(left @ left)
+
+    def at(self, shapes: Mapping[str, float], name: str, logarithm: float) -> float:
+        """The same with one shape given by its logarithm."""
+        return self({**shapes, name: float(np.exp(logarithm))})
+
+
+def _scan(prepared: Prepared, terms: Sequence[Term], place: int) -> _Scan:
+    rest = [term for k, term in enumerate(terms) if k != place]
+    design, _ = _design(prepared, rest)
+    rows, _ = _tethers(prepared, rest)
+    others = orthonormal(np.vstack([design, rows]))
     white = prepared.observed.whitened(prepared.observed.residual)
-    left = white - design @ _least_squares(design, white)
-    return float(left @ left)
-
-
-def _rss_at(
-    prepared: Prepared, terms: Sequence[Term], place: int, shapes: Mapping[str, float], name: str, logarithm: float
-) -> float:
-    return _rss_with(prepared, terms, place, {**shapes, name: float(np.exp(logarithm))})
+    target = np.concatenate([white, np.zeros(len(rows))])
+    return _Scan(prepared, terms[place].candidate, others, target - others @ (others.T @ target))
 
 
 def _shapes_found(prepared: Prepared, terms: list[Term]) -> list[Term]:
@@ -191,7 +225,7 @@ def _shapes_found(prepared: Prepared, terms: list[Term]) -> list[Term]:
             shapes = dict(terms[place].candidate.shapes)
             middle = np.log(shapes[name])
 
-            left = partial(_rss_at, prepared, terms, place, shapes, name)
+            left = partial(_scan(prepared, terms, place).at, shapes, name)
             reach = (middle - 1.2, middle + 1.2)
             found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
             if float(found.fun) < left(middle):
@@ -216,6 +250,10 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
                 change = (other @ term.sizes - terms[place].columns @ term.sizes) / 1e-3
                 further.append(prepared.observed.whitened(change))
     full = np.column_stack([design, *further]) if further else design
+    rows, _ = _tethers(prepared, terms)
+    full = np.vstack(
+        [full, np.hstack([rows * np.sqrt(variance), np.zeros((len(rows), full.shape[1] - rows.shape[1]))])]
+    )
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
@@ -227,7 +265,13 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
 
 
 def _parameters(
-    prepared: Prepared, terms: Sequence[Term], place: int, errors: Array, told: NDArray[np.bool_], freedom: int
+    prepared: Prepared,
+    terms: Sequence[Term],
+    place: int,
+    errors: Array,
+    told: NDArray[np.bool_],
+    freedom: int,
+    variance: float,
 ) -> tuple[FittedParameter, ...]:
     term = terms[place]
     candidate = term.candidate
@@ -235,7 +279,7 @@ def _parameters(
     at = tuple(index + 1 for index in candidate.at)
     ending = f"_{at[0]}" if len(at) == 1 else ""
     if candidate.effect == "joint_compliance" and prepared.observed.unknown_masses:
-        return (_sag(prepared, term, errors, factor, at),)
+        return (_sag(prepared, term, factor, variance, at),)
     found: list[FittedParameter] = []
     fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), strict=True)
     for name, value, error, sure in fitted:
@@ -263,17 +307,16 @@ def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
     return kind_at(parameter_of(effect, name), slides=slides)
 
 
-def _sag(prepared: Prepared, term: Term, errors: Array, factor: float, at: tuple[int, ...]) -> FittedParameter:
+def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
     """Where the links' masses are unknown, the drive's compliance cannot be had by itself: the most that the joint sags
-    under their weight over the recording stands for it."""
+    under their weight over the recording stands for it, with the relative error of the whole displacement."""
     index = at[0] - 1
     unit = prepared.observed.signature("encoder_offset", Candidate("", (index,), (), {}).settings({"offset": 1.0}))
     reach = np.sum(unit**2, axis=1)
     angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
-    most = int(np.argmax(np.abs(angle)))
-    parts = np.einsum("cd,c->d", term.columns[most], unit[most]) / reach[most]
-    error = float(np.sqrt(np.sum((parts * errors) ** 2)))
-    value = float(angle[most])
+    value = float(angle[np.argmax(np.abs(angle))])
+    shown = prepared.pool.projected(prepared.observed.whitened(term.moved))
+    error = abs(value) * float(np.sqrt(variance / max(float(shown @ shown), 1e-300)))
     kind = "angle" if prepared.observed.arm.joints[index].revolute else "length"
     return FittedParameter(f"sag_{at[0]}", "sag", at, kind, value, (value - factor * error, value + factor * error))
 
@@ -284,21 +327,20 @@ def _profile(
     """The values of a shape between which the likelihood falls by less than the t quantile allows."""
     shapes = dict(terms[place].candidate.shapes)
     best = shapes[name]
-    least = _rss_with(prepared, terms, place, shapes)
-    limit = least * (1.0 + factor**2 / max(freedom, 1))
+    scan = _scan(prepared, terms, place)
+    limit = scan(shapes) * (1.0 + factor**2 / max(freedom, 1))
     ends: list[float] = []
     for direction in (-1.0, 1.0):
         inside, end = 0.0, float("inf")
-        for step in np.linspace(0.0, np.log(30.0), _SCAN)[1:].tolist():
-            if _rss_with(prepared, terms, place, {**shapes, name: best * float(np.exp(direction * step))}) > limit:
+        for step in np.geomspace(0.005, np.log(30.0), _SCAN).tolist():
+            if scan.at(shapes, name, np.log(best) + direction * step) > limit:
                 end = step
                 break
             inside = step
         if np.isfinite(end):
-            for _ in range(12):
+            for _ in range(10):
                 middle = 0.5 * (inside + end)
-                trial = best * float(np.exp(direction * middle))
-                over = _rss_with(prepared, terms, place, {**shapes, name: trial}) > limit
+                over = scan.at(shapes, name, np.log(best) + direction * middle) > limit
                 inside, end = (inside, middle) if over else (middle, end)
             ends.append(best * float(np.exp(direction * end)))
         else:

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 _KEPT = 60
 """How many of the best subsets of each size are kept for a closer look."""
+_MOST_FITTED = 0.5
+"""Coefficients for each observation, at most."""
 _GONE = 1e-9
 """A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
 _RIDGE = 1e-8
@@ -116,18 +118,32 @@ def _gains(layout: Layout, diagonal: Array, blocks: Sequence[Array], against: Ar
 class Criterion:
     """The extended BIC for `count` observations (nuisances already counted off) and `families` candidates.
 
-    `price` (G,) is what each group costs for its coefficients and for being picked from its variants.
+    `price` (G,) is what each group costs for its coefficients and for being picked from its variants, `ranks` (G,) its
+    coefficients. A subset with more than half as many coefficients as observations explains nothing: it is infinite.
     """
 
     count: int
     families: int
     price: Array
+    ranks: NDArray[np.int64]
 
     def __call__(self, rss: float, members: Sequence[int]) -> float:
         """The criterion of a subset; smaller is better."""
+        if sum(int(self.ranks[member]) for member in members) > _MOST_FITTED * self.count:
+            return math.inf
         prior = 2.0 * _log_choose(max(self.families, len(members)), len(members))
         priced = float(sum(self.price[member] for member in members))
         return self.count * math.log(max(rss, 1e-300) / self.count) + priced + prior
+
+    @property
+    def fits(self) -> NDArray[np.bool_]:
+        """Which groups have few enough coefficients to explain anything."""
+        return self.ranks <= _MOST_FITTED * self.count
+
+    def of_many(self, rss: float, gained: Array, price: Array, rank: NDArray[np.int64]) -> Array:
+        """The criterion of subsets of one size, but for the prior that they share: what each gains, costs and fits."""
+        value = self.count * np.log(np.maximum(rss - gained, 1e-300)) + price
+        return np.where(rank > _MOST_FITTED * self.count, np.inf, value)
 
 
 def criterion_for(pool: Pool, count: int) -> Criterion:
@@ -140,7 +156,7 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
             price[number] = min(group.rank, 2) * math.log(count)
     for members in alike:
         price[members] = price[members] + 2.0 * math.log(len(members))
-    return Criterion(count, max(len(alike), 1), price)
+    return Criterion(count, max(len(alike), 1), price, pool.ranks)
 
 
 def _log_choose(total: int, taken: int) -> float:
@@ -177,16 +193,17 @@ def best_subsets(
     singles = [(float(gain), (number,)) for number, gain in enumerate(alone.tolist()) if gain >= 0.0]
     found[1] = _ranked(start.rss, singles, criterion)
     if largest >= 2:
-        pairs = _best(_pairs(pool, start, alone, usable))
+        pairs = _best(_pairs(pool, start, alone, usable, criterion))
         found[2] = _ranked(start.rss, pairs, criterion)
     if largest >= 3 and found.get(2):
         reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced)), criterion)
+        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced, criterion)), criterion)
     return {size: subsets for size, subsets in found.items() if subsets}
 
 
-def _best(gained: Iterator[tuple[float, tuple[int, ...]]]) -> list[tuple[float, tuple[int, ...]]]:
-    return heapq.nlargest(_KEPT, gained)
+def _best(found: Iterator[tuple[float, float, tuple[int, ...]]]) -> list[tuple[float, tuple[int, ...]]]:
+    """What the subsets of the smallest criterion gain: a group of many coefficients always gains much."""
+    return [(gain, members) for _, gain, members in heapq.nsmallest(_KEPT, found)]
 
 
 def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion) -> list[Subset]:
@@ -195,21 +212,26 @@ def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criteri
 
 
 def _pairs(
-    pool: Pool, start: Products, alone: Array, usable: NDArray[np.bool_]
-) -> Iterator[tuple[float, tuple[int, ...]]]:
-    family, blocks = _family_of(pool), own_blocks(pool, start)
+    pool: Pool, start: Products, alone: Array, usable: NDArray[np.bool_], criterion: Criterion
+) -> Iterator[tuple[float, float, tuple[int, ...]]]:
+    family, blocks, ranks = _family_of(pool), own_blocks(pool, start), pool.ranks
     for first in np.flatnonzero(usable).tolist():
         both = gains_beside(pool, start, pool.columns([first]), blocks)[0] + alone[first]
         both[: first + 1] = -1.0
         both[~usable] = -1.0
         both[family == family[first]] = -1.0
-        for second in np.argsort(-both)[:_KEPT].tolist():
-            if both[second] > 0.0:
-                yield float(both[second]), (first, second)
+        price = criterion.price[first] + criterion.price
+        value = np.where(both > 0.0, criterion.of_many(start.rss, both, price, ranks[first] + ranks), np.inf)
+        for second in np.argsort(value)[:_KEPT].tolist():
+            if value[second] < np.inf:
+                yield float(value[second]), float(both[second]), (first, second)
 
 
-def _triples(pool: Pool, start: Products, reduced: Sequence[int]) -> Iterator[tuple[float, tuple[int, ...]]]:
+def _triples(
+    pool: Pool, start: Products, reduced: Sequence[int], criterion: Criterion
+) -> Iterator[tuple[float, float, tuple[int, ...]]]:
     family = _family_of(pool)[list(reduced)]
+    ranks, prices = pool.ranks[list(reduced)], criterion.price[list(reduced)]
     small = _sub_pool(pool, reduced)
     columns = pool.columns(reduced)
     begun = Products(start.gram[np.ix_(columns, columns)], start.against[columns], start.rss)
@@ -223,10 +245,12 @@ def _triples(pool: Pool, start: Products, reduced: Sequence[int]) -> Iterator[tu
             gained = third_gains + second_gain + (start.rss - one.rss)
             gained[: second + 1] = -1.0
             gained[(family == family[first]) | (family == family[second])] = -1.0
-            third = int(np.argmax(gained))
-            if gained[third] > 0.0:
+            price, rank = prices[first] + prices[second] + prices, ranks[first] + ranks[second] + ranks
+            value = np.where(gained > 0.0, criterion.of_many(start.rss, gained, price, rank), np.inf)
+            third = int(np.argmin(value))
+            if value[third] < np.inf:
                 members = sorted((reduced[first], reduced[second], reduced[third]))
-                yield float(gained[third]), tuple(members)
+                yield float(value[third]), float(gained[third]), tuple(members)
 
 
 def _worth_a_triple(

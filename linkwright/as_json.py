@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import PurePath
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from arm.chain import Arm, Link, LoadCase
@@ -16,9 +17,23 @@ from sections.taper import Tapered
 
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
-    from optimize.result import BindingLimit, OptimizationResult
+    from optimize.result import BindingLimit, OptimizationResult, Rounded
 
 _LENGTH_DIGITS = 7
+_UNITS = MappingProxyType(
+    {
+        "max_error": 1e3,
+        "mass": 1.0,
+        "total_mass": 1.0,
+        "reach": 1e3,
+        "cost": 1.0,
+        "safety_factor": 1.0,
+        "first_frequency": 1.0,
+        "buckling": 1.0,
+        "torque_use": 1.0,
+    }
+)
+"""What one SI unit of a limited figure is in the unit that people read."""
 
 
 def program_version() -> str:
@@ -126,6 +141,28 @@ def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
     ]
 
 
+def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
+    """What each drive holds at most; empty where no joint has an actuator."""
+    if evaluation.drives is None:
+        return []
+    arm, drives = evaluation.arm, evaluation.drives
+    return [
+        {
+            "joint": number,
+            "actuator": None if joint.actuator is None else joint.actuator.name,
+            "greatest_load": load,
+            "unit": "N*m" if joint.revolute else "N",
+            "rated_torque_Nm": None if joint.actuator is None else joint.actuator.rated_torque,
+            "peak_torque_Nm": None if joint.actuator is None else joint.actuator.peak_torque,
+            "torque_use": use,
+            "worst_pose": {**coordinates(arm, q), "load_case": case + 1},
+        }
+        for number, (joint, load, use, (q, case)) in enumerate(
+            zip(arm.joints, drives.greatest, drives.use, drives.poses, strict=True), start=1
+        )
+    ]
+
+
 def evaluation_figures(evaluation: Evaluation) -> dict[str, Any]:
     """The figures of an evaluation, by the names of the contract and a few more."""
     arm, worst, frequency = evaluation.arm, evaluation.worst, evaluation.frequency
@@ -156,6 +193,7 @@ def evaluation_figures(evaluation: Evaluation) -> dict[str, Any]:
         else {**coordinates(arm, frequency.q), "load_case": frequency.load_case + 1},
         "compliance": _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
+        "drives": _drives(evaluation),
         "links": links_json(arm, evaluation.link_masses),
         "workspace": _workspace(arm, evaluation.workspace),
         "load_cases": [_load_case(case) for case in evaluation.load_cases],
@@ -229,4 +267,45 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             for each in result.candidates
         ],
         "exhaustive": result.exhaustive,
+        "actuators": [
+            {
+                "actuators": list(each.actuators),
+                "objective": None if each.objective is None else factor * each.objective,
+                "outcome": each.outcome,
+            }
+            for each in result.drives
+        ],
+        "actuators_exhaustive": result.drives_exhaustive,
+        "rounded": None if result.rounded is None else _rounded(result.rounded, factor, unit),
+    }
+
+
+def _rounded(rounded: Rounded, factor: float, unit: str) -> dict[str, Any]:
+    """The design of sizes that can be had: its figures, and what rounding cost."""
+    return {
+        "to": rounded.to,
+        "length_step_mm": None if rounded.length_step is None else 1e3 * rounded.length_step,
+        "objective": {"value": factor * rounded.objective, "unit": unit},
+        "objective_before": {"value": factor * rounded.before, "unit": unit},
+        "cost_of_rounding": {
+            "value": factor * (rounded.objective - rounded.before),
+            "unit": unit,
+            "relative": rounded.objective / rounded.before - 1.0,
+        },
+        "limits": [
+            {
+                "name": limit.name,
+                "limit": limit.text,
+                "before": _UNITS[limit.name] * limit.before,
+                "value": _UNITS[limit.name] * limit.after,
+                "limit_value": _UNITS[limit.name] * limit.value,
+                "kept": True,
+            }
+            for limit in rounded.limits
+        ],
+        "designs_compared": rounded.compared,
+        "designs_searched": rounded.searched,
+        "exhaustive": rounded.exhaustive,
+        "seconds": rounded.seconds,
+        **evaluation_figures(rounded.evaluation),
     }

@@ -13,6 +13,7 @@ from materials.quantities import InputError
 
 from .as_json import program_version
 from .commands import (
+    actuators,
     compare,
     compensate,
     diagnose,
@@ -69,6 +70,7 @@ def command_line() -> typer.Typer:
     made.add_typer(materials.group(), name="materials")
     made.add_typer(sections.group(), name="sections")
     made.add_typer(effects.group(), name="effects")
+    made.add_typer(actuators.group(), name="actuators")
     return made
 
 

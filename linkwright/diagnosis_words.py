@@ -198,6 +198,17 @@ def detectable_words(detectable: Detectable) -> str:
     return quantity(detectable.value, detectable.kind)
 
 
+def least_visible(diagnosis: Diagnosis) -> list[Detectable]:
+    """Of each effect that can be seen at all, the place where its parameter must be largest to be found."""
+    found: dict[str, Detectable] = {}
+    for each in diagnosis.detectable:
+        known = found.get(each.effect)
+        more = known is None or (each.kind == known.kind and each.value > known.value)
+        if each.visible > 0.0 and more:
+            found[each.effect] = each
+    return list(found.values())
+
+
 def spoken(sentence: str) -> str:
     """A sentence with the names of parameters and the units as people write them."""
     return re.sub(r"(?<=[a-z])_(?=[a-z])", " ", sentence).replace("*", "·").replace("^2", "²")

@@ -89,6 +89,12 @@ def material_words(link: Link) -> str:
     return "–" if link.material is None else link.material.name
 
 
+def cost_name(arm: Arm) -> str:
+    """What the cost of an arm is that of."""
+    driven = any(joint.actuator is not None for joint in arm.joints)
+    return "cost of material and actuators" if driven else "material cost"
+
+
 def load_case_words(case: LoadCase) -> str:
     """What acts at the tip in a load case."""
     parts = [f"payload {with_unit(case.mass, 'kg')}"]

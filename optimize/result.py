@@ -163,3 +163,8 @@ class OptimizationResult:
     drives_exhaustive: bool = True
     rounded: Rounded | None = None
     """The design of sizes that can be had, where that was asked for."""
+
+    @property
+    def built(self) -> Arm:
+        """The arm to build: the rounded one where there is one."""
+        return self.arm if self.rounded is None else self.rounded.arm

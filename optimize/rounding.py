@@ -259,7 +259,8 @@ def _lengths_moved(search: RoundSearch) -> bool:
             pick = search.best[0]
             lengths = moved_lengths(search.problem, table.lengths[pick[-1]], steps * search.rounding.length_step)
             places = table.add_lengths(lengths)
-            if not places or not any([search.offer(each) for each in _one_group_free(search, pick, places)]):
+            offers = [search.offer(each) for each in _one_group_free(search, pick, places)] if places else []
+            if not any(offers):
                 break
             better = True
     return better

@@ -116,7 +116,7 @@ def _panel(
         children.append(course(plot.x(means[0]), plot.y(means[1]), when))
     tested = next((each for each in diagnosis.where.dependences if each.on == covariate.name), None)
     depends = covariate.name in diagnosis.where.depends_on
-    said = "" if tested is None else f", p {p_words(tested.p_value)}"
+    said = "" if tested is None else f", p {p_words(tested.p_value)}".replace("p < ", "p\u00a0<\u00a0")
     verdict = f"Depends on {covariate_words(covariate.name)}" if depends else "No dependence shown"
     caption = "" if tested is None and not depends else f"{verdict}{said}"
     ticks = np.unique(x).tolist() if two else None

@@ -16,6 +16,7 @@ from linkwright.diagnosis_words import (
     detectable_words,
     effect_words,
     interval_words,
+    least_visible,
     next_pose_words,
     p_words,
     parameter_title,
@@ -91,8 +92,8 @@ def to_do(diagnosis: Diagnosis) -> str:
         lines = []
         if diagnosis.unknown.predicted is not None:
             lines.append(
-                "compensation.csv: what to subtract at the poses recorded. It describes and does not explain, and holds "
-                "only as long as the cause stays as it was."
+                "compensation.csv: what to subtract at the poses recorded. It describes and does not explain; it holds "
+                "as long as the cause stays as it was."
             )
         lines.append("Record what would decide (above), and diagnose again.")
         return sentences(lines)
@@ -237,11 +238,8 @@ def ladder(diagnosis: Diagnosis) -> str:
 def detectable(diagnosis: Diagnosis) -> str:
     """The smallest sizes that would have been found, and what cannot be seen at all."""
     visible = [each for each in diagnosis.detectable if each.visible > 0.0]
-    worst: dict[str, Detectable] = {}
-    for each in visible:
-        if each.effect not in worst or each.rms > worst[each.effect].rms:
-            worst[each.effect] = each
-    shown = _detectable_table(list(worst.values())) if visible else ""
+    worst = least_visible(diagnosis)
+    shown = _detectable_table(worst) if visible else ""
     if len(visible) > len(worst):
         summary = element("summary", text(f"All {len(visible)}, at every joint and link"))
         shown += element("details", summary, _detectable_table(visible))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from arm.evaluation import ErrorMap, Evaluation
 from linkwright.screen.evaluation import bound_words
-from linkwright.words import figure, load_case_words, mm, with_unit, workspace_words
+from linkwright.words import cost_name, figure, load_case_words, mm, with_unit, workspace_words
 
 from . import parts
 from .bars import effect_bars
@@ -21,11 +21,12 @@ def evaluation_page(evaluation: Evaluation, field: ErrorMap) -> str:
     places, figures = parts.maps(named, (field,))
     summary = f"The worst position error over the workspace is {mm(evaluation.max_error)}; {bound_words(evaluation)}."
     strength = evaluation.strength
+    priced = evaluation.unknown.get("cost", "without machining")
     tiles = (
         ("worst error", mm(evaluation.max_error), "over the workspace"),
         ("mass of the links", with_unit(evaluation.mass, "kg"), f"{with_unit(evaluation.total_mass, 'kg')} in all"),
         ("reach", mm(evaluation.reach), "sum of the link lengths"),
-        ("material cost", with_unit(evaluation.cost, "EUR"), evaluation.unknown.get("cost", "without machining")),
+        (cost_name(evaluation.arm), with_unit(evaluation.cost, "EUR"), priced),
         ("safety factor", figure(strength.least_safety_factor), "least, against yield"),
     )
     body = [
@@ -36,6 +37,7 @@ def evaluation_page(evaluation: Evaluation, field: ErrorMap) -> str:
         section("What each effect adds", effect_bars((("", evaluation.by_effect),))),
         section("Links", sections_grid((("", arm),)), parts.links(named), lead="Cross-sections, all to one scale."),
         section("Strength and stiffness", parts.strength(named), parts.frequencies(named)),
+        section("Drives", parts.drives(evaluation)) if evaluation.drives is not None else "",
         section("What was asked", table(("", ""), _asked(evaluation)), parts.joints(evaluation)),
     ]
     return page(arm.name, summary, body, figures)

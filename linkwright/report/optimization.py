@@ -11,10 +11,12 @@ from linkwright.screen.optimization import (
     effort_words,
     names_words,
     price_words,
+    rounding_words,
     status_words,
     violation_words,
 )
 from linkwright.words import (
+    cost_name,
     factor_words,
     figure,
     load_case_words,
@@ -29,6 +31,7 @@ from . import parts
 from .bars import effect_bars
 from .figures import exchange_figure
 from .page import figure_place, page, section, table
+from .rounded import rounded_section
 from .section_picture import sections_grid
 from .svg import element, text
 
@@ -48,6 +51,7 @@ def optimization_page(result: OptimizationResult) -> str:
     body = [
         parts.tiles(_tiles(result)),
         parts.warnings(named),
+        "" if result.rounded is None else rounded_section(result, result.rounded),
         section("Before and after, each at its worst pose", parts.arms(named), lead=scale),
         section("Cross-sections", _sections(result), parts.links(named), lead="All drawn to one scale."),
         section("Error over the workspace", places, _poses(result), lead=colours),
@@ -56,6 +60,7 @@ def optimization_page(result: OptimizationResult) -> str:
         section("How the design was found", *_search(result), lead=status_words(result).capitalize() + "."),
         section("Strength, frequency and buckling", parts.strength(named), parts.frequencies(named)),
         section("The problem as solved", table(("", ""), _problem(result)), parts.joints(result.before)),
+        _drives(result),
     ]
     return page(f"{result.after.arm.name}: the new design", headline(result), body, figures)
 
@@ -69,7 +74,10 @@ def headline(result: OptimizationResult) -> str:
     reach = f"at a reach of {mm(after.reach, 5)}"
     if abs(after.reach - before.reach) > 1e-6:
         reach = f"the reach from {mm(before.reach, 5)} to {mm(after.reach, 5)}"
-    return f"{error}, {mass}, {reach}. {bound_words(after).capitalize()}."
+    words = f"{error}, {mass}, {reach}. {bound_words(after).capitalize()}."
+    if result.rounded is None:
+        return words
+    return f"{words} Rounded to {rounding_words(result.rounded)}: {mm(result.rounded.evaluation.max_error)}."
 
 
 def _tiles(result: OptimizationResult) -> list[tuple[str, str, str]]:
@@ -82,7 +90,8 @@ def _tiles(result: OptimizationResult) -> list[tuple[str, str, str]]:
         ("lower bound", with_unit(factor * result.lower_bound, unit), "over the binding poses alone"),
     ]
     if before.cost is not None or after.cost is not None:
-        entries.insert(3, ("material cost", with_unit(after.cost, "EUR"), f"before {with_unit(before.cost, 'EUR')}"))
+        note = f"before {with_unit(before.cost, 'EUR')}"
+        entries.insert(3, (cost_name(after.arm), with_unit(after.cost, "EUR"), note))
     return entries
 
 
@@ -156,6 +165,23 @@ def _candidates(result: OptimizationResult) -> list[str]:
         summary = element("summary", text(f"{len(rest)} more (all of them are in result.json)"))
         shown.append(element("details", summary, table(headings, rest, numbers=(2,))))
     return shown
+
+
+def _drives(result: OptimizationResult) -> str:
+    """What the drives of the new design hold, and which choices of actuators were looked at."""
+    if result.after.drives is None:
+        return ""
+    content = [parts.joints(result.after), parts.drives(result.after)]
+    if len(result.drives) > 1:
+        factor, unit = objective_unit(result.minimize)
+        rows: list[list[str]] = []
+        for each in result.drives[:_LISTED_CANDIDATES]:
+            objective = "–" if each.objective is None else with_unit(factor * each.objective, unit, 5)
+            rows.append([names_words(each.actuators), objective, each.outcome])
+        some = "" if result.drives_exhaustive else ", not all of them tried"
+        content.append(element("h3", text(f"{len(result.drives)} choices of actuators{some}")))
+        content.append(table(("actuators", "objective", "outcome"), rows, numbers=(1,)))
+    return section("Drives", *content, lead="Static loads over the whole workspace, against the rated torque.")
 
 
 def _problem(result: OptimizationResult) -> list[list[str]]:

@@ -114,6 +114,22 @@ def joints(evaluation: Evaluation) -> str:
     return table(("joint", "type", "range", "clearance", "backlash", "drive", "mass"), rows, numbers=(3, 4, 5, 6))
 
 
+def drives(evaluation: Evaluation) -> str:
+    """What each drive holds at most, against its actuator's rated torque."""
+    found = evaluation.drives
+    if found is None:
+        return ""
+    rows: list[list[str]] = []
+    for index, joint in enumerate(evaluation.arm.joints):
+        rated = "–" if joint.actuator is None else with_unit(joint.actuator.rated_torque, "N·m")
+        use = found.use[index]
+        held = with_unit(found.greatest[index], "N·m" if joint.revolute else "N")
+        name = "–" if joint.actuator is None else joint.actuator.name
+        at = pose(evaluation.arm, found.poses[index][0])
+        rows.append([f"joint {index + 1}", name, held, rated, "–" if use is None else percent(use, 3), at])
+    return table(("joint", "actuator", "holds up to", "rated", "share", "at"), rows, numbers=(2, 3, 4))
+
+
 def warnings(named: Named) -> str:
     """Each warning, plainly."""
     lines = [

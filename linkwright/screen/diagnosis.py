@@ -5,13 +5,14 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
-from diagnose.result import Detectable, Diagnosis, Unknown
+from diagnose.result import Diagnosis, Unknown
 from linkwright.diagnosis_words import (
     alias_sentence,
     covered_words,
     detectable_words,
     effect_words,
     interval_words,
+    least_visible,
     next_pose_words,
     p_words,
     place_words,
@@ -112,13 +113,9 @@ def show_unknown(out: Console, unknown: Unknown) -> None:
 
 
 def detectable(diagnosis: Diagnosis) -> Table:
-    """The smallest size of each effect that would have been found: the largest over its places."""
+    """The smallest size of each effect that would have been found, at the place where it shows least."""
     shown = table("effect", "would have been found from", "", numbers=(1,))
-    largest: dict[str, Detectable] = {}
-    for each in diagnosis.detectable:
-        if each.visible > 0.0 and (each.effect not in largest or each.rms > largest[each.effect].rms):
-            largest[each.effect] = each
-    for each in largest.values():
+    for each in least_visible(diagnosis):
         size = f"{each.parameter.replace('_', ' ')} {detectable_words(each)}, {place_words(each.effect, each.at)}"
         shown.add_row(effect_title(each.effect), mm(each.rms, 3), size.removesuffix(", "))
     return shown

@@ -7,6 +7,7 @@ from rich.table import Table
 
 from arm.evaluation import Evaluation
 from linkwright.words import (
+    cost_name,
     effect_title,
     figure,
     load_case_words,
@@ -46,6 +47,9 @@ def show_evaluation(out: Console, evaluation: Evaluation) -> None:
     parts = (worst_poses, effects, figures, links, strength)
     for part in (make(evaluation) for make in parts):
         out.print(part)
+        out.print()
+    if evaluation.drives is not None:
+        out.print(drives(evaluation))
         out.print()
     show_compliance(out, evaluation)
     for name, reason in evaluation.unknown.items():
@@ -89,7 +93,7 @@ def figures(evaluation: Evaluation) -> Table:
     shown = table("figure", "value", "", numbers=(1,))
     shown.add_row("mass of the links", with_unit(evaluation.mass, "kg"), "")
     shown.add_row("total mass", with_unit(evaluation.total_mass, "kg"), "with joints and the heaviest payload")
-    shown.add_row("material cost", with_unit(evaluation.cost, "EUR"), "")
+    shown.add_row(cost_name(arm), with_unit(evaluation.cost, "EUR"), "")
     shown.add_row("reach", mm(evaluation.reach), "sum of the link lengths")
     shown.add_row("safety factor", figure(strength.least_safety_factor), "least, against yield")
     shown.add_row("buckling", figure(strength.least_buckling), "least, Euler's load over the compression")
@@ -116,6 +120,21 @@ def strength(evaluation: Evaluation) -> Table:
         stress = with_unit(found.stress[at] / 1e6, "MPa", 3)
         factors = (figure(found.safety_factor[at], 3), figure(found.buckling[at], 4))
         shown.add_row(str(link + 1), stress, *factors, percent(found.deflection[at]))
+    return shown
+
+
+def drives(evaluation: Evaluation) -> Table:
+    """What each drive holds at most, against its actuator's rated torque."""
+    shown = table("joint", "actuator", "holds up to", "rated", "", "at", numbers=(0, 2, 3, 4))
+    found = evaluation.drives
+    assert found is not None
+    for index, joint in enumerate(evaluation.arm.joints):
+        use, (q, _) = found.use[index], found.poses[index]
+        held = with_unit(found.greatest[index], "N·m" if joint.revolute else "N")
+        rated = "–" if joint.actuator is None else with_unit(joint.actuator.rated_torque, "N·m")
+        share = "–" if use is None else percent(use, 3)
+        name = "–" if joint.actuator is None else joint.actuator.name
+        shown.add_row(str(index + 1), name, held, rated, share, pose(evaluation.arm, q))
     return shown
 
 

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from types import MappingProxyType
 
 from rich.console import Console
 from rich.table import Table
 
 from linkwright.as_json import objective_unit
-from linkwright.words import factor_words, figure, material_words, mm, percent, section_words, with_unit
-from optimize.result import BindingLimit, Iteration, OptimizationResult
+from linkwright.words import cost_name, factor_words, figure, material_words, mm, percent, section_words, with_unit
+from materials.quantities import format_quantity
+from optimize.problem import LIMIT_KINDS
+from optimize.result import BindingLimit, Iteration, KeptLimit, OptimizationResult, Rounded
 
 from .console import table
 from .evaluation import bound_words, show_warnings
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
+_SHOWN_IN = MappingProxyType({"max_error": "mm", "reach": "mm"})
 
 
 def violation_words(iteration: Iteration) -> str:
@@ -82,8 +87,81 @@ def show_optimization(out: Console, result: OptimizationResult) -> None:
     if len(result.candidates) > 1:
         out.print()
         out.print(candidates(result))
+    if len(result.drives) > 1:
+        out.print()
+        out.print(drive_choices(result))
     out.print()
     out.print(effort_words(result))
+    if result.rounded is not None:
+        show_rounded(out, result, result.rounded)
+
+
+def show_rounded(out: Console, result: OptimizationResult, rounded: Rounded) -> None:
+    """Print the design of sizes that can be had, and what rounding cost."""
+    out.print()
+    out.print(f"rounded to {rounding_words(rounded)}: {rounding_headline(result, rounded)}", style="bold")
+    out.print(f"  worst case of the rounded design: {bound_words(rounded.evaluation)}")
+    out.print(f"  {compared_words(rounded)}")
+    show_warnings(out, rounded.evaluation, " (rounded design)")
+    out.print()
+    shown = table("link", "length", "section", "material", "mass", numbers=(0, 1, 4))
+    for number, (link, mass) in enumerate(zip(rounded.arm.links, rounded.evaluation.link_masses, strict=True), start=1):
+        row = (mm(link.length, 6), section_words(link), material_words(link), with_unit(mass, "kg"))
+        shown.add_row(str(number), *row)
+    out.print(shown)
+    if rounded.limits:
+        out.print()
+        shown = table("limit", "optimum", "rounded", "", numbers=(1, 2))
+        for limit in rounded.limits:
+            shown.add_row(limit.text, limit_figure(limit, limit.before), limit_figure(limit, limit.after), "kept")
+        out.print(shown)
+
+
+def rounding_words(rounded: Rounded) -> str:
+    """What a design was rounded to, as a phrase."""
+    sizes = "stock sizes" if rounded.to == "stock" else f"sizes in steps of {rounded.to}"
+    if rounded.length_step is None:
+        return sizes
+    return f"{sizes} and lengths in steps of {format_quantity(rounded.length_step, 'length')}"
+
+
+def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
+    """What rounding cost, as a phrase."""
+    factor, unit = objective_unit(result.minimize)
+    named = {"max_error": "worst error", "mass": "links", "total_mass": "total mass", "cost": "cost"}[result.minimize]
+    before, after = (with_unit(factor * value, unit, 5) for value in (rounded.before, rounded.objective))
+    change = rounded.objective / rounded.before - 1.0
+    words = f"{percent(abs(change), 3)} {'more' if change >= 0.0 else 'less'}"
+    mass = f"; links {with_unit(result.after.mass, 'kg')} before, {with_unit(rounded.evaluation.mass, 'kg')} after"
+    return f"{named} {before} before, {after} after ({words}){'' if result.minimize == 'mass' else mass}"
+
+
+def compared_words(rounded: Rounded) -> str:
+    """How the rounded design was found, as a phrase."""
+    told = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
+    seconds = with_unit(rounded.seconds, "s", 3)
+    return f"the best of {rounded.compared} designs compared, {told} among them, in {seconds}"
+
+
+def limit_figure(limit: KeptLimit, value: float) -> str:
+    """A figure (SI) that is limited, with its unit."""
+    kind, unit = LIMIT_KINDS[limit.name], _SHOWN_IN.get(limit.name)
+    return "–" if math.isnan(value) else format_quantity(value, kind, unit, digits=5)
+
+
+def drive_choices(result: OptimizationResult) -> Table:
+    """The choices of actuators, best first."""
+    factor, unit = objective_unit(result.minimize)
+    some = "" if result.drives_exhaustive else ", not all of them tried"
+    title = f"{len(result.drives)} choices of actuators{some}"
+    shown = table("actuators", "objective", "outcome", numbers=(1,), title=title)
+    for each in result.drives[:MOST_CANDIDATES]:
+        objective = "–" if each.objective is None else with_unit(factor * each.objective, unit, 5)
+        shown.add_row(names_words(each.actuators), objective, each.outcome)
+    if len(result.drives) > MOST_CANDIDATES:
+        shown.caption = f"and {len(result.drives) - MOST_CANDIDATES} more, in result.json and the report"
+        shown.caption_justify = "left"
+    return shown
 
 
 def effort_words(result: OptimizationResult) -> str:
@@ -113,7 +191,7 @@ def before_after(result: OptimizationResult) -> Table:
     row("worst error", 1e3 * before.max_error, 1e3 * after.max_error, "mm", 5)
     row("mass of the links", before.mass, after.mass, "kg")
     row("total mass", before.total_mass, after.total_mass, "kg")
-    row("material cost", before.cost, after.cost, "EUR")
+    row(cost_name(after.arm), before.cost, after.cost, "EUR")
     row("reach", 1e3 * before.reach, 1e3 * after.reach, "mm")
     row("least safety factor", before.strength.least_safety_factor, after.strength.least_safety_factor, "")
     row("least buckling factor", before.strength.least_buckling, after.strength.least_buckling, "")

@@ -14,6 +14,10 @@ from linkwright.screen.console import PLAIN_WIDTH
 COMMANDS = (
     ("evaluate",),
     ("optimize",),
+    ("simulate",),
+    ("diagnose",),
+    ("compare",),
+    ("compensate",),
     ("materials", "list"),
     ("materials", "show"),
     ("sections", "list"),

@@ -1,0 +1,144 @@
+"""`linkwright actuators`: the gears that joints can name."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from arm.actuators import Actuator, load_actuators
+from linkwright.as_json import program_version
+from linkwright.words import figure, with_unit
+from linkwright.writing import check_target, write_json
+
+from .groups import command_group
+from .options import JsonFile
+
+HELP = """Gears and actuators by name: list, show."""
+LIST_HELP = """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
+
+Example: linkwright actuators list --least-torque '100 N*m'
+"""
+SHOW_HELP = """One actuator: every figure, and where it is from.
+
+Example: linkwright actuators show RV-20E
+"""
+ActuatorFile = Annotated[
+    Path | None, typer.Option("--catalogue", metavar="FILE", help="Actuators that add to the shipped ones.")
+]
+
+
+def list_actuators(
+    least_torque: Annotated[
+        str | None, typer.Option("--least-torque", metavar="TORQUE", help="Only those rated for it, e.g. '100 N*m'.")
+    ] = None,
+    json: JsonFile = None,
+    catalogue: ActuatorFile = None,
+) -> None:
+    """Run `actuators list`."""
+    from linkwright.screen.console import console, table
+    from materials.quantities import read_quantity
+
+    check_target(json, catalogue)
+    known = load_actuators([catalogue] if catalogue is not None else [])
+    least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")
+    found = [each for each in known if each.rated_torque >= least]
+    write_json(json, _content({"actuators": [_as_json(each) for each in found]}))
+    if not found:
+        console().print("no actuator is rated for that")
+        return
+    units = ("rated N·m", "peak N·m", "stiffness kN·m/rad", "backlash arcmin", "mass kg", "cost EUR")
+    shown = table("actuator", "gear", *units, numbers=(2, 3, 4, 5, 6, 7))
+    shown.columns[0].no_wrap = True
+    for each in found:
+        torques = (each.rated_torque, each.peak_torque)
+        figures = (*torques, each.stiffness / 1e3, _arcmin(each.backlash), each.mass, each.cost)
+        shown.add_row(each.name, each.gear, *(figure(value, 5) for value in figures))
+    console().print(shown)
+    makers = ", ".join(dict.fromkeys(each.maker for each in found))
+    told = "stiffness: of the softest zone; a dash: not known"
+    console().print(f"{makers}: figures of the makers' catalogues; {told}", soft_wrap=True)
+
+
+def show_actuator(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="The actuator's name.")],
+    json: JsonFile = None,
+    catalogue: ActuatorFile = None,
+) -> None:
+    """Run `actuators show`."""
+    from linkwright.screen.console import console, table
+
+    check_target(json, catalogue)
+    found = load_actuators([catalogue] if catalogue is not None else []).find(name)
+    write_json(json, _content(_as_json(found)))
+    screen = console()
+    screen.print(f"{found.name}: {found.maker}, {found.gear}", style="bold")
+    shown = table("what", "value", numbers=(1,))
+    if found.ratio is not None:
+        shown.add_row("ratio", figure(found.ratio, 5))
+    shown.add_row("rated torque", with_unit(found.rated_torque, "N·m", 5))
+    shown.add_row("peak torque", with_unit(found.peak_torque, "N·m", 5))
+    for label, stiffness in zip(_zones(found), found.stiffnesses, strict=True):
+        shown.add_row(f"stiffness{label}", with_unit(stiffness / 1e3, "kN·m/rad", 5))
+    wound = 1e3 * found.wind_up(found.rated_torque)
+    shown.add_row("gives under its rated torque", with_unit(wound, "mrad", 3))
+    shown.add_row("backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3))
+    shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5))
+    shown.add_row("cost", _cost_words(found))
+    screen.print(shown)
+    note = f"{found.note}; " if found.note else ""
+    screen.print(f"{note}{found.source}; from {found.file}", soft_wrap=True)
+
+
+def _arcmin(radians: float) -> float:
+    return math.degrees(radians) * 60.0
+
+
+def _zones(found: Actuator) -> list[str]:
+    """Which torques each stiffness is for, in words."""
+    if not found.zone_torques:
+        return [""]
+    ends = [figure(end, 5) for end in found.zone_torques]
+    between = [f", {low} to {high} N·m" for low, high in itertools.pairwise(ends)]
+    return [f", up to {ends[0]} N·m", *between, f", beyond {ends[-1]} N·m"]
+
+
+def _cost_words(found: Actuator) -> str:
+    if found.cost is None or found.cost_spread is None:
+        return "not known"
+    low, high = (figure(value) for value in found.cost_spread)
+    return f"{figure(found.cost)} EUR ({low} to {high}, {found.cost_date})"
+
+
+def _content(content: dict[str, Any]) -> dict[str, Any]:
+    return {"made_by": f"linkwright actuators {program_version()}", **content}
+
+
+def _as_json(each: Actuator) -> dict[str, Any]:
+    return {
+        "name": each.name,
+        "maker": each.maker,
+        "gear": each.gear,
+        "ratio": each.ratio,
+        "rated_torque_Nm": each.rated_torque,
+        "peak_torque_Nm": each.peak_torque,
+        "stiffness_Nm_per_rad": each.stiffness,
+        "stiffness_zones_Nm_per_rad": list(each.stiffnesses),
+        "zone_torques_Nm": list(each.zone_torques),
+        "backlash_arcmin": _arcmin(each.backlash),
+        "mass_kg": each.mass,
+        "cost_EUR": each.cost,
+        "cost_spread_EUR": None if each.cost_spread is None else list(each.cost_spread),
+        "cost_date": each.cost_date,
+        "source": each.source,
+        "note": each.note,
+        "file": each.file,
+    }
+
+
+def group() -> typer.Typer:
+    """The command group."""
+    return command_group(HELP, {"list": (list_actuators, LIST_HELP), "show": (show_actuator, SHOW_HELP)})

@@ -1,0 +1,70 @@
+"""The measuring frame and the tool are found exactly where nothing else is wrong."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from arm.model import beams_of
+from arm.statics import solve
+from diagnose.alignment import aligned, tool_directions
+from tests.diagnose.made_diagnosis import made_arm, made_recording
+
+
+def at_rest(space):
+    arm = made_arm(space)
+    if space:  # a wrist across, or the tool's third direction is the base's
+        joints = (*arm.joints[:2], replace(arm.joints[2], axis=(1.0, 0.0, 0.0)))
+        links = (*arm.links[:1], replace(arm.links[1], end_rotation=rotation_rows("y", 0.7)), *arm.links[2:])
+        arm = replace(arm, joints=joints, links=links)
+    recording = made_recording(arm, repeats=1)
+    state = solve(arm, list(recording.q.T), beams_of(arm))
+    return recording, state
+
+
+def rotation_rows(axis, angle):
+    matrix = Rotation.from_euler(axis, angle).as_matrix()
+    return tuple(tuple(float(x) for x in row) for row in matrix)
+
+
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize(("frame", "tool"), [(True, False), (False, True), (True, True)])
+def test_frame_and_tool_are_recovered(space, frame, tool):
+    """Measured points are exact: a frame turned anyhow and metres away, a tool some centimetres longer."""
+    recording, state = at_rest(space)
+    modelled, width = recording.tip, recording.tip.shape[1]
+    offset = np.array([0.03, -0.02, 0.05])[:width] if tool else np.zeros(width)
+    truth = modelled + tool_directions(state, recording.size, width) @ offset
+    turn = Rotation.from_rotvec([0.4, -1.1, 2.0] if space else [0.0, 0.0, 2.0]).as_matrix()[:width, :width]
+    shift = np.array([3.0, -2.0, 1.5])[:width]
+    measured = (truth - shift) @ turn if frame else truth  # base = turn @ measured + shift
+    asked = replace(recording, tip=measured, frame="free" if frame else "known", tool="free" if tool else "known")
+    found = aligned(asked, state, modelled)
+    assert found.residual == pytest.approx(0.0, abs=1e-9)
+    assert found.tool == pytest.approx(offset, abs=1e-9)
+    if frame:
+        assert found.rotation == pytest.approx(turn, abs=1e-9)
+        assert found.translation == pytest.approx(shift, abs=1e-9)
+    assert found.in_base(measured) == pytest.approx(truth, abs=1e-9)
+    assert np.linalg.det(found.rotation) == pytest.approx(1.0)
+
+
+def test_what_is_known_stays():
+    recording, state = at_rest(space=False)
+    found = aligned(replace(recording, tip=recording.tip + [1e-3, 0.0]), state, recording.tip)
+    assert found.residual == pytest.approx(np.tile([1e-3, 0.0], (recording.size, 1)))
+    assert found.rotation == pytest.approx(np.eye(2))
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_points_on_a_line_are_no_mirror(space):
+    """Points that hardly leave a line leave the turn about it open: it is still a turn."""
+    recording, state = at_rest(space)
+    width = recording.tip.shape[1]
+    line = np.linspace(0.2, 0.9, recording.size)[:, None] * np.ones(width)
+    asked = replace(recording, tip=line[:, ::-1] + 0.3, frame="free")
+    found = aligned(asked, state, line)
+    assert found.rotation @ found.rotation.T == pytest.approx(np.eye(width), abs=1e-12)
+    assert np.linalg.det(found.rotation) == pytest.approx(1.0)
+    assert found.residual == pytest.approx(0.0, abs=1e-9)

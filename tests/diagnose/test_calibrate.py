@@ -1,0 +1,121 @@
+"""How often chance is called physics, and that visits stay whole."""
+
+import numpy as np
+import pytest
+from scipy.stats import binom, kstest
+
+from diagnose.calibrate import given_model, one_more, p_value, shuffled
+from diagnose.search import criterion_for
+from tests.diagnose.core_cases import random_pool
+
+VISITS = np.repeat(np.arange(24), 3)
+
+
+@pytest.mark.parametrize("count", [4, 30])
+def test_visits_stay_whole(count):
+    """Every visit's readings come out in their order, next to each other in the cycle, under one sign."""
+    visits = np.repeat(np.arange(count), np.arange(count) % 3 + 1)
+    table = np.column_stack([visits + 1.0, np.arange(len(visits)) + 1.0])
+    rng = np.random.default_rng(1)
+    signs = set()
+    for _ in range(20):
+        drawn = shuffled(table, visits, rng)
+        assert sorted(np.abs(drawn[:, 1])) == sorted(table[:, 1])
+        for visit in range(count):
+            places = np.flatnonzero(np.abs(drawn[:, 0]) == visit + 1.0)
+            assert len({float(np.sign(x)) for x in drawn[places, 0]}) == 1
+            signs.add((visit, float(np.sign(drawn[places[0], 0]))))
+            start = next(p for p in places if (p - 1) % len(table) not in places or len(places) == len(table))
+            run = (start + np.arange(len(places))) % len(table)
+            assert sorted(run) == sorted(places)
+            assert np.abs(drawn[run, 1]) == pytest.approx(table[visits == visit, 1])
+    assert len(signs) == 2 * count
+
+
+def p_values(pool, columns, make, draws=99, trials=150, seed=1):
+    rng = np.random.default_rng(seed)
+    criterion = criterion_for(pool, len(pool.nuisance) - pool.nuisance.shape[1])
+    everything = np.ones(len(pool.groups), dtype=bool)
+    found = []
+    for _ in range(trials):
+        vector = pool.projected(make(rng))
+        given = given_model(pool, vector, ())
+        tested = one_more(pool, given, criterion, VISITS, 2, draws=draws, rng=rng, among=[everything])
+        found.append(tested[0].p_value)
+    return np.array(found)
+
+
+def reach(rng):
+    """How far each reading's visit scatters, and how far its arm reaches."""
+    return np.repeat(rng.uniform(0.2, 2.0, 24), 3)
+
+
+@pytest.mark.parametrize("kind", ["plain", "by visit", "by reach"])
+def test_under_a_null_p_is_uniform(kind):
+    """Readings on their own, readings that share their visit's scatter, and scatter that grows where patterns do."""
+    rng = np.random.default_rng(2)
+    size = reach(rng) if kind == "by reach" else np.ones(72)
+    columns = [(size[:, None, None] * rng.standard_normal((24, 2, d))[VISITS]).reshape(144, d) for d in (1,) * 12 + (3,)]
+    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144)
+
+    def null(rng):
+        shared = 0.0 if kind == "plain" else rng.standard_normal((24, 2))[VISITS]
+        return (size[:, None] * (shared + 0.5 * rng.standard_normal((72, 2)))).reshape(-1)
+
+    found = p_values(pool, columns, null)
+    assert kstest(found, "uniform").pvalue > 1e-3
+    assert np.sum(found <= 0.05) <= binom.ppf(0.999, len(found), 0.05)
+
+
+def test_a_constant_offset_is_seen():
+    """It would survive any order of the visits; their signs tell it."""
+    rng = np.random.default_rng(3)
+    constant = np.tile([1.0, 0.0], 72)[:, None]
+    columns = [*(rng.standard_normal((144, 1)) for _ in range(10)), constant]
+    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144, nuisances=0)
+    criterion = criterion_for(pool, 144)
+    vector = 0.8 * constant[:, 0] + rng.standard_normal(144)
+    given = given_model(pool, vector, ())
+    everything = np.ones(11, dtype=bool)
+    tested = one_more(pool, given, criterion, VISITS, 2, draws=499, rng=rng, among=[everything, ~everything])
+    assert tested[0].best == 10
+    assert tested[0].p_value < 0.002
+    assert tested[1].p_value == 1.0
+
+
+def test_what_is_given_is_not_found_again():
+    rng = np.random.default_rng(4)
+    columns = [rng.standard_normal((144, 1)) for _ in range(8)]
+    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144)
+    vector = pool.projected(3.0 * columns[2][:, 0] + rng.standard_normal(144))
+    criterion = criterion_for(pool, 141)
+    everything = np.ones(8, dtype=bool)
+    bare = one_more(pool, given_model(pool, vector, ()), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
+    rest = one_more(pool, given_model(pool, vector, (2,)), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
+    assert bare[0].best == 2
+    assert bare[0].p_value < 1e-3
+    assert rest[0].p_value > 0.01
+
+
+def test_p_counts_draws_and_reads_the_tail_off_beyond_them():
+    rng = np.random.default_rng(5)
+    drawn = rng.gumbel(3.0, 2.0, 400)
+    middle = float(np.quantile(drawn, 0.7))
+    assert p_value(middle, drawn) == pytest.approx((1 + np.sum(drawn >= middle)) / 401)
+    far = 3.0 + 2.0 * 12.0
+    logarithms = [np.log(p_value(far, rng.gumbel(3.0, 2.0, 400))) for _ in range(60)]
+    # The spread of 400 draws is known to 5 %, so one logarithm to 0.6, and the mean of 60 to 0.1 (and a bias of 0.1).
+    assert np.mean(logarithms) == pytest.approx(-12.0, abs=0.4)
+    assert p_value(far, drawn[:20]) == pytest.approx(1.0 / 21.0)
+
+
+def test_a_group_that_could_fit_anything_is_not_tested():
+    rng = np.random.default_rng(8)
+    pool, _, _ = random_pool(rng, (9, 1), rows=16, nuisances=0)
+    visits = np.arange(8)
+    vector = rng.standard_normal(16)
+    everything = np.ones(2, dtype=bool)
+    tested = one_more(
+        pool, given_model(pool, vector, ()), criterion_for(pool, 16), visits, 2, draws=99, rng=rng, among=[everything]
+    )
+    assert tested[0].best == 1

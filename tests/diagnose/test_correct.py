@@ -1,0 +1,79 @@
+"""The corrected arm file, written and read back, leaves nothing to be found in the same recording."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from arm.files import read_arm
+from arm.writing import write_arm
+from diagnose.candidates import Candidate
+from diagnose.correct import corrected_arm
+from diagnose.diagnosis import diagnose
+from diagnose.refit import Term
+from tests.diagnose.core_cases import recorded, with_effects
+from tests.diagnose.made_diagnosis import made_arm
+
+CASES = {
+    "compliance": (False, ("joint_compliance", (2,), {"compliance": 1e-5}), {}),
+    "offset in space": (True, ("encoder_offset", (3,), {"offset": 3e-4}), {}),
+    "backlash held by friction": (False, ("backlash", (1,), {"total": 3e-4, "held_below": 1e6}), {}),
+    "lag": (
+        False,
+        ("thermal_expansion", (1, 2, 3), {"expansion": 23e-6, "lag": 2400.0}),
+        {"hours": 6.0, "temperature": (293.15, 318.15)},
+    ),
+    "modulus": (False, ("link_modulus", (1, 2, 3), {"excess": -0.3}), {"payloads": (0.0, 20.0)}),
+    "creep of the arm's own weight": (
+        False,
+        ("creep", (1,), {"compliance": 4e-6, "time_constant": 3600.0, "anew": 0.0}),
+        {"hours": 5.0},
+    ),
+    "tool": (True, ("tool_offset", (), {"along": 2e-4}), {}),
+}
+
+
+def read_back(arm, folder):
+    path = folder / "arm.yaml"
+    write_arm(arm, path)
+    return read_arm(path)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_corrected_arm_explains_the_recording(name, tmp_path):
+    space, entry, changed = CASES[name]
+    arm = made_arm(space)
+    recording = recorded(with_effects(arm, entry), **{"poses": 16, **changed})
+    first = diagnose(arm, recording)
+    assert first.findings
+    again = diagnose(read_back(first.corrected, tmp_path), recording)
+    assert again.verdict == "none"
+    assert again.rms_before == pytest.approx(first.rms_after, rel=2e-2)
+
+
+def test_physics_left_out_comes_back_whole(tmp_path):
+    arm = made_arm()
+    recording = recorded(arm, payloads=(0.0, 20.0), poses=16)
+    first = diagnose(replace(arm, leave_out=frozenset({"slope_propagation"})), recording)
+    assert [finding.effect for finding in first.findings] == ["slope_propagation"]
+    again = diagnose(read_back(first.corrected, tmp_path), recording)
+    assert again.verdict == "none"
+
+
+def test_a_shape_of_nought_is_kept_where_it_says_something():
+    """Creep that began with the recording must not turn into creep that begins anew with each payload."""
+    shapes = {"time_constant": 3600.0, "anew": 0.0}
+    candidate = Candidate("creep", (0,), ("compliance",), MappingProxyType(shapes))
+    nothing = np.zeros((1, 2))
+    corrected, _ = corrected_arm(made_arm(), [Term(candidate, np.array([1e-6]), nothing[:, :, None], nothing)])
+    assert corrected.effects[0].parameters["anew"] == 0.0
+
+
+def test_forms_do_not_enter_the_file():
+    arm = made_arm()
+    form = Candidate("step_in_time", (), (), MappingProxyType({"since": 1.0}), outside=True)
+    nothing = np.zeros((1, 2))
+    corrected, notes = corrected_arm(arm, [Term(form, np.array([1.0]), nothing[:, :, None], nothing)])
+    assert corrected == arm
+    assert notes == ()

@@ -1,0 +1,90 @@
+"""The smallest size that would have been found is found nine times in ten."""
+
+import numpy as np
+import pytest
+
+from arm.effects import EFFECTS
+from diagnose.calibrate import given_model, p_value
+from diagnose.candidates import parameter_of
+from diagnose.detectable import detectable
+from diagnose.naming import FALSE_ALARM, Namer
+from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
+
+TRIALS = 240
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["plane", "space"])
+def gate(request):
+    null = prepared_null(request.param)
+    tested = Namer(null, thorough=True, seed=1).test(())[0]
+    return null, tested
+
+
+def statistic(prepared, number):
+    """The statistic of one group alone: what its part of the residual is worth in the criterion."""
+    group = prepared.pool.groups[number]
+    along = prepared.pool.basis[:, group.start : group.stop].T @ prepared.vector
+    share = float(along @ along) / float(prepared.vector @ prepared.vector)
+    return -prepared.criterion.count * np.log1p(-share) - float(prepared.criterion.price[number])
+
+
+@pytest.mark.parametrize("effect", ["encoder_offset", "joint_compliance", "encoder_eccentricity", "payload"])
+def test_power_at_the_stated_size(gate, effect):
+    """Monte Carlo: noise and the effect at that size, how often its own statistic passes the gate."""
+    null, tested = gate
+    at = () if effect == "payload" else (1,)
+    found = next(
+        d
+        for d in detectable(null, tested, 1.0, FALSE_ALARM)
+        if (d.effect, d.at) == (effect, tuple(index + 1 for index in at))
+    )
+    number = group_of(null, effect, at)
+    names = null.pool.groups[number].candidate.sizes
+    signal = found.value * null.columns[number][:, :, names.index(found.parameter)]
+    rng = np.random.default_rng(7)
+    passed = 0
+    for _ in range(TRIALS):
+        trial = with_residual(null, signal + noise_of(null, rng))
+        passed += p_value(statistic(trial, number), tested.drawn) <= FALSE_ALARM
+    # Binomial scatter of 240 trials is 0.019; three of them, and 0.02 for the level's own (2999 draws).
+    assert passed / TRIALS == pytest.approx(0.9, abs=0.08)
+    tip = signal[:, : null.observed.components]
+    assert found.rms == pytest.approx(np.sqrt(np.mean(np.sum(tip**2, axis=1))))
+    assert found.kind == parameter_of(EFFECTS[effect], found.parameter).kind
+
+
+def test_twice_the_noise_hides_twice_as_much(gate):
+    null, tested = gate
+    once, twice = detectable(null, tested, 1.0, FALSE_ALARM), detectable(null, tested, 2.0, FALSE_ALARM)
+    assert [b.value / a.value for a, b in zip(once, twice, strict=True)] == pytest.approx([2.0] * len(once))
+
+
+def test_a_pattern_within_the_nuisances_shows_only_what_is_left():
+    """With the frame free, an offset of encoder 1 is a turn of the frame; encoder 3 must be larger to be seen."""
+    known, free = prepared_null(), prepared_null(free_frame=True)
+    sizes = []
+    for prepared in (known, free):
+        tested = Namer(prepared, thorough=False, seed=1).test(())[0]
+        found = {(d.effect, d.at): d for d in detectable(prepared, tested, 1.0, FALSE_ALARM)}
+        sizes.append(found)
+    assert ("encoder_offset", (1,)) in sizes[0]
+    assert ("encoder_offset", (1,)) not in sizes[1]
+    assert ("instrument_scale", ()) in sizes[1]
+    ratio = sizes[1]["encoder_offset", (2,)].value / sizes[0]["encoder_offset", (2,)].value
+    assert ratio > 1.3
+    visible = sizes[1]["encoder_offset", (2,)].visible
+    assert ratio == pytest.approx(1.0 / visible, rel=0.25)
+
+
+def test_gate_gives_each_group_its_own_statistic(gate):
+    """What the test above computes by hand is what the gate computes."""
+    null, tested = gate
+    rng = np.random.default_rng(9)
+    trial = with_residual(null, noise_of(null, rng))
+    namer = Namer(trial, thorough=False, seed=1)
+    found = namer.test(())[0]
+    assert given_model(trial.pool, trial.vector, ()).residual == pytest.approx(trial.vector, abs=1e-9)
+    for effect in ("encoder_offset", "joint_compliance"):
+        number = group_of(trial, effect, (1,))
+        assert found.each[number] == pytest.approx(statistic(trial, number), rel=1e-6, abs=1e-6)
+    assert tested.p_value > FALSE_ALARM

@@ -1,0 +1,103 @@
+"""Linear fits of findings: sizes, their intervals, and what is physically impossible."""
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from diagnose.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical
+from diagnose.observed import observe
+from diagnose.options import Options
+from diagnose.prepare import prepare
+from tests.diagnose.core_cases import group_of, noise_of, prepared_null, recorded, with_effects, with_residual
+from tests.diagnose.made_diagnosis import made_arm
+
+CASES = 200
+
+
+@pytest.fixture(scope="module")
+def null():
+    return prepared_null()
+
+
+def within(count, share=0.95, trials=CASES):
+    """Whether a count is one that chance gives all but once in a thousand times."""
+    return binom.ppf(0.0005, trials, share) <= count <= binom.ppf(0.9995, trials, share)
+
+
+def test_intervals_of_a_linear_fit_cover(null):
+    """Two effects at once, 200 draws of noise: the truth lies in 95 % of the intervals."""
+    members = [group_of(null, "encoder_offset", (1,)), group_of(null, "joint_compliance", (2,))]
+    truth = (2e-5, 4e-6)
+    rng = np.random.default_rng(1)
+    inside = np.zeros(2)
+    for _ in range(CASES):
+        residual = noise_of(null, rng) + sum(null.columns[m][:, :, 0] * x for m, x in zip(members, truth, strict=True))
+        fitted = fit(with_residual(null, residual), members)
+        reach = t_quantile(fitted.freedom)
+        for k in range(2):
+            inside[k] += abs(fitted.sizes[k][0] - truth[k]) <= reach * fitted.errors[k][0]
+    assert within(inside[0])
+    assert within(inside[1])
+
+
+def test_fit_is_least_squares_beside_the_nuisances():
+    arm = made_arm()
+    free = prepare(observe(arm, recorded(arm, free_frame=True)), Options())
+    members = [group_of(free, "encoder_offset", (1,)), group_of(free, "link_length", (0,))]
+    fitted = fit(free, members)
+    white = free.observed.whitened
+    matrix = np.concatenate([white(free.beside), *(white(free.columns[m]) for m in members)], axis=1)
+    target = white(free.observed.residual)
+    values, _, _, _ = np.linalg.lstsq(matrix, target, rcond=1e-12)
+    assert [float(size[0]) for size in fitted.sizes] == pytest.approx(values[-2:].tolist(), rel=1e-6)
+    left = target - matrix @ values
+    assert fitted.rss == pytest.approx(float(left @ left))
+    assert fitted.freedom == len(target) - matrix.shape[1]
+    variance = float(left @ left) / fitted.freedom
+    covariance = np.linalg.inv(matrix.T @ matrix) * variance
+    errors = np.sqrt(np.diag(covariance))[-2:]
+    assert [float(error[0]) for error in fitted.errors] == pytest.approx(errors.tolist(), rel=1e-5)
+    assert white(remaining(free, fitted)) == pytest.approx(left, abs=1e-6)
+    both = displacement(free, fitted, members[:1]) + displacement(free, fitted, members[1:])
+    assert both == pytest.approx(displacement(free, fitted), abs=1e-15)
+
+
+def test_sizes_beyond_their_bounds_are_impossible(null):
+    """A drive of 60 kN*m/rad may come out stiffer, but not stiffer than rigid; backlash is not negative."""
+    rng = np.random.default_rng(2)
+    compliance, backlash = group_of(null, "joint_compliance", (1,)), group_of(null, "backlash", (1,), held_below=0.0)
+    low, high = bounds(null.pool.groups[compliance].candidate, "compliance", null)
+    assert low == pytest.approx(-1.0 / 60e3)
+    for member, possible, not_possible in (
+        (compliance, -0.9 / 60e3, -2.0 / 60e3),
+        (compliance, 1e-4, 2.0 * high),
+        (backlash, 1e-4, -1e-4),
+    ):
+        for size, works in ((possible, True), (not_possible, False)):
+            residual = noise_of(null, rng) + null.columns[member][:, :, 0] * size
+            trial = with_residual(null, residual)
+            assert (impossible(trial, fit(trial, [member])) is None) is works
+
+
+def test_usual_sizes(null):
+    candidate = null.pool.groups[group_of(null, "joint_compliance", (1,))].candidate
+    assert typical(candidate, np.array([1e-5]))
+    assert not typical(candidate, np.array([1e-9]))
+
+
+def test_two_names_of_one_pattern_share_it_without_an_error_of_their_own(null):
+    """servo_droop and joint_compliance are one pattern to the tip: together they fit like one."""
+    members = [group_of(null, "joint_compliance", (1,)), group_of(null, "servo_droop", (1,))]
+    rng = np.random.default_rng(3)
+    trial = with_residual(null, noise_of(null, rng) + null.columns[members[0]][:, :, 0] * 1e-5)
+    both, one = fit(trial, members), fit(trial, members[:1])
+    assert both.rss == pytest.approx(one.rss, rel=1e-6)
+    assert both.sizes[0][0] + both.sizes[1][0] == pytest.approx(one.sizes[0][0], rel=1e-3)
+
+
+def test_a_true_effect_is_found_at_its_size():
+    arm = made_arm()
+    prepared = prepare(observe(arm, recorded(with_effects(arm, ("encoder_offset", (2,), {"offset": 1e-4})))), Options())
+    fitted = fit(prepared, [group_of(prepared, "encoder_offset", (1,))])
+    assert abs(fitted.sizes[0][0] - 1e-4) <= 4.0 * fitted.errors[0][0]
+    assert fitted.unit == pytest.approx(1.0, abs=0.25)

@@ -1,0 +1,81 @@
+"""Held-out rows: a fold's readings take no part in the fit that they are judged by."""
+
+import numpy as np
+import pytest
+
+from diagnose.held_out import residual_held_out, rms_held_out, splits
+from diagnose.observed import poses
+from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
+
+
+@pytest.fixture(scope="module")
+def null():
+    return prepared_null()
+
+
+def columns_of(prepared):
+    return [prepared.columns[group_of(prepared, "encoder_offset", (k,))] for k in range(3)]
+
+
+@pytest.mark.parametrize("name", ["pose blocks", "random rows", "time blocks", "payloads"])
+def test_a_fold_does_not_see_itself(null, name):
+    """Whatever the readings of a fold are, what is predicted for them stays the same; for others it does not."""
+    folds = splits(null.observed, 1)[name]
+    rng = np.random.default_rng(1)
+    width = null.observed.components
+    residual = null.observed.residual
+    predicted = residual[:, :width] - residual_held_out(null.observed, columns_of(null), folds)
+    for fold in np.unique(folds):
+        out = folds == fold
+        changed = residual.copy()
+        changed[out] += 1e-3 * rng.standard_normal(changed[out].shape)
+        other = with_residual(null, changed)
+        again = changed[:, :width] - residual_held_out(other.observed, columns_of(null), folds)
+        assert again[out] == pytest.approx(predicted[out], abs=1e-15)
+        assert np.abs(again[~out] - predicted[~out]).max() > 1e-6
+
+
+def test_held_out_by_hand(null):
+    """Least squares of the other folds' rows, each column divided by its scale."""
+    folds = splits(null.observed, 1)["pose blocks"]
+    design = np.concatenate(columns_of(null), axis=2)
+    scale = null.observed.scale
+    by_hand = null.observed.tip_residual().copy()
+    for fold in range(folds.max() + 1):
+        kept = folds != fold
+        matrix = (design / scale[:, None])[kept].reshape(-1, 3)
+        target = (null.observed.residual / scale)[kept].reshape(-1)
+        values = np.linalg.inv(matrix.T @ matrix) @ matrix.T @ target
+        by_hand[~kept] -= (design @ values)[~kept][:, :2]
+    assert residual_held_out(null.observed, columns_of(null), folds) == pytest.approx(by_hand, rel=1e-6, abs=1e-12)
+
+
+def test_without_columns_nothing_is_fitted(null):
+    folds = splits(null.observed, 1)["random rows"]
+    assert (residual_held_out(null.observed, [], folds) == null.observed.tip_residual()).all()
+
+
+def test_folds_keep_together_what_belongs_together(null):
+    """All readings of a pose are in one fold of `pose blocks`, of a payload in one of `payloads`."""
+    found = splits(null.observed, 1)
+    pose = poses(null.observed)
+    assert pose.max() + 1 == 12
+    for number in range(12):
+        assert len(np.unique(found["pose blocks"][pose == number])) == 1
+    assert len(np.unique(found["pose blocks"])) == 5
+    assert (found["payloads"] == (null.observed.recording.payload_mass > 1.0)).all()
+    assert (np.diff(found["time blocks"]) >= 0).all()
+    for name in ("random rows", "time blocks"):
+        assert np.bincount(found[name]).tolist() == pytest.approx([len(pose) / 5] * 5, abs=1)
+
+
+def test_held_out_rms_of_noise_is_a_little_above_it(null):
+    """k coefficients on n observations raise it by about (1 + k/n)."""
+    rng = np.random.default_rng(2)
+    folds = splits(null.observed, 1)["random rows"]
+    ratio = []
+    for _ in range(40):
+        trial = with_residual(null, noise_of(null, rng))
+        own = np.sqrt(np.mean(np.sum(trial.observed.tip_residual() ** 2, axis=1)))
+        ratio.append(rms_held_out(trial.observed, columns_of(null), folds) / own)
+    assert 1.0 < np.mean(ratio) < 1.05

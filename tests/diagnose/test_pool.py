@@ -1,0 +1,94 @@
+"""Candidates as subspaces: projection, what is seen and what is not."""
+
+import numpy as np
+import pytest
+
+from diagnose.pool import likeness, make_pool, orthonormal, with_group
+from tests.diagnose.core_cases import pattern, random_pool
+
+
+def projected_by_hand(beside, vectors):
+    return vectors - beside @ np.linalg.lstsq(beside, vectors, rcond=None)[0]
+
+
+def test_groups_are_orthonormal_and_free_of_nuisances():
+    rng = np.random.default_rng(1)
+    pool, columns, beside = random_pool(rng, (1, 3, 2, 4))
+    assert pool.nuisance.T @ pool.basis == pytest.approx(0.0, abs=1e-12)
+    for group, part in zip(pool.groups, columns, strict=True):
+        basis = pool.basis[:, group.start : group.stop]
+        assert basis.T @ basis == pytest.approx(np.eye(group.rank), abs=1e-12)
+        left = projected_by_hand(beside, part)
+        assert basis @ (basis.T @ left) == pytest.approx(left, abs=1e-10)  # the same span
+        seen = np.linalg.svd(left, compute_uv=False)[0] / np.linalg.svd(part, compute_uv=False)[0]
+        assert group.visible <= 1.0
+        if group.rank == 1:
+            assert group.visible == pytest.approx(seen)
+    assert pool.gram == pytest.approx(pool.basis.T @ pool.basis, abs=1e-12)
+    vector = rng.standard_normal(60)
+    assert pool.projected(vector) == pytest.approx(projected_by_hand(beside, vector), abs=1e-12)
+
+
+def test_coefficients_become_sizes_again():
+    rng = np.random.default_rng(2)
+    pool, columns, beside = random_pool(rng, (1, 3), columns=[rng.standard_normal((60, d)) * 1e-4 for d in (1, 3)])
+    for group, part in zip(pool.groups, columns, strict=True):
+        sizes = rng.standard_normal(part.shape[1])
+        coefficients = pool.basis[:, group.start : group.stop].T @ projected_by_hand(beside, part @ sizes)
+        assert group.back @ coefficients == pytest.approx(sizes, rel=1e-9)
+
+
+def test_what_the_nuisances_swallow_is_not_seen():
+    rng = np.random.default_rng(3)
+    beside = rng.standard_normal((40, 3))
+    inside = beside @ rng.standard_normal((3, 2))
+    half = np.column_stack([inside[:, 0], rng.standard_normal(40)])
+    pool = make_pool(beside, [(pattern("in", 2), inside, None), (pattern("half", 2), half, None)])
+    assert [group.candidate.effect for group in pool.groups] == ["half"]
+    assert [candidate.effect for candidate in pool.invisible] == ["in"]
+    assert pool.groups[0].rank == 1
+    empty = make_pool(beside, [(pattern("in", 2), inside, None)])
+    assert empty.groups == ()
+    assert empty.basis.shape == (40, 0)
+
+
+def test_a_size_that_would_not_be_seen_at_its_bound_is_left():
+    """At its physical bound the pattern must be worth more than noise: five standard deviations in all."""
+    rng = np.random.default_rng(4)
+    column = rng.standard_normal((50, 1))
+    column /= np.linalg.norm(column)
+    none = np.zeros((50, 0))
+    for bound, seen in ((4.0, False), (6.0, True)):
+        pool = make_pool(none, [(pattern("x"), column, np.array([bound]))])
+        assert bool(pool.groups) is seen
+        assert bool(pool.invisible) is not seen
+
+
+def test_one_more_group_is_as_if_it_had_been_there():
+    rng = np.random.default_rng(5)
+    pool, columns, beside = random_pool(rng, (1, 2, 3))
+    patterns = [(group.candidate, part, None) for group, part in zip(pool.groups, columns, strict=True)]
+    grown = with_group(make_pool(beside, patterns[:2]), *patterns[2])
+    assert grown.gram == pytest.approx(pool.gram, abs=1e-12)
+    assert [(g.start, g.stop) for g in grown.groups] == [(g.start, g.stop) for g in pool.groups]
+    swallowed = with_group(grown, pattern("in"), beside[:, :1], None)
+    assert len(swallowed.groups) == 3
+
+
+def test_likeness_is_the_largest_canonical_correlation():
+    rng = np.random.default_rng(6)
+    first = rng.standard_normal((60, 2))
+    second = np.column_stack([first @ [1.0, -2.0], rng.standard_normal(60)])
+    third = rng.standard_normal((60, 1))
+    pool, _, beside = random_pool(rng, (2, 2, 1), columns=[first, second, third])
+    assert likeness(pool, 0, 1) == pytest.approx(1.0)
+    a, b = projected_by_hand(beside, first), projected_by_hand(beside, third)[:, 0]
+    fitted = a @ np.linalg.lstsq(a, b, rcond=None)[0]
+    assert likeness(pool, 0, 2) == pytest.approx(np.linalg.norm(fitted) / np.linalg.norm(b))
+
+
+def test_orthonormal_drops_what_repeats():
+    columns = np.array([[1.0, 2.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 0.0, 0.0]])
+    assert orthonormal(columns).shape == (3, 2)
+    assert orthonormal(np.zeros((3, 2))).shape == (3, 0)
+    assert orthonormal(np.zeros((3, 0))).shape == (3, 0)

@@ -1,0 +1,119 @@
+"""The joint refit: shapes between the points of the grid, sizes that are not proportional, intervals that cover."""
+
+import numpy as np
+import pytest
+
+from diagnose.fit import fit
+from diagnose.observed import observe
+from diagnose.options import Options
+from diagnose.prepare import prepare
+from diagnose.refit import refit
+from tests.diagnose.core_cases import (
+    group_of,
+    noise_of,
+    prepared_null,
+    recorded,
+    with_effects,
+    with_residual,
+)
+from tests.diagnose.made_diagnosis import made_arm
+from tests.diagnose.test_fit import CASES, within
+
+
+def refitted(prepared, members):
+    return refit(prepared, members, (), fit(prepared, members))
+
+
+def parameter(found, name, place=0):
+    return next(p for p in found.parameters[place] if p.parameter == name)
+
+
+def of(arm, *entries, **changed):
+    """A recording of the arm with effects that the model lacks, prepared."""
+    return prepare(observe(arm, recorded(with_effects(arm, *entries), **changed)), Options())
+
+
+def test_intervals_cover():
+    """200 draws of noise over two linear effects: the truth lies in 95 % of the intervals."""
+    null = prepared_null()
+    members = [group_of(null, "encoder_offset", (1,)), group_of(null, "joint_compliance", (2,))]
+    truth = (2e-5, 4e-6)
+    rng = np.random.default_rng(11)
+    inside = np.zeros(2)
+    for _ in range(CASES):
+        residual = noise_of(null, rng) + sum(null.columns[m][:, :, 0] * x for m, x in zip(members, truth, strict=True))
+        found = refitted(with_residual(null, residual), members)
+        for k in range(2):
+            low, high = found.parameters[k][0].interval
+            inside[k] += low <= truth[k] <= high
+    assert within(inside[0])
+    assert within(inside[1])
+
+
+def test_intervals_cover_beside_a_lag():
+    """The size's interval holds the shape's own uncertainty, and the shape's is its profile's."""
+    null = prepared_null(hours=6.0, poses=16, temperature=(293.15, 313.15))
+    member = group_of(null, "thermal_expansion", (0, 1, 2), lag=2700.0)
+    exact = of(made_arm(), ("thermal_expansion", (1, 2, 3), {"expansion": 15e-6, "lag": 2400.0}), hours=6.0, poses=16,
+               temperature=(293.15, 313.15), noise=0.0)  # fmt: skip
+    signal = exact.observed.residual
+    rng = np.random.default_rng(12)
+    trials, inside = 40, np.zeros(2)
+    for _ in range(trials):
+        found = refitted(with_residual(null, signal + noise_of(null, rng)), [member])
+        for k, (name, truth) in enumerate((("expansion", 15e-6), ("lag", 2400.0))):
+            low, high = parameter(found, name).interval
+            inside[k] += low <= truth <= high
+    assert within(inside[0], trials=trials)
+    assert within(inside[1], trials=trials)
+
+
+def test_a_lag_between_the_grid_is_found():
+    arm = made_arm()
+    entry = ("thermal_expansion", (1, 2, 3), {"expansion": 23e-6, "lag": 2250.0})
+    prepared = of(arm, entry, hours=6.0, poses=24, temperature=(293.15, 318.15), noise=2e-6)
+    member = group_of(prepared, "thermal_expansion", (0, 1, 2), lag=1800.0)
+    found = refitted(prepared, [member])
+    lag, expansion = parameter(found, "lag"), parameter(found, "expansion")
+    assert lag.value == pytest.approx(2250.0, rel=0.03)
+    assert lag.interval[0] < 2250.0 < lag.interval[1]
+    assert expansion.value == pytest.approx(23e-6, rel=0.02)
+    assert found.rss < 0.9 * fit(prepared, [member]).rss
+
+
+def test_a_soft_material_is_not_a_small_excess():
+    """30 % less modulus bends 43 % more: the size is found, not its linear image."""
+    arm = made_arm()
+    prepared = of(arm, ("link_modulus", (1, 2, 3), {"excess": -0.3}), payloads=(0.0, 15.0), noise=2e-6)
+    member = group_of(prepared, "link_modulus", (0, 1, 2))
+    linear = float(fit(prepared, [member]).sizes[0][0])
+    assert linear == pytest.approx(-(1.0 / 0.7 - 1.0), rel=0.02)
+    found = parameter(refitted(prepared, [member]), "excess")
+    assert found.value == pytest.approx(-0.3, abs=0.005)
+    assert found.interval[0] <= -0.3 <= found.interval[1]
+
+
+def test_a_knee_of_a_hardening_drive_is_found():
+    arm = made_arm()
+    values = {"compliance": 4e-5, "remaining": 5e-6, "knee": 17.0}
+    prepared = of(arm, ("joint_hardening", (2,), values), payloads=(0.0, 10.0), noise=1e-6, poses=32)
+    groups = [
+        number
+        for number, group in enumerate(prepared.pool.groups)
+        if (group.candidate.effect, group.candidate.at) == ("joint_hardening", (1,))
+        and group.candidate.shapes["sharp"] == 0.0
+    ]
+    member = min(groups, key=lambda m: fit(prepared, [m]).rss)
+    found = refitted(prepared, [member])
+    for name, truth in values.items():
+        got = parameter(found, name)
+        assert got.value == pytest.approx(truth, rel=0.1)
+        assert got.interval[0] <= truth <= got.interval[1]
+
+
+def test_a_shape_that_the_data_do_not_bound_says_so():
+    """Without any such effect the lag may be anything."""
+    null = prepared_null(hours=4.0)
+    member = group_of(null, "thermal_expansion", (0, 1, 2), lag=1800.0)
+    low, high = parameter(refitted(null, [member]), "lag").interval
+    assert low == 0.0 or high == np.inf

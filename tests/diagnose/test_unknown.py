@@ -1,0 +1,104 @@
+"""What no entry of the library explains is called unknown, with what it depends on and since when."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnose.diagnosis import diagnose
+from tests.diagnose.core_cases import SIGMA, pushed, recorded
+from tests.diagnose.made_diagnosis import made_arm
+
+PLAN = {"poses": 20, "sides": "one"}
+
+
+def null(space=False, **changed):
+    arm = made_arm(space)
+    return arm, recorded(arm, **{**PLAN, **changed})
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_a_step_in_time(space):
+    """Something slips: the tip is shifted from one visit on."""
+    arm, recording = null(space)
+    start = 2 * 27  # visits of two readings
+    shift = np.zeros_like(recording.tip)
+    shift[start:, 0] = 5.0 * SIGMA
+    found = diagnose(arm, replace(recording, tip=recording.tip + shift))
+    assert found.verdict == "unknown"
+    assert found.unknown.depends_on[0] == "time"
+    assert recording.time[start - 2] < found.unknown.since <= recording.time[start + 1]
+    assert found.where.since == found.unknown.since
+    assert found.unknown.amplitude == pytest.approx(5.0 * SIGMA * np.sqrt((len(shift) - start) / len(shift)), rel=0.35)
+    assert found.rms_after < 1.15 * found.noise_floor
+
+
+def test_a_joint_that_slips():
+    """The zero of encoder 2 moves: a step in time again, and not an offset."""
+    arm, recording = null()
+    start = 2 * 23
+    turned = recorded(replace(arm, joints=(arm.joints[0], replace(arm.joints[1], zero=3e-4), arm.joints[2])), **PLAN)
+    tip = np.where(np.arange(recording.size)[:, None] >= start, turned.tip, recording.tip)
+    found = diagnose(arm, replace(recording, tip=tip))
+    assert found.verdict == "unknown"
+    assert "time" in found.unknown.depends_on
+    assert recording.time[start - 2] < found.unknown.since <= recording.time[start + 1]
+    assert found.where.joint == 2
+
+
+def test_a_spring_to_a_fixed_point():
+    """A hose that pulls towards a hook, through drives and links that give."""
+    arm, recording = null()
+    rng = np.random.default_rng(1)
+    away = np.column_stack([recording.tip - [1.4, 0.9], np.zeros(recording.size)])
+    found = diagnose(arm, pushed(arm, recording, -60.0 * away, rng))
+    assert found.verdict == "unknown"
+    assert "position" in found.unknown.depends_on
+    assert "spring" in found.unknown.shape or "force" in found.unknown.shape or "pull" in found.unknown.shape
+    assert found.unknown.since is None
+    assert found.rms_after < 1.3 * found.noise_floor
+    assert found.unknown.rejected
+
+
+def test_a_force_field():
+    """A magnet: strong near one place and nothing elsewhere."""
+    arm, recording = null(poses=40, payloads=())
+    rng = np.random.default_rng(2)
+    away = np.column_stack([recording.tip - [0.7, 0.5], np.zeros(recording.size)])
+    strength = 80.0 * np.exp(-np.sum(away**2, axis=1) / 0.3**2)
+    toward = -away / np.maximum(np.linalg.norm(away, axis=1), 0.02)[:, None]
+    found = diagnose(arm, pushed(arm, recording, strength[:, None] * toward, rng))
+    assert found.verdict == "unknown"
+    assert "position" in found.unknown.depends_on
+    assert "time" not in found.unknown.depends_on
+
+
+def test_a_periodic_term():
+    """A machine next door, or the sun: it comes and goes."""
+    arm, recording = null()
+    wave = np.zeros_like(recording.tip)
+    wave[:, 1] = 5.0 * SIGMA * np.sin(2.0 * np.pi * recording.time / 310.0)
+    found = diagnose(arm, replace(recording, tip=recording.tip + wave))
+    assert found.verdict == "unknown"
+    assert found.unknown.depends_on[0] == "time"
+    assert "periodic" in found.unknown.shape
+    assert found.rms_after < 1.15 * found.noise_floor
+
+
+def test_the_smooth_model_predicts_what_is_smooth():
+    """On folds that it has not seen, most of a force field; the forms are judged on held-out rows as well."""
+    arm, recording = null(poses=60, payloads=())
+    rng = np.random.default_rng(3)
+    place = recording.tip[:, :1] - 0.5
+    force = np.column_stack([np.zeros(recording.size), 60.0 * place[:, 0] ** 2, np.zeros(recording.size)])
+    made = pushed(arm, recording, force, rng)
+    found = diagnose(arm, made)
+    assert found.verdict == "unknown"
+    assert found.unknown.held_out_share > 0.5
+    predicted = found.unknown.predicted
+    truth = made.tip - recording.tip
+    kept = np.isin(recording.row, found.recording.row)
+    noise = 2.0 * SIGMA  # in truth: of two recordings
+    missed = predicted - truth[kept]
+    assert np.sqrt(np.mean(np.sum(missed**2, axis=1))) < 1.3 * noise
+    assert found.unknown.forms[0].share_held_out > 0.5

@@ -1,0 +1,132 @@
+"""`linkwright actuators`, and actuators in the other commands' output."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from arm.actuators import ACTUATORS_VARIABLE
+from arm.files import read_arm
+
+OWN = """\
+format_version: 1
+maker: Somebody
+references: {list: "Somebody's price list"}
+actuators:
+  TURNER 1: {gear: planetary, rated_torque: 30 N*m, stiffness: 5 kN*m/rad, backlash: 3 arcmin, mass: 2 kg, source: list,
+             cost: {value: 800 EUR, spread: [700 EUR, 950 EUR], date: 2026-01}}
+"""
+
+CHOICE = """\
+arm: arm.yaml
+subject_to: {total_mass: "<= 16 kg", section_size: [20 mm, 80 mm], thickness: [2 mm, 10 mm]}
+choose: {section: [tube], material: [aluminium-6061-t6], actuator: [RV-6E, CSG-25-100-2UH]}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _shipped_only(monkeypatch):
+    monkeypatch.delenv(ACTUATORS_VARIABLE, raising=False)
+
+
+def test_list_shows_all_and_filters_by_torque(linkwright, bench):
+    status, out, _ = linkwright("actuators", "list", "--json", "all.json")
+    everything = json.loads((bench / "all.json").read_text())["actuators"]
+    assert status == 0
+    assert all(each["name"] in out for each in everything)
+    status, out, _ = linkwright("actuators", "list", "--least-torque", "1 kN*m", "--json", "strong.json")
+    strong = json.loads((bench / "strong.json").read_text())["actuators"]
+    assert status == 0
+    assert [each["name"] for each in strong] == [e["name"] for e in everything if e["rated_torque_Nm"] >= 1000.0]
+    assert 0 < len(strong) < len(everything)
+    assert linkwright("actuators", "list", "--least-torque", "100 kN*m")[1].startswith("no actuator")
+
+
+def test_show_gives_every_figure_with_its_source(linkwright, bench):
+    status, out, _ = linkwright("actuators", "show", "RV-20E", "--json", "one.json")
+    found = json.loads((bench / "one.json").read_text())
+    assert status == 0
+    assert "Nabtesco" in out
+    assert "not known" in out
+    assert found["cost_EUR"] is None
+    assert found["stiffness_Nm_per_rad"] == pytest.approx(49.0 * 60.0 * 180.0 / math.pi, rel=1e-12)
+    assert found["backlash_arcmin"] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_file_of_ones_own_adds_to_the_list(linkwright, bench):
+    (bench / "own.yaml").write_text(OWN)
+    assert "TURNER 1" not in linkwright("actuators", "list")[1]
+    assert "TURNER 1" in linkwright("actuators", "list", "--catalogue", "own.yaml")[1]
+    assert "800 EUR (700 to 950, 2026-01)" in linkwright("actuators", "show", "TURNER 1", "--catalogue", "own.yaml")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("show", "RV-20"), "did you mean 'RV-20E'"),
+        (("list", "--least-torque", "100 N"), "--least-torque"),
+        (("list", "--catalogue", "missing.yaml"), "no such file"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_two(arguments, message, linkwright):
+    status, _, error = linkwright("actuators", *arguments)
+    assert status == 2
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_evaluate_tells_what_the_drives_hold(linkwright, bench):
+    text = (bench / "arm.yaml").read_text().replace("backlash: 3 arcmin", "actuator: CSG-14-100-2UH")
+    (bench / "driven.yaml").write_text(text)
+    status, out, _ = linkwright("evaluate", "driven.yaml", "--json", "e.json")
+    found = json.loads((bench / "e.json").read_text())
+    assert status == 0
+    assert "WARNING: joint 1 holds up to" in out
+    assert [drive["actuator"] for drive in found["drives"]] == ["CSG-14-100-2UH", None]
+    assert found["drives"][0]["torque_use"] == pytest.approx(found["drives"][0]["greatest_load"] / 10.0, rel=1e-12)
+    assert found["cost_EUR"] is None
+    assert "CSG-14-100-2UH" in found["unknown"]["cost"]
+
+
+def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, bench):
+    (bench / "choice.yaml").write_text(CHOICE)
+    arguments = ("optimize", "choice.yaml", "--round", "stock", "--out", "out", "--json", "r.json")
+    status, out, error = linkwright(*arguments)
+    assert status == 0, error
+    found = json.loads((bench / "r.json").read_text())
+    arm = read_arm(bench / "out" / "arm.yaml")
+    best = found["actuators"][0]
+    assert best["outcome"] == "best"
+    assert [joint.actuator.name for joint in arm.joints] == best["actuators"]
+    assert len(found["actuators"]) == 4
+    assert [link.section_name for link in arm.links] == [link["stock"] for link in found["rounded"]["links"]]
+    assert all(link.section_name for link in arm.links)
+    assert found["rounded"]["max_error_mm"] >= found["max_error_mm"] * (1.0 - 1e-4)
+    assert found["rounded"]["cost_of_rounding"]["value"] == pytest.approx(
+        found["rounded"]["max_error_mm"] - found["max_error_mm"], rel=1e-9
+    )
+    assert [limit["name"] for limit in found["rounded"]["limits"]] == ["total_mass", "torque_use"]
+    for limit in found["rounded"]["limits"]:
+        assert limit["value"] <= limit["limit_value"]
+    assert "rounded to stock sizes" in out
+    page = (bench / "out" / "report.html").read_text()
+    assert "Rounded to stock sizes" in page
+    assert arm.links[0].section_name in page
+    assert best["actuators"][0] in page
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "message"),
+    [
+        (("--round", "half a millimetre"), 2, "--round"),
+        (("--round-length", "1 mm"), 2, "goes with --round"),
+        (("--round", "30 mm"), 1, "no multiple of 30 mm"),
+    ],
+)
+def test_rounding_that_cannot_be_ends_plainly(options, status, message, linkwright, bench):
+    (bench / "plain.yaml").write_text(CHOICE.replace(", actuator: [RV-6E, CSG-25-100-2UH]", ""))
+    found, _, error = linkwright("optimize", "plain.yaml", *options)
+    assert found == status
+    assert message in error

@@ -1,0 +1,146 @@
+"""Choosing actuators with the links: against every choice solved on its own, and under the limits that count them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from arm.actuators import ACTUATORS_VARIABLE
+from arm.evaluation import evaluate
+from materials.quantities import InputError
+from optimize.actuators import assignments, with_actuators
+from optimize.problem import NoAnswer, Problem
+from optimize.run import optimise
+from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
+
+TWO = jointed([400, 300], ranged("-120 120", "-150 150", more=""))
+GEARS = "[CSG-17-100-2UH, CSG-25-100-2UH, RV-6E]"
+SIZES = "section_size: [20 mm, 90 mm]"
+
+OWN = """\
+format_version: 1
+maker: Somebody
+references: {list: "Somebody's price list"}
+actuators:
+  DEAR: {gear: planetary, rated_torque: 90 N*m, stiffness: 80 kN*m/rad, backlash: 0 arcmin, mass: 2 kg, source: list,
+         cost: {value: 900 EUR, spread: [800 EUR, 950 EUR], date: 2026-01}}
+  CHEAP: {gear: planetary, rated_torque: 90 N*m, stiffness: 40 kN*m/rad, backlash: 1 arcmin, mass: 2 kg, source: list,
+          cost: {value: 300 EUR, spread: [250 EUR, 350 EUR], date: 2026-01}}
+"""
+
+
+@pytest.fixture
+def priced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in which actuators with prices are known."""
+    (tmp_path / "own.yaml").write_text(OWN, encoding="utf-8")
+    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    return tmp_path
+
+
+def choosing(folder: Path, limits: str, gears: str = GEARS, more: str = "", minimize: str = "max_error") -> Problem:
+    text = f"minimize: {minimize}\nsubject_to: {{{limits}, {SIZES}}}\nchoose: {{actuator: {gears}{more}}}\n"
+    return problem_of(folder, TWO, text)
+
+
+def test_the_choice_is_the_best_of_all_solved_one_by_one(tmp_path: Path) -> None:
+    problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
+    found = optimise(problem)
+    values: dict[tuple[str, ...], float] = {}
+    for pick in assignments(problem):
+        own = replace(problem, arm=with_actuators(problem.arm, pick), actuators=None)
+        names = tuple(each.name for each in pick if each is not None)
+        try:
+            solved = optimise(own)
+        except NoAnswer:
+            continue
+        # Judged by `evaluate` on the arm itself, limits and all.
+        judged = evaluate(solved.arm, problem.workspace, problem.load_cases)
+        assert judged.total_mass <= 11.0 * (1.0 + 1e-6)
+        assert judged.drives is not None
+        assert judged.drives.greatest_use is not None
+        assert judged.drives.greatest_use <= 1.0 + 1e-4
+        values[names] = judged.max_error
+    best = min(values, key=lambda names: values[names])
+    assert tuple(joint.actuator.name for joint in found.arm.joints if joint.actuator is not None) == best
+    assert found.after.max_error == pytest.approx(values[best], rel=2e-4)
+    assert len(found.drives) == 9
+    assert found.drives_exhaustive
+    assert found.drives[0].actuators == best
+    assert len(set(values.values())) > 3
+
+
+def test_one_list_for_each_joint_and_the_same_for_all(tmp_path: Path) -> None:
+    each = choosing(tmp_path, "total_mass: '<= 12 kg'", "[[RV-20E, RV-6E], [CSG-17-100-2UH]]")
+    assert [[a.name for a in pick if a] for pick in assignments(each)] == [
+        ["RV-20E", "CSG-17-100-2UH"],
+        ["RV-6E", "CSG-17-100-2UH"],
+    ]
+    same = choosing(tmp_path, "total_mass: '<= 12 kg'", GEARS, ", same: [actuator]")
+    assert all(len({actuator.name for actuator in pick if actuator}) == 1 for pick in assignments(same))
+    assert len(assignments(same)) == 3
+    kept = choosing(tmp_path, "total_mass: '<= 12 kg'", "[[], [CSG-17-100-2UH]]")
+    assert [pick[0] for pick in assignments(kept)] == [None]
+
+
+def test_a_rated_torque_binds_and_has_its_price(tmp_path: Path) -> None:
+    # With a drive that hardly gives, heavier links err less: without the gear's rating they would be heavier still.
+    text = "subject_to: {mass: '<= 40 kg', section_size: [20 mm, 140 mm]}\n"
+    gear = "actuator: CSG-20-100-2UH, stiffness: 50 MN*m/rad"
+    arm = TWO.replace("range: [-120 deg, 120 deg]", f"range: [-120 deg, 120 deg], {gear}")
+    problem = problem_of(tmp_path, arm, text)
+    assert [limit.text for limit in problem.limits] == ["mass <= 40 kg", "torque_use <= 1"]
+    found = optimise(problem)
+    assert found.after.drives is not None
+    assert found.after.drives.greatest_use == pytest.approx(1.0, rel=1e-4)
+    free = optimise(replace(problem, limits=problem.limits[:1]))
+    assert free.after.mass > 1.05 * found.after.mass
+    assert free.after.max_error < found.after.max_error
+    binding = {limit.name: limit for limit in found.binding}
+    assert binding["torque_use"].price < 0.0
+    assert binding["torque_use"].price == pytest.approx(measured_price(problem, binding["torque_use"]), rel=0.02)
+
+
+def test_a_gear_too_weak_for_any_design_is_no_answer(tmp_path: Path) -> None:
+    with pytest.raises(NoAnswer, match="torque_use"):
+        optimise(choosing(tmp_path, "total_mass: '<= 20 kg'", "[[CSG-14-100-2UH], [RV-6E]]"))
+
+
+def test_the_drives_count_in_mass_and_cost(priced: Path) -> None:
+    rich = optimise(choosing(priced, "mass: '<= 6 kg', cost: '<= 2000 EUR'", "[DEAR, CHEAP]"))
+    poor = optimise(choosing(priced, "mass: '<= 6 kg', cost: '<= 1300 EUR'", "[DEAR, CHEAP]"))
+    names = [[joint.actuator.name for joint in each.arm.joints if joint.actuator] for each in (rich, poor)]
+    assert names[0] == ["DEAR", "DEAR"]
+    assert sorted(names[1]) == ["CHEAP", "DEAR"]
+    assert poor.after.cost is not None
+    assert 1200.0 < poor.after.cost <= 1300.0 * (1.0 + 1e-6)
+    assert poor.after.max_error > rich.after.max_error
+
+
+def test_minimising_cost_takes_the_cheapest_drives_that_do(priced: Path) -> None:
+    loose = optimise(choosing(priced, "max_error: '<= 2 mm'", "[DEAR, CHEAP]", minimize="cost"))
+    tight = optimise(choosing(priced, "max_error: '<= 0.75 mm'", "[DEAR, CHEAP]", minimize="cost"))
+    assert {joint.actuator.name for joint in loose.arm.joints if joint.actuator} == {"CHEAP"}
+    assert any(joint.actuator.name == "DEAR" for joint in tight.arm.joints if joint.actuator)
+    assert loose.after.cost == pytest.approx(loose.objective, rel=1e-12)
+    assert loose.objective < tight.objective
+
+
+def test_a_cost_without_a_price_is_wrong_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no price is known of RV-6E"):
+        optimise(choosing(tmp_path, "mass: '<= 6 kg', cost: '<= 2000 EUR'", "[RV-6E]"))
+
+
+@pytest.mark.parametrize(
+    ("gears", "message"),
+    [("[RV-7E]", "no actuator 'RV-7E'"), ("[]", "empty"), ("[[RV-6E]]", "each of the 2 joints"), ("[5]", "names")],
+)
+def test_a_choice_that_cannot_be_is_refused(gears: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=message):
+        choosing(tmp_path, "total_mass: '<= 12 kg'", gears)
+
+
+def test_only_optimize_settles_a_choice_of_actuators(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="settled by `optimize`"):
+        best_value(choosing(tmp_path, "total_mass: '<= 12 kg'"))

@@ -1,0 +1,269 @@
+"""Rounded designs: on the grid or in stock, every limit kept, and the best there is by brute force."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arm.chain import Arm
+from arm.error import active_effects
+from arm.evaluation import evaluate
+from arm.files import read_arm
+from arm.model import beam_values, beams_of, error_model
+from arm.worst import WorstSearch
+from arm.writing import write_arm
+from linkwright.cli import run
+from materials.catalogue import load_catalogue
+from materials.quantities import InputError
+from optimize.exchange import CERTIFICATE_GAP
+from optimize.figures import figures_of
+from optimize.problem import NoAnswer, Problem
+from optimize.round_options import GRADES, comes_in, multiples, read_rounding
+from optimize.rounding import optimise_rounded, rounded
+from optimize.run import optimise
+from sections import Circle, load_stock
+from tests.optimize.builders import ALUMINIUM, DRIVE, jointed, problem_of, ranged
+
+STEEL = "steel-s355"
+TWO = jointed([400, 300], ranged("-120 120", "-150 150"))
+PLAYED = jointed([400, 300], ranged("-120 120", "-150 150", more=DRIVE + ", backlash: 1 arcmin, clearance: 0.02 mm"))
+
+
+def with_sections(arm: Arm, sections, lengths=None, materials=None) -> Arm:
+    """The arm with other sections, lengths (m) and materials."""
+    catalogue = load_catalogue(user=False)
+    links = list(arm.links)
+    for k, section in enumerate(sections):
+        material = links[k].material if materials is None else catalogue.find(materials[k])
+        length = links[k].length if lengths is None else lengths[k]
+        links[k] = replace(links[k], section=section, length=length, material=material, section_name=None)
+    return arm.with_links(tuple(links))
+
+
+def search_of(problem: Problem) -> WorstSearch:
+    """A search for worst poses; what a model holds of sections and plain materials is the beams' figures alone."""
+    assert not any(active.effect.id.startswith("thermal") for active in active_effects(problem.arm))
+    return WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
+
+
+def error_of(search: WorstSearch, arm: Arm, problem: Problem) -> float:
+    """The worst error (m), searched for this arm alone."""
+    return search.worst(beam_values(beams_of(arm, problem.load_cases)), certify=False).error
+
+
+def mass_of(arm: Arm) -> float:
+    """The mass of the links, kg, from area, length and density."""
+    return sum(
+        link.length * float(link.section.properties(0.3).area) * link.material.need("density") for link in arm.links
+    )
+
+
+# ---- against brute force
+
+
+@pytest.mark.parametrize("arm", [TWO, PLAYED], ids=["drives", "play"])
+def test_rounded_bars_are_the_best_of_all_on_the_grid(arm: str, tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, arm, "subject_to: {mass: '<= 6 kg', section_size: [20 mm, 90 mm]}\n")
+    found = optimise_rounded(problem, read_rounding("5 mm")).rounded
+    assert found is not None
+    best, search = np.inf, search_of(problem)
+    for sizes in itertools.product(np.arange(30, 91, 5) * 1e-3, repeat=2):
+        other = with_sections(problem.arm, [Circle(float(size)) for size in sizes])
+        if mass_of(other) <= 6.0:
+            best = min(best, error_of(search, other, problem))
+    assert found.objective == pytest.approx(best, rel=1e-5)
+    assert found.exhaustive
+    assert found.certified
+
+
+def test_a_light_design_within_an_error_is_the_lightest_on_the_grid(tmp_path: Path) -> None:
+    text = "minimize: mass\nsubject_to: {max_error: '<= 1.5 mm', safety_factor: '>= 3', section_size: [20 mm, 90 mm]}\n"
+    problem = problem_of(tmp_path, TWO, text)
+    found = optimise_rounded(problem, read_rounding("4 mm")).rounded
+    assert found is not None
+    lightest, search = np.inf, search_of(problem)
+    for sizes in itertools.product(np.arange(20, 69, 4) * 1e-3, repeat=2):
+        other = with_sections(problem.arm, [Circle(float(size)) for size in sizes])
+        if mass_of(other) < lightest and error_of(search, other, problem) <= 1.5e-3:
+            strong = evaluate(other, problem.workspace, problem.load_cases).strength.least_safety_factor
+            lightest = mass_of(other) if strong is not None and strong >= 3.0 else lightest
+    assert found.objective == pytest.approx(lightest, rel=1e-9)
+
+
+def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> None:
+    text = (
+        "subject_to: {mass: '<= 4 kg', section_size: [40 mm, 65 mm], thickness: [2 mm, 5 mm]}\n"
+        f"choose: {{section: [tube], material: [{ALUMINIUM}, {STEEL}]}}\n"
+    )
+    problem = problem_of(tmp_path, TWO, text)
+    found = optimise_rounded(problem, read_rounding("stock")).rounded
+    assert found is not None
+    tubes = [size for size in load_stock() if size.shape == "tube" and 0.04 <= size.dimensions["diameter"] <= 0.065]
+    rows = [size for size in tubes if 0.002 <= size.dimensions["thickness"] <= 0.005]
+    options = [(size, ALUMINIUM if size.family == "ALU TUBE" else STEEL) for size in rows]
+    assert len(options) > 20
+    best, search = np.inf, search_of(problem)
+    for pair in itertools.product(options, repeat=2):
+        other = with_sections(problem.arm, [size.section for size, _ in pair], materials=[name for _, name in pair])
+        if mass_of(other) <= 4.0:
+            best = min(best, error_of(search, other, problem))
+    assert found.objective == pytest.approx(best, rel=1e-5)
+
+
+def test_the_same_material_for_all_links_holds_in_stock(tmp_path: Path) -> None:
+    text = (
+        "subject_to: {mass: '<= 4 kg', section_size: [30 mm, 80 mm], thickness: [2 mm, 5 mm]}\n"
+        f"choose: {{section: [tube, rectangular_tube], material: [{ALUMINIUM}, {STEEL}], same: [material, size]}}\n"
+    )
+    found = optimise_rounded(problem_of(tmp_path, TWO, text), read_rounding("stock")).rounded
+    assert found is not None
+    assert len({(link.section_name, link.material.name) for link in found.arm.links if link.material}) == 1
+
+
+# ---- what a rounded design is
+
+
+BOX = (
+    "subject_to: {mass: '<= 2 kg', reach: '== 700 mm', link_length: [200 mm, 500 mm], section_size: [20 mm, 81 mm],\n"
+    "             thickness: [2.2 mm, 8 mm], safety_factor: '>= 2', first_frequency: '>= 5 Hz'}\n"
+    f"choose: {{section: [rectangular_tube], material: [{ALUMINIUM}]}}\n"
+)
+
+
+def test_sizes_and_lengths_are_on_their_grids_and_every_limit_is_kept(tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, TWO, BOX)
+    result = optimise_rounded(problem, read_rounding("0.5 mm", "4 mm"))
+    found = result.rounded
+    assert found is not None
+    for link in found.links:
+        sizes = np.array(list(link.dimensions.values())) / 0.5e-3
+        assert np.abs(sizes - sizes.round()).max() < 1e-9
+        assert abs(link.length / 4e-3 - round(link.length / 4e-3)) < 1e-9
+        assert min(link.dimensions["width"], link.dimensions["height"]) >= 0.02
+        assert max(link.dimensions["width"], link.dimensions["height"]) <= 0.081
+        assert min(link.dimensions["flange_thickness"], link.dimensions["web_thickness"]) >= 2.5e-3
+    # Judged anew, as `evaluate` would judge the written arm.
+    write_arm(found.arm, tmp_path / "rounded.yaml")
+    anew = evaluate(read_arm(tmp_path / "rounded.yaml"), problem.workspace, problem.load_cases)
+    figures = figures_of(anew)
+    assert anew.max_error == pytest.approx(found.objective, rel=1e-9)
+    assert anew.worst.certified
+    assert figures["mass"] <= 2.0
+    assert figures["reach"] == pytest.approx(0.7, rel=1e-12)
+    assert figures["safety_factor"] >= 2.0
+    assert figures["first_frequency"] >= 5.0
+
+
+@pytest.mark.parametrize("step", ["0.5 mm", "2 mm", "10 mm"])
+def test_rounding_never_beats_the_optimum_of_a_convex_problem(step: str, tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, TWO, "subject_to: {mass: '<= 5 kg', section_size: [20 mm, 90 mm]}\n")
+    result = optimise_rounded(problem, read_rounding(step))
+    assert result.rounded is not None
+    assert result.rounded.objective >= result.objective * (1.0 - 2.0 * CERTIFICATE_GAP)
+    assert result.rounded.before == result.objective
+
+
+def test_a_finer_grid_that_holds_the_coarser_one_is_no_worse(tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, TWO, "subject_to: {mass: '<= 5 kg', section_size: [20 mm, 90 mm]}\n")
+    result = optimise(problem)
+    coarse, fine = (rounded(problem, result, read_rounding(step)).objective for step in ("8 mm", "2 mm"))
+    assert fine <= coarse * (1.0 + 1e-9)
+
+
+def test_stock_rows_are_stock_and_come_in_their_material(tmp_path: Path) -> None:
+    text = (
+        "minimize: mass\n"
+        "subject_to: {max_error: '<= 1.2 mm', reach: '== 700 mm', link_length: [200 mm, 500 mm]}\n"
+        f"choose: {{section: [tube, rectangular_tube, i_section], material: [{ALUMINIUM}, {STEEL}]}}\n"
+    )
+    problem = problem_of(tmp_path, TWO, text)
+    found = optimise_rounded(problem, read_rounding("stock")).rounded
+    assert found is not None
+    assert found.evaluation.max_error <= 1.2e-3
+    assert found.evaluation.reach == pytest.approx(0.7, rel=1e-12)
+    for link in found.arm.links:
+        size = load_stock().find(link.section_name or "")
+        assert size.section == link.section
+        assert link.material is not None
+        assert comes_in(size, link.material)
+        assert (link.material.name == ALUMINIUM) == size.name.startswith("ALU")
+    write_arm(found.arm, tmp_path / "rounded.yaml")
+    assert f"section: {found.arm.links[0].section_name}" in (tmp_path / "rounded.yaml").read_text()
+    assert read_arm(tmp_path / "rounded.yaml") == found.arm
+
+
+def test_poses_of_a_place_in_space_follow_other_lengths(tmp_path: Path) -> None:
+    text = (
+        "workspace: {path: [[450 mm, 100 mm], [500 mm, 250 mm]]}\n"
+        "subject_to: {mass: '<= 4 kg', reach: '== 700 mm', link_length: [250 mm, 450 mm],\n"
+        "             section_size: [20 mm, 90 mm]}\n"
+    )
+    problem = problem_of(tmp_path, TWO, text)
+    result = optimise_rounded(problem, read_rounding("1 mm", "10 mm"))
+    found = result.rounded
+    assert found is not None
+    assert found.evaluation.reach == pytest.approx(0.7, rel=1e-12)
+    best, search = np.inf, search_of(problem)
+    near = {k: multiples(link.dimensions["diameter"], 1e-3, (0.02, 0.09), 2) for k, link in enumerate(result.links)}
+    for length in multiples(result.links[0].length, 1e-2, (0.25, 0.45), 1):
+        for sizes in itertools.product(near[0], near[1]):
+            other = with_sections(problem.arm, [Circle(size) for size in sizes], [length, 0.7 - length])
+            if mass_of(other) <= 4.0:
+                best = min(best, error_of(search, other, problem))
+    assert result.objective * (1.0 - 1e-3) <= found.objective <= best * (1.0 + 1e-4)
+
+
+# ---- options
+
+
+def test_every_grade_of_a_standard_is_in_the_catalogue() -> None:
+    names = load_catalogue(user=False).names
+    assert all(name in names for grades in GRADES.values() for name in grades)
+    for size in load_stock(user=False):
+        assert comes_in(size, load_catalogue(user=False).find(ALUMINIUM)) == size.family.startswith("ALU")
+        assert comes_in(size, load_catalogue(user=False).find(STEEL)) != size.family.startswith("ALU")
+
+
+@pytest.mark.parametrize(
+    ("value", "step", "expected"),
+    [(10.2, 0.5, [10.0, 10.5]), (10.0, 0.5, [9.5, 10.0, 10.5]), (20.0, 1.0, [19.0, 20.0]), (3.1, 3.0, [3.0, 6.0])],
+)
+def test_multiples_are_those_next_to_a_value(value: float, step: float, expected: list[float]) -> None:
+    assert multiples(value, step, (3.0, 20.0), 1) == expected
+
+
+@pytest.mark.parametrize("text", ["0.5", "half", "0 mm", "-1 mm", "2 m", "0.5 kg"])
+def test_a_grid_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="--round"):
+        read_rounding(text)
+
+
+# ---- no answer
+
+
+NONE = {
+    "mass ==": ("mass: '== 5.1234 kg', section_size: [20 mm, 90 mm]", "5 mm", r"mass == 5\.1234 kg"),
+    "mass": ("mass: '<= 2.2 kg', section_size: [42 mm, 90 mm]", "25 mm", "mass <= 2.2 kg"),
+    "no multiple": ("mass: '<= 6 kg', section_size: [52 mm, 58 mm]", "10 mm", "section_size .* no multiple of 10 mm"),
+    "reach": ("mass: '<= 6 kg', reach: '== 700.5 mm', link_length: [200 mm, 500 mm]", "1 mm", r"reach == 700\.5 mm"),
+    "stock": ("mass: '<= 6 kg', section_size: [20 mm, 21 mm], thickness: [4 mm, 5 mm]", "stock", "no stock size"),
+}
+
+
+@pytest.mark.parametrize("name", NONE)
+def test_the_limit_that_no_rounded_design_keeps_is_named(name: str, tmp_path: Path) -> None:
+    limits, step, message = NONE[name]
+    shape = "tube" if name == "stock" else "circle"
+    text = f"subject_to: {{{limits}}}\nchoose: {{section: [{shape}], material: [{ALUMINIUM}]}}\n"
+    with pytest.raises(NoAnswer, match=message):
+        optimise_rounded(problem_of(tmp_path, TWO, text), read_rounding(step))
+
+
+def test_the_command_ends_with_one_where_nothing_rounded_will_do(tmp_path: Path, capsys) -> None:
+    problem_of(tmp_path, TWO, "subject_to: {mass: '== 5.1234 kg', section_size: [20 mm, 90 mm]}\n")
+    assert run(["optimize", str(tmp_path / "problem.yaml"), "--round", "5 mm"]) == 1
+    assert "keeps mass == 5.1234 kg" in capsys.readouterr().err
