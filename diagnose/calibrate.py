@@ -80,7 +80,7 @@ def one_more(
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
         count = min(_CHUNK, draws - start)
-        permuted = np.stack([shuffled(table, visits, rng).reshape(-1) for _ in range(count)], axis=1)
+        permuted = np.stack([drawn_anew(table, visits, rng).reshape(-1) for _ in range(count)], axis=1)
         permuted -= given.basis @ (given.basis.T @ permuted)
         found = _statistic(beside, permuted, criterion)
         for values, usable in zip(drawn, among, strict=True):
@@ -103,11 +103,17 @@ def permutation(visits: NDArray[np.int64], rng: np.random.Generator) -> NDArray[
     return np.roll(rows, int(rng.integers(len(rows)))) if count < len(rows) else rows
 
 
-def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+def drawn_anew(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
     """Readings (N, C) with a random sign for each visit (N, numbered from 0, ascending); few visits in random order."""
+    count = int(visits[-1]) + 1
+    if count < _ENOUGH_VISITS:
+        return shuffled(table, visits, rng)
+    return table * rng.choice((-1.0, 1.0), count)[visits][:, None]
+
+
+def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+    """Readings (N, C) with whole visits (N, numbered from 0, ascending) in random order, each with a random sign."""
     flips = rng.choice((-1.0, 1.0), int(visits[-1]) + 1)
-    if len(flips) >= _ENOUGH_VISITS:
-        return table * flips[visits][:, None]
     rows = permutation(visits, rng)
     return table[rows] * flips[visits[rows], None]
 

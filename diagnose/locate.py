@@ -52,23 +52,33 @@ def _motion(observed: Observed, index: int) -> Array:
 
 def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tuple[Dependence, ...]:
     """Which covariates the mismatch depends on: for each, smooth functions of it along every axis and as a motion of
-    `joint` (from 0) are tried, and the largest share over all covariates calibrates p by permutation of visits."""
+    `joint` (from 0) are tried, and the largest share over all covariates calibrates p by permutation of visits. A shift
+    of all readings alike depends on nothing and is taken off first."""
     observed = prepared.observed
+    axes = np.eye(observed.residual.shape[1])[:, : observed.components]
+    alike = np.broadcast_to(axes, (observed.rows, *axes.shape)).copy()
+    shift = orthonormal(prepared.pool.projected(observed.whitened(alike)), 1e-6)
+
+    def beyond(vectors: Array) -> Array:
+        left = prepared.pool.projected(vectors)
+        return left - shift @ (shift.T @ left)
+
     bases: list[tuple[str, Array]] = []
     for name, values in _covariates(observed):
         columns = _smooth(observed, values, joint)
-        basis = orthonormal(prepared.pool.projected(observed.whitened(columns)), 1e-6)
+        basis = orthonormal(beyond(observed.whitened(columns)), 1e-6)
         if basis.shape[1]:
             bases.append((name, basis))
     if not bases:
         return ()
-    total = float(prepared.vector @ prepared.vector)
-    shares = _shares(bases, prepared.vector[:, None])[:, 0]
+    vector = beyond(prepared.vector)
+    total = float(vector @ vector)
+    shares = _shares(bases, vector[:, None])[:, 0]
     width = observed.residual.shape[1]
-    table = prepared.vector.reshape(-1, width)
+    table = vector.reshape(-1, width)
     draws: list[Array] = []
     for _ in range(_DRAWS):
-        moved = prepared.pool.projected(shuffled(table, prepared.visits, rng).reshape(-1))
+        moved = beyond(shuffled(table, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
     spread = drawn.std(axis=0) + 1e-12

@@ -19,7 +19,7 @@ from arm.worst import WorstSearch
 from .choice import Choice, Progress, choose
 from .design import numeric_beams
 from .exchange import Context, context_of
-from .problem import Problem
+from .problem import NoAnswer, Problem
 from .program import carried_mass, drives_cost
 from .result import DriveCandidate, Iteration
 
@@ -150,9 +150,12 @@ def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Lo
         context = context_of(problem)
         return Driven(context, choose(context, progress=progress, log=log), (), True, "")
     search = _Search(problem, progress, log)
-    exhaustive = count(problem) <= MOST_ASSIGNMENTS
+    exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
     if exhaustive:
-        search.try_all(assignments(problem))
+        picks = assignments(problem)
+        if not picks:
+            raise NoAnswer("same: [actuator]: the joints' lists have no actuator in common")
+        search.try_all(picks)
     else:
         search.joint_by_joint()
     candidates = [

@@ -333,6 +333,9 @@ def _check(mapping: Mapping, problem: Problem) -> None:
             low, high = format_quantity(lower, kind), format_quantity(upper, kind)
             raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
     _check_reach(body, problem)
+    if problem.limit("torque_use") and problem.actuators is None and not _driven(problem.arm):
+        would_do = "name them in the arm file (joint: {actuator: RV-20E}), or choose: {actuator: [...]}"
+        raise body.error("torque_use", f"needs joints with actuators, whose rated torque is known; {would_do}")
     if not any(link.elastic for link in problem.arm.links):
         raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
     if problem.minimize != "max_error" and not problem.limit("max_error"):

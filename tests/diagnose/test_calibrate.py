@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from diagnose.calibrate import given_model, one_more, p_value, shuffled
+from diagnose.calibrate import drawn_anew, given_model, one_more, p_value, shuffled
 from diagnose.search import criterion_for
 from tests.diagnose.core_cases import random_pool
 
 VISITS = np.repeat(np.arange(24), 3)
 
 
-@pytest.mark.parametrize("count", [4, 30])
-def test_visits_stay_whole(count):
+@pytest.mark.parametrize(("draw", "count"), [(drawn_anew, 4), (drawn_anew, 30), (shuffled, 4), (shuffled, 30)])
+def test_visits_stay_whole(draw, count):
     """Every visit's readings come out in their order, next to each other in the cycle, under one sign."""
     visits = np.repeat(np.arange(count), np.arange(count) % 3 + 1)
     table = np.column_stack([visits + 1.0, np.arange(len(visits)) + 1.0])
     rng = np.random.default_rng(1)
     signs = set()
     for _ in range(20):
-        drawn = shuffled(table, visits, rng)
+        drawn = draw(table, visits, rng)
         assert sorted(np.abs(drawn[:, 1])) == sorted(table[:, 1])
         for visit in range(count):
             places = np.flatnonzero(np.abs(drawn[:, 0]) == visit + 1.0)

@@ -144,3 +144,26 @@ def test_a_choice_that_cannot_be_is_refused(gears: str, message: str, tmp_path: 
 def test_only_optimize_settles_a_choice_of_actuators(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="settled by `optimize`"):
         best_value(choosing(tmp_path, "total_mass: '<= 12 kg'"))
+
+
+def test_joints_that_must_agree_need_an_actuator_in_common(tmp_path: Path) -> None:
+    with pytest.raises(NoAnswer, match="in common"):
+        optimise(choosing(tmp_path, "total_mass: '<= 12 kg'", "[[RV-6E], [RV-20E]]", ", same: [actuator]"))
+
+
+def test_a_torque_limit_without_actuators_is_wrong_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="needs joints with actuators"):
+        problem_of(tmp_path, TWO, "subject_to: {mass: '<= 6 kg', torque_use: '<= 0.5'}\n")
+
+
+def test_a_search_joint_by_joint_is_told_and_no_worse_than_its_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
+    whole = optimise(problem)
+    monkeypatch.setattr("optimize.actuators.MOST_ASSIGNMENTS", 4)
+    part = optimise(problem)
+    assert not part.drives_exhaustive
+    assert len(part.drives) <= len(whole.drives)
+    alike = replace(problem, same=frozenset({"actuator"}))
+    assert whole.objective * (1.0 - 1e-4) <= part.objective <= optimise(alike).objective * (1.0 + 1e-4)
