@@ -83,7 +83,8 @@ def wrapped(arm: Arm, q: Array, lower: Array, upper: Array) -> Array:
 
 def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
     """`count` low-discrepancy points in a box (a scrambled Sobol sequence, seeded), and its corners up to 64."""
-    return lower + (upper - lower) * _spread_in_cube(len(lower), count, seed)
+    inside = lower + (upper - lower) * _spread_in_cube(len(lower), count, seed)
+    return np.minimum(inside, upper)  # lower + (upper - lower) may round to more than upper
 
 
 @lru_cache(maxsize=16)

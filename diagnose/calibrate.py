@@ -160,5 +160,5 @@ def _statistic(beside: _Beside, vectors: Array, criterion: Criterion) -> Array:
     along = beside.basis.T @ vectors
     explained = np.add.reduceat(along * along, beside.starts, axis=0)
     rss = np.sum(vectors * vectors, axis=0)
-    share = np.minimum(explained / rss, 1.0 - 1e-12)
+    share = np.minimum(explained / np.where(rss > 0.0, rss, 1.0), 1.0 - 1e-12)
     return -criterion.count * np.log1p(-share) - criterion.price[:, None]

@@ -40,6 +40,7 @@ _FARTHER = 2.0
 memory of the noise together make repeats look up to twice too quiet."""
 _LONG = 3000
 """Readings that are searched at most; the findings are then fitted to all of them."""
+_LEAST_VISITS = 8
 _LEAST = 12
 """Fewer observations than this beyond the nuisances decide nothing."""
 
@@ -66,7 +67,8 @@ def diagnose(
     prepared = prepare(observe(arm, searched), asked, known)
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
-    if not prepared.pool.groups or prepared.criterion.count < _LEAST:
+    too_few = int(prepared.visits[-1]) + 1 < _LEAST_VISITS or prepared.criterion.count < _LEAST
+    if not prepared.pool.groups or too_few:
         named = None
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.4 * share))

@@ -45,7 +45,7 @@ SENTENCES = MappingProxyType(
 )
 
 _STEPS_IN_TIME = 40
-_PERIODS = 100
+_PERIODS = 130
 _REGIONS = 12
 _CORE = 0.15
 """m; nearer than this a pull grows no further, since what pulls has a size."""
@@ -121,8 +121,8 @@ def _in_time(
     if observed.rows > 4 * len(smooth):
         yield _form("smooth_in_time"), _times_axes(smooth, axes)
     if len(starts) >= 12:
-        fastest = min(0.5 * len(starts), 0.6 * _PERIODS * few)
-        for cycles in np.arange(1.5, fastest, 0.6).tolist():
+        fastest = min(0.5 * len(starts), 0.4 * _PERIODS * few)
+        for cycles in np.arange(1.4, fastest, 0.4).tolist():
             angle = 2.0 * np.pi * cycles * run
             waves = [np.sin(angle), np.cos(angle)]
             yield _form("periodic_in_time", shapes={"period": span / cycles}), _times_axes(waves, axes)

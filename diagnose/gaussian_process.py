@@ -19,8 +19,8 @@ from scipy.optimize import minimize
 
 Array = NDArray[np.float64]
 
-_MOST_ROWS = 200
-_STEPS = 25
+_MOST_ROWS = 300
+_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class SmoothModel:
     lengths: Array
     variance: float
     weights: Array
+    logarithms: Array
 
     def predict(self, inputs: Array) -> Array:
         """The displacement (M, D), m, at inputs (M, k)."""
@@ -40,8 +41,11 @@ class SmoothModel:
         return _kernel(scaled, self.inputs, self.lengths, self.variance) @ self.weights
 
 
-def smooth_model(inputs: Array, residual: Array, known: Sequence[Array], seed: int = 1) -> SmoothModel:
-    """Fit the process to residuals (N, D), m; `known` are displacements (N, D) per unit of what is known."""
+def smooth_model(
+    inputs: Array, residual: Array, known: Sequence[Array], seed: int = 1, alike: SmoothModel | None = None
+) -> SmoothModel:
+    """Fit the process to residuals (N, D), m; `known` are displacements (N, D) per unit of what is known. Scales are
+    those of the model `alike` where there is one."""
     center, spread = inputs.mean(axis=0), np.ptp(inputs, axis=0)
     spread = np.where(spread > 0.0, spread, 1.0)
     rows = np.arange(len(inputs))
@@ -59,11 +63,19 @@ def smooth_model(inputs: Array, residual: Array, known: Sequence[Array], seed: i
         fit = float(np.sum(target * weights))
         return 0.5 * fit + 0.5 * target.shape[1] * determinant + 0.05 * float(np.sum((logarithms - start) ** 2))
 
-    found = minimize(cost, start, method="L-BFGS-B", bounds=[(-3.0, 4.0)] * scaled.shape[1] + [(-6.0, 3.0)] * 2,
-                     options={"maxiter": _STEPS})  # fmt: skip
-    best = np.asarray(found.x, dtype=float)
+    if alike is None:
+        bounds = [(-3.0, 4.0)] * scaled.shape[1] + [(-6.0, 3.0)] * 2
+        # The likelihood has more than one summit: that all is noise, and that it is smooth with little noise.
+        smooth = np.concatenate([np.full(scaled.shape[1], np.log(1.5)), [0.0, np.log(0.05)]])
+        tried = [
+            minimize(cost, begun, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS})
+            for begun in (start, smooth)
+        ]
+        best = np.asarray(min(tried, key=lambda result: float(result.fun)).x, dtype=float)
+    else:
+        best = alike.logarithms
     _, weights, variance = _solve(scaled, target, beside, best)
-    return SmoothModel(scaled, center, spread, np.exp(best[:-2]), variance, weights * size)
+    return SmoothModel(scaled, center, spread, np.exp(best[:-2]), variance, weights * size, best)
 
 
 def _kernel(a: Array, b: Array, lengths: Array, variance: float) -> Array:

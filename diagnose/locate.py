@@ -130,6 +130,8 @@ def _smooth(observed: Observed, values: Array, joint: int) -> Array:
     if len(np.unique(np.round(scaled, 6), axis=0)) > 3:
         functions += [scaled[:, i] * scaled[:, j] for i in range(scaled.shape[1]) for j in range(i, scaled.shape[1])]
         functions += [scaled[:, i] ** 3 for i in range(scaled.shape[1])]
+    # What is constant belongs to no covariate: not even the constant part of a square.
+    functions = [f - f.mean() for f in functions]
     axes = np.eye(observed.residual.shape[1])[: observed.components]
     unit = observed.signature("encoder_offset", Settings((joint,), MappingProxyType({"offset": 1.0})))
     parts = [f[:, None] * axis for f in functions for axis in axes] + [f[:, None] * unit for f in functions]

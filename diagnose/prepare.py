@@ -174,7 +174,8 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)
         left = np.where(wanders, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
-        best = int(np.argmin(criterion.count * np.log(left) + criterion.price))
+        left = np.maximum(left, 1e-300)
+        best = int(np.argmin(criterion.count * np.log(np.maximum(left, 1e-300)) + criterion.price))
         if criterion(float(left[best]), [*members, best]) >= criterion(given.rss, members):
             break
         members.append(best)
@@ -216,6 +217,10 @@ def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     distance = np.sqrt(np.sum(scaled[:, :width] ** 2, axis=1))
     limit = _MARGIN * np.sqrt(stats.chi2.ppf(1.0 - _FAR_TAIL / len(scaled), width))
     far = distance > limit
+    # Readings of one visit that all lie far off agree with each other: that is the pose, not the readings.
+    visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)
+    count, outside = np.bincount(visit), np.bincount(visit, weights=far)
+    far &= ~((count > 1) & (outside == count))[visit]
     return far if far.mean() <= _MOST_OUTLIERS else np.zeros(len(far), dtype=bool)
 
 

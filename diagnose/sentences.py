@@ -80,7 +80,7 @@ def verdict_sentence(
         text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({_mm(rms_before)} RMS); {after}."
         doubtful = [f for f in findings if f.alternatives]
         if doubtful:
-            text += " The data cannot tell every name from its alternatives; see there."
+            text += " " + " ".join(_undecided(f) for f in doubtful)
         return text
     on = ", ".join(unknown.depends_on) or "nothing that was recorded"
     text = f"Unknown: {unknown.shape}, {_mm(unknown.amplitude)} RMS, depending on {on}"
@@ -88,6 +88,12 @@ def verdict_sentence(
         text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
     text += "; nothing in the library explains it."
     return text + (f" Beside it: {named}." if named else "")
+
+
+def _undecided(finding: Finding) -> str:
+    names = [name_of(other.effect, other.at) for other in finding.alternatives[:3]]
+    more = f" or {len(finding.alternatives) - 3} more" if len(finding.alternatives) > 3 else ""
+    return f"It could as well be {' or '.join(names)}{more} instead of the {name_of(finding.effect, finding.at)}."
 
 
 def _remains(rms_after: float, noise_floor: float | None) -> str:
@@ -115,5 +121,6 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
                 parts = [name for name, weight in zip(prepared.beside_names, row, strict=True) if abs(weight) > 0.1]
                 found.append(f"These poses do not tell apart: {', '.join(parts)}.")
     names = sorted({(c.effect, tuple(i + 1 for i in c.at)) for c in prepared.pool.invisible if not c.outside})
-    found += [f"What is left free swallows the {name_of(effect, at)} wholly." for effect, at in names]
+    why = "What is left free swallows" if beside.shape[1] else "These readings cannot show"
+    found += [f"{why} the {name_of(effect, at)}." for effect, at in names]
     return tuple(found)

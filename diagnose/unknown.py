@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .fit import displacement, fit, impossible, remaining
 from .forms import SENTENCES
-from .gaussian_process import smooth_model
+from .gaussian_process import SmoothModel, smooth_model
 from .held_out import residual_held_out
 from .locate import depends_on
 from .naming import Namer
@@ -60,11 +60,11 @@ def describe(
     inputs = _inputs(namer)
     beside = [prepared.columns[m][:, : observed.components] for m in known]
     model = smooth_model(inputs, left, beside)
-    share = _predicted_share(inputs, left, beside, folds)
+    share = _predicted_share(inputs, left, beside, folds, model)
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
-        shape=SENTENCES.get(leading, leading.replace("_", " ")),
+        shape=SENTENCES.get(leading, leading.replace("_", " ")) + _which_joint(namer, outside),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
@@ -72,6 +72,12 @@ def describe(
         predicted=model.predict(inputs),
         held_out_share=share,
     )
+
+
+def _which_joint(namer: Namer, outside: Sequence[int]) -> str:
+    """Which joint the leading form belongs to, as words; nothing where it belongs to none."""
+    at = {index + 1 for m in outside for index in namer.pool.groups[m].candidate.at}
+    return f" (joint {at.pop()})" if len(at) == 1 else ""
 
 
 def since(namer: Namer, outside: Sequence[int]) -> float | None:
@@ -159,14 +165,17 @@ def _inputs(namer: Namer) -> Array:
     return np.concatenate([recording.q, *columns], axis=1)
 
 
-def _predicted_share(inputs: Array, left: Array, known: Sequence[Array], folds: Folds) -> float:
-    """The share of the sum of squares that the smooth model predicts on folds that it has not seen."""
+def _predicted_share(
+    inputs: Array, left: Array, known: Sequence[Array], folds: Folds, whole: SmoothModel
+) -> float:
+    """The share of the sum of squares that the smooth model, with the scales of the whole, predicts on folds that it
+    has not seen."""
     missed, total = 0.0, 0.0
     for fold in np.unique(folds).tolist():
         out = folds == fold
         if out.all() or (~out).sum() < 8:
             continue
-        model = smooth_model(inputs[~out], left[~out], [part[~out] for part in known])
+        model = smooth_model(inputs[~out], left[~out], [part[~out] for part in known], alike=whole)
         missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
         total += float(np.sum(left[out] ** 2))
     return 1.0 - missed / total if total > 0.0 else 0.0
