@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo test lint benchmark lock clean
+.PHONY: help demo test lint benchmark proof proof-sample lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -20,6 +20,8 @@ help:
 	@echo "make test       run the test suite"
 	@echo "make lint       ruff and pyright"
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
+	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
+	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -41,6 +43,9 @@ $(DEV): requirements-dev.lock $(RUNTIME)
 	@$(PIP_INSTALL) --require-hashes -r requirements-dev.lock
 	@touch $@
 
+# Two processes that each start a thread for every core only get in each other's way.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
 define SHOW_DEMO
 import json, pathlib, sys
 folder = pathlib.Path(sys.argv[1])
@@ -61,7 +66,7 @@ demo: $(RUNTIME)
 		&& $(BIN)/python -c "$$SHOW_DEMO" "$$out"
 
 test: $(DEV)
-	@$(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
 
 lint: $(DEV)
 	$(BIN)/ruff check .
@@ -69,6 +74,20 @@ lint: $(DEV)
 
 benchmark: $(DEV)
 	$(BIN)/python -m benchmarks $(BENCHMARK_ARGS)
+
+PROOF_CASES ?= 1000
+PROOF_SEED ?= 1
+PROOF_HALF ?= disclosed
+PROOF_OUT ?= proof-out-$(PROOF_HALF)-$(PROOF_SEED)
+
+# The truths are sealed by hash before the tool is asked anything; a sealed half is asked once.
+proof: $(DEV)
+	$(BIN)/python -m benchmarks.blind make --cases $(PROOF_CASES) --seed $(PROOF_SEED) --half $(PROOF_HALF) --out $(PROOF_OUT)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind run $(PROOF_OUT) --answers $(PROOF_OUT)-answers --jobs 2
+	$(BIN)/python -m benchmarks.blind score $(PROOF_OUT) --answers $(PROOF_OUT)-answers --markdown $(PROOF_OUT).md --json $(PROOF_OUT).json
+
+proof-sample: $(DEV)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind_sample
 
 # The dev lock repeats the pins of the runtime lock, so that tests run on what users get. The first run on a tree
 # without locks needs pip-tools in the environment by hand.
@@ -82,5 +101,5 @@ lock:
 	@touch requirements.lock requirements-dev.lock
 
 clean:
-	rm -rf $(VENV) build dist ./*.egg-info .pytest_cache .ruff_cache .hypothesis demo-out-*
+	rm -rf $(VENV) build dist ./*.egg-info .pytest_cache .ruff_cache .hypothesis demo-out-* proof-out-*
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -10,6 +10,9 @@ from arm.chain import Arm, EffectEntry
 
 from .refit import Term
 
+_WHOLE = 0.25
+"""Physics that was left out comes back where its fitted share of the whole is within this of 1."""
+
 
 def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]]:
     """The arm with each finding as an entry of its `effects`, and sentences on what the file cannot carry.
@@ -24,7 +27,14 @@ def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]
         if candidate.outside:
             continue
         if candidate.share:
-            left_out.discard(candidate.effect)
+            share = float(term.sizes[0])
+            if abs(share - 1.0) <= _WHOLE:
+                left_out.discard(candidate.effect)
+            else:
+                notes.append(
+                    f"The corrected arm still leaves out {candidate.effect}: {share:.2g} times what the file's data "
+                    "give would fit, which no entry of the file can say."
+                )
             continue
         if candidate.effect == "joint_compliance" and len(term.sizes) != len(candidate.sizes):
             notes.append(

@@ -65,13 +65,8 @@ def smooth_model(
 
     if alike is None:
         bounds = [(-3.0, 4.0)] * scaled.shape[1] + [(-6.0, 3.0)] * 2
-        # The likelihood has more than one summit: that all is noise, and that it is smooth with little noise.
-        smooth = np.concatenate([np.full(scaled.shape[1], np.log(1.5)), [0.0, np.log(0.05)]])
-        tried = [
-            minimize(cost, begun, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS})
-            for begun in (start, smooth)
-        ]
-        best = np.asarray(min(tried, key=lambda result: float(result.fun)).x, dtype=float)
+        found = minimize(cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS})
+        best = np.asarray(found.x, dtype=float)
     else:
         best = alike.logarithms
     _, weights, variance = _solve(scaled, target, beside, best)

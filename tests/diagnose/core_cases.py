@@ -73,9 +73,9 @@ def group_of(prepared, effect, at=(), **shapes):
     """The number of an effect's group at places from 0, of the variant with these shapes."""
     for number, group in enumerate(prepared.pool.groups):
         candidate = group.candidate
-        if (candidate.effect, candidate.at) == (effect, at):
-            if all(candidate.shapes[name] == value for name, value in shapes.items()):
-                return number
+        named = (candidate.effect, candidate.at) == (effect, at)
+        if named and all(candidate.shapes[name] == value for name, value in shapes.items()):
+            return number
     raise AssertionError(f"{effect} at {at} is not in the pool")
 
 

@@ -52,7 +52,7 @@ def test_frame_and_tool_are_recovered(space, frame, tool):
 
 def test_what_is_known_stays():
     recording, state = at_rest(space=False)
-    found = aligned(replace(recording, tip=recording.tip + [1e-3, 0.0]), state, recording.tip)
+    found = aligned(replace(recording, tip=recording.tip + np.array([1e-3, 0.0])), state, recording.tip)
     assert found.residual == pytest.approx(np.tile([1e-3, 0.0], (recording.size, 1)))
     assert found.rotation == pytest.approx(np.eye(2))
 

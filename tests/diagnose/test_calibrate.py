@@ -32,7 +32,7 @@ def test_visits_stay_whole(draw, count):
     assert len(signs) == 2 * count
 
 
-def p_values(pool, columns, make, draws=99, trials=150, seed=1):
+def p_values(pool, make, draws=99, trials=150, seed=1):
     rng = np.random.default_rng(seed)
     criterion = criterion_for(pool, len(pool.nuisance) - pool.nuisance.shape[1])
     everything = np.ones(len(pool.groups), dtype=bool)
@@ -55,14 +55,15 @@ def test_under_a_null_p_is_uniform(kind):
     """Readings on their own, readings that share their visit's scatter, and scatter that grows where patterns do."""
     rng = np.random.default_rng(2)
     size = reach(rng) if kind == "by reach" else np.ones(72)
-    columns = [(size[:, None, None] * rng.standard_normal((24, 2, d))[VISITS]).reshape(144, d) for d in (1,) * 12 + (3,)]
-    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144)
+    shared = [rng.standard_normal((24, 2, rank))[VISITS] for rank in (*(1,) * 12, 3)]
+    columns = [(size[:, None, None] * part).reshape(144, -1) for part in shared]
+    pool, _, _ = random_pool(rng, (), columns=columns, rows=144)
 
     def null(rng):
         shared = 0.0 if kind == "plain" else rng.standard_normal((24, 2))[VISITS]
         return (size[:, None] * (shared + 0.5 * rng.standard_normal((72, 2)))).reshape(-1)
 
-    found = p_values(pool, columns, null)
+    found = p_values(pool, null)
     assert kstest(found, "uniform").pvalue > 1e-3
     assert np.sum(found <= 0.05) <= binom.ppf(0.999, len(found), 0.05)
 

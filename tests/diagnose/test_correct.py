@@ -59,6 +59,17 @@ def test_physics_left_out_comes_back_whole(tmp_path):
     assert again.verdict == "none"
 
 
+@pytest.mark.parametrize(("share", "back"), [(0.98, True), (0.5, False), (1.8, False)])
+def test_half_an_effect_does_not_come_back_whole(share, back):
+    """The file can hold the physics or leave it out; where neither is so, it says that it cannot."""
+    arm = replace(made_arm(), leave_out=frozenset({"slope_propagation"}))
+    candidate = Candidate("slope_propagation", (0, 1), ("share",), MappingProxyType({}), share=True)
+    nothing = np.zeros((1, 2))
+    corrected, notes = corrected_arm(arm, [Term(candidate, np.array([share]), nothing[:, :, None], nothing)])
+    assert ("slope_propagation" not in corrected.leave_out) is back
+    assert any("slope_propagation" in note for note in notes) is not back
+
+
 def test_a_shape_of_nought_is_kept_where_it_says_something():
     """Creep that began with the recording must not turn into creep that begins anew with each payload."""
     shapes = {"time_constant": 3600.0, "anew": 0.0}
