@@ -120,7 +120,13 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
             if value <= 1e-8 * singular[0]:
                 parts = [name for name, weight in zip(prepared.beside_names, row, strict=True) if abs(weight) > 0.1]
                 found.append(f"These poses do not tell apart: {', '.join(parts)}.")
-    names = sorted({(c.effect, tuple(i + 1 for i in c.at)) for c in prepared.pool.invisible if not c.outside})
+    places: dict[str, set[int]] = {}
+    shown = {group.candidate.family for group in prepared.pool.groups}
+    for candidate in prepared.pool.invisible:
+        if not candidate.outside and candidate.family not in shown:
+            places.setdefault(candidate.effect, set()).update(index + 1 for index in candidate.at)
     why = "What is left free swallows" if beside.shape[1] else "These readings cannot show"
-    found += [f"{why} the {name_of(effect, at)}." for effect, at in names]
+    names = [name_of(effect, sorted(at)) for effect, at in sorted(places.items())]
+    if names:
+        found.append(f"{why}: {'; '.join(names)}.")
     return tuple(found)
