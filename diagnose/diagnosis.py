@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -30,6 +31,7 @@ from .refit import Refit, refit
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from .sentences import name_of, null_vectors, reading_of, verdict_sentence
 from .unknown import describe, rejected_forms
+from .whole_search import LEVEL, whole_search_p
 
 Array = NDArray[np.float64]
 
@@ -72,6 +74,10 @@ def diagnose(
         named = None
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.4 * share))
+        if asked.thorough and named.everything:
+            told = "calibrating the whole search"
+            p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share))
+            named = replace(named, whole_p=p) if p <= LEVEL else Named((), (), (), named.gate, None, p)
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
     return _Report(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
@@ -236,6 +242,8 @@ class _Report:
     def _gate_p(self) -> float:
         if self.named is None:
             return 1.0
+        if self.named.whole_p is not None:
+            return self.named.whole_p
         return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
 
     def _after(self) -> Array:

@@ -1,0 +1,37 @@
+"""The whole search calibrated, selection included: what the best subset gains on recordings that hold nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .calibrate import p_value, shuffled
+from .naming import Named, Namer
+from .search import best_subsets
+
+_DRAWS = 99
+LEVEL = 0.01
+"""False alarms of the whole search, at most."""
+
+
+def whole_search_p(namer: Namer, named: Named, seed: int, tell: Callable[[float], None]) -> float:
+    """The p-value of what was named: visits of the residual shuffled with random signs, and the best subset of up to as
+    many members (three at most) sought anew in each draw, over library and forms alike.
+
+    The statistic is the drop of the criterion from the model as given. `tell` hears the share of the work done.
+    """
+    prepared, pool, criterion = namer.prepared, namer.prepared.pool, namer.criterion
+    largest = min(max(len(named.everything), 1), 3)
+    width = prepared.observed.residual.shape[1]
+    table = prepared.vector.reshape(-1, width)
+    rng = np.random.default_rng(seed)
+    drawn: list[float] = []
+    for number in range(_DRAWS):
+        vector = pool.projected(shuffled(table, namer.visits, rng).reshape(-1))
+        found = best_subsets(pool, vector, criterion, largest=largest)
+        nothing = found[0][0].criterion
+        drawn.append(max(nothing - subsets[0].criterion for subsets in found.values()))
+        tell((number + 1) / _DRAWS)
+    gained = namer.criterion_of(()) - namer.criterion_of(named.everything)
+    return p_value(gained, np.array(drawn))
