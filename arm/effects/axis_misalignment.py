@@ -15,7 +15,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     values = settings.values
     tilts = (values.get("tilt_u", 0.0), values.get("tilt_v", 0.0))
     shifts = (values.get("shift_u", 0.0), values.get("shift_v", 0.0))
-    for index in range(len(state.joints)):
+    for index in range(1, len(state.joints)):
         if not settings.acts_at(index):
             continue
         u, v = _before(state, index)

@@ -64,7 +64,7 @@ CREEP = Effect(
             (0.0, 1.0),
             "Kelvin's model under steps of load, and under a load that is mostly the arm's own weight",
             role="shape",
-            grid=(1.0, 0.0),
+            grid=(0.0, 1.0),
         ),
     ),
     twists=_twists,
