@@ -76,7 +76,8 @@ def test_the_whole_table_is_there() -> None:
     table = """link_bending slope_propagation axial shear_deformation link_modulus link_mass joint_compliance
     joint_hardening servo_droop backlash friction_windup clearance encoder_offset encoder_eccentricity encoder_scale
     gear_transmission_error joint_coupling link_length payload tool_offset thermal_expansion thermal_bending
-    gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale axis_misalignment counterbalance
+    gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale
+    axis_misalignment counterbalance
     latency dynamic_deflection torsion rail_straightness rail_pitch"""
     assert set(EFFECTS) == set(table.split())
 
