@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.effects import EFFECTS
-
 from .calibrate import Calibrated, Given, given_model, one_more
 from .candidates import PLAUSIBLE, columns_of
 from .fit import Fit, fit, impossible, typical
@@ -357,8 +355,3 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
 
     tied = [member, *(rival.member for rival in others if rival.worse <= _TIED)]
     return min(tied, key=order)
-
-
-def title(effect: str) -> str:
-    """What an effect is called in a sentence."""
-    return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")

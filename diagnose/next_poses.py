@@ -14,12 +14,15 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.effects import Settings
+
 from .candidates import columns_of
 from .fit import fit
-from .naming import Namer, Rival, title
+from .naming import Namer, Rival
 from .observed import Observed, observe
 from .recording import Recording
 from .result import NextPose
+from .sentences import name_of
 
 Array = NDArray[np.float64]
 
@@ -158,8 +161,6 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
 
 def _nuisance(names: Sequence[str], tried: Observed) -> Array:
     """The nuisances' columns at the tried readings, in the order of their names."""
-    from arm.effects import Settings
-
     parts: list[Array] = []
     for name in names:
         effect, _, size = name.partition(" ")
@@ -174,8 +175,7 @@ def _nuisance(names: Sequence[str], tried: Observed) -> Array:
 
 def _label(namer: Namer, number: int) -> str:
     candidate = namer.pool.groups[number].candidate
-    at = f" at {', '.join(str(index + 1) for index in candidate.at)}" if candidate.at else ""
-    return f"{title(candidate.effect)}{at}"
+    return name_of(candidate.effect, [index + 1 for index in candidate.at])
 
 
 def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int) -> NextPose:

@@ -178,9 +178,3 @@ def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array 
         at = made[0].stop
     basis = np.concatenate(bases, axis=1) if bases else np.zeros((len(nuisance), 0))
     return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible))
-
-
-def likeness(pool: Pool, first: int, second: int) -> float:
-    """The largest canonical correlation of two groups."""
-    a, b = pool.groups[first], pool.groups[second]
-    return float(np.linalg.svd(pool.gram[a.start : a.stop, b.start : b.stop], compute_uv=False)[0])

@@ -9,7 +9,7 @@ import numpy as np
 from arm.effects import EFFECTS
 from materials.quantities import format_quantity
 
-from .prepare import Prepared
+from .prepare import FAR_ABOVE, Prepared
 from .result import Alternative, Finding, FittedParameter, Unknown
 
 
@@ -66,6 +66,12 @@ def verdict_sentence(
 ) -> str:
     """The plain answer."""
     if not findings and unknown is None:
+        if noise_floor is not None and rms_before > FAR_ABOVE * noise_floor:
+            return (
+                f"Nothing explains the mismatch beyond chance (p = {p_value:.2g} for the best of all explanations), "
+                f"yet {_mm(rms_before)} RMS are {rms_before / noise_floor:.1f} times the noise floor: either that is "
+                "wrong, or readings scatter in a way that repeats of a pose do not show."
+            )
         level = "the noise floor" if noise_floor is not None else "scatter"
         return (
             f"No mismatch beyond {level}: what remains, {_mm(rms_before)} RMS, is what chance leaves "

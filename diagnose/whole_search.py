@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .calibrate import p_value, shuffled
+from .calibrate import drawn_anew, p_value
 from .naming import Named, Namer
 from .search import best_subsets
 
@@ -16,8 +16,8 @@ LEVEL = 0.01
 
 
 def whole_search_p(namer: Namer, named: Named, seed: int, tell: Callable[[float], None]) -> float:
-    """The p-value of what was named: visits of the residual shuffled with random signs, and the best subset of up to as
-    many members (three at most) sought anew in each draw, over library and forms alike.
+    """The p-value of what was named: the residual drawn anew by visits as the gate does it, and the best subset of up
+    to as many members (three at most) sought in each draw, over library and forms alike.
 
     The statistic is the drop of the criterion from the model as given. `tell` hears the share of the work done.
     """
@@ -28,7 +28,7 @@ def whole_search_p(namer: Namer, named: Named, seed: int, tell: Callable[[float]
     rng = np.random.default_rng(seed)
     drawn: list[float] = []
     for number in range(_DRAWS):
-        vector = pool.projected(shuffled(table, namer.visits, rng).reshape(-1))
+        vector = pool.projected(drawn_anew(table, namer.visits, rng).reshape(-1))
         found = best_subsets(pool, vector, criterion, largest=largest)
         nothing = found[0][0].criterion
         drawn.append(max(nothing - subsets[0].criterion for subsets in found.values()))

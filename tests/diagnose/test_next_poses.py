@@ -81,7 +81,7 @@ def test_poses_lie_in_the_ranges_and_say_what_they_decide(asked):
         for value, joint in zip(pose.q, namer.prepared.observed.arm.joints, strict=True):
             assert joint.range[0] <= value <= joint.range[1]
         assert pose.side in (-1, 1)
-        assert "compliance of the drives at 2 from" in pose.decides
+        assert "compliance of the drives at joint 2 from" in pose.decides
     assert "non-centrality" in note
 
 

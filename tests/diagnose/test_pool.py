@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.pool import likeness, make_pool, orthonormal, with_group
+from diagnose.pool import make_pool, orthonormal, with_group
 from tests.diagnose.core_cases import pattern, random_pool
 
 
@@ -73,18 +73,6 @@ def test_one_more_group_is_as_if_it_had_been_there():
     assert [(g.start, g.stop) for g in grown.groups] == [(g.start, g.stop) for g in pool.groups]
     swallowed = with_group(grown, pattern("in"), beside[:, :1], None)
     assert len(swallowed.groups) == 3
-
-
-def test_likeness_is_the_largest_canonical_correlation():
-    rng = np.random.default_rng(6)
-    first = rng.standard_normal((60, 2))
-    second = np.column_stack([first @ [1.0, -2.0], rng.standard_normal(60)])
-    third = rng.standard_normal((60, 1))
-    pool, _, beside = random_pool(rng, (2, 2, 1), columns=[first, second, third])
-    assert likeness(pool, 0, 1) == pytest.approx(1.0)
-    a, b = projected_by_hand(beside, first), projected_by_hand(beside, third)[:, 0]
-    fitted = a @ np.linalg.lstsq(a, b, rcond=None)[0]
-    assert likeness(pool, 0, 2) == pytest.approx(np.linalg.norm(fitted) / np.linalg.norm(b))
 
 
 def test_orthonormal_drops_what_repeats():
