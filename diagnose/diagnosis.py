@@ -15,6 +15,7 @@ from arm.effects import EFFECTS
 
 from .candidates import columns_of
 from .correct import corrected_arm
+from .coupling import coupled
 from .detectable import detectable
 from .fit import Fit, displacement, fit, remaining
 from .held_out import Folds, rms_held_out, splits
@@ -73,7 +74,12 @@ def diagnose(
     if not prepared.pool.groups or too_few:
         named = None
     else:
-        named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.4 * share))
+        named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.3 * share))
+        if named.members:
+            again = coupled(namer, asked.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
+            if again is not namer:
+                namer = again
+                named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share))
         if asked.thorough and named.everything:
             told = "calibrating the whole search"
             p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share))
@@ -137,6 +143,7 @@ class _Report:
         rejected = {each.row for each in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
         observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation)
+        observed = observed.softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
         prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
         return prepared, {m: k for k, m in enumerate(self.found)}

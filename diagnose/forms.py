@@ -44,6 +44,9 @@ SENTENCES = MappingProxyType(
     }
 )
 
+FORCES = frozenset({"constant_force", "spring_to_a_point", "pull_of_a_point", "force_field"})
+"""Forms that act through what bends."""
+
 _STEPS_IN_TIME = 40
 _PERIODS = 130
 _REGIONS = 12
@@ -61,7 +64,7 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     few = 0.4 if observed.rows > _LARGE else 1.0
     yield from _in_time(observed, axes, joints, clock, few)
     yield from _over_position(observed, axes, few)
-    yield from _forces(observed)
+    yield from forces(observed)
     for number, motion in enumerate(joints):
         q = observed.recording.q[:, number]
         if np.ptp(q) > 0.0:
@@ -162,7 +165,7 @@ def _spread_out(points: Array, count: int) -> list[int]:
     return chosen
 
 
-def _forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
+def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """Forces at the tip through the arm's own flexibility, for one newton each."""
     width = observed.components
     tip = [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()]

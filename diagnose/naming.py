@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,6 +74,13 @@ class Namer:
         self.visits = prepared.visits
         self.library: Mask = prepared.library()
         self.criterion = prepared.criterion
+
+    def with_prepared(self, prepared: Prepared) -> Namer:
+        """A namer that searches the same recording prepared otherwise, with the same draws to come."""
+        other = copy(self)
+        other.prepared = prepared
+        other.visits, other.library, other.criterion = prepared.visits, prepared.library(), prepared.criterion
+        return other
 
     def refined(self, members: Sequence[int]) -> tuple[int, ...]:
         """The groups with their shapes moved off the grid to where they fit best; new groups where that helps.

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain import Arm, EffectEntry
 from arm.effects import EFFECTS, Settings
 from arm.error import active_effects
 from arm.model import beams_of
@@ -83,9 +83,15 @@ class Observed:
             scaled = np.concatenate([first, (scaled[1:] - rho * scaled[:-1]) / np.sqrt(1.0 - rho * rho)])
         return scaled.reshape(scaled.shape[0] * scaled.shape[1], *columns.shape[2:])
 
-    def without_rows(self, keep: NDArray[np.bool_]) -> Observed:
-        """The same, with only the readings of `keep` (N,)."""
-        return observe(self.arm_given, kept(self.recording, keep), scale=self.scale, correlation=self.correlation)
+    @property
+    def softening(self) -> tuple[EffectEntry, ...]:
+        """The flexibility beyond the arm file's, through which loads act in `signature` (see `softened`)."""
+        return self.state.arm.effects[len(self.arm.effects) :]
+
+    def softened(self, entries: Sequence[EffectEntry]) -> Observed:
+        """The same with loads acting through these entries of flexibility too; the residual stays against the file."""
+        arm = replace(self.state.arm, effects=(*self.arm.effects, *entries))
+        return replace(self, state=replace(self.state, arm=arm))
 
     @property
     def arm_given(self) -> Arm:

@@ -18,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from arm.chain import EffectEntry
 from arm.effects import EFFECTS, kind_at
 
 from .candidates import Candidate, columns_of, parameter_of
 from .fit import Fit, bounds, solved, t_quantile
+from .flexibility import entry, through_flexibility
 from .pool import orthonormal
 from .prepare import Prepared, limits
 from .result import FittedParameter
@@ -40,12 +42,14 @@ _WHOLE = frozenset({"order", "anew", "sharp"})
 @dataclass(frozen=True)
 class Term:
     """One finding with its parameters: `sizes` (d,) and the candidate's shapes; `columns` (N, C, d) are the derivatives
-    by the sizes, `moved` (N, C) what it adds to the model, m and rad."""
+    by the sizes, `moved` (N, C) what it adds to the model, m and rad. `through` (N, C, d) is what flexibility adds to
+    its derivatives by the loads found that act through it, None where there are none."""
 
     candidate: Candidate
     sizes: Array
     columns: Array
     moved: Array
+    through: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,7 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
     terms = _shapes_found(prepared, terms)
-    terms = _solved(prepared, terms)
+    prepared, terms = _solved(prepared, terms)
     residual, rss, freedom = _left(prepared, terms)
     errors, told = _errors(prepared, terms, rss / max(freedom, 1))
     parameters = tuple(
@@ -117,9 +121,11 @@ def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array
     return Term(candidate, sizes, np.stack(parts, axis=2), moved)
 
 
-def _design(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, list[slice]]:
-    """Whitened columns of the nuisances and of all terms, and where each term's are."""
-    stacked = [prepared.beside, *(term.columns for term in terms)]
+def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False) -> tuple[Array, list[slice]]:
+    """Whitened columns of the nuisances and of all terms, and where each term's are; with `through`, what flexibility
+    does for the loads among the terms counts as its own."""
+    own = [term.columns if term.through is None or not through else term.columns + term.through for term in terms]
+    stacked = [prepared.beside, *own]
     edges = np.cumsum([0, *(part.shape[2] for part in stacked)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
     return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
@@ -144,21 +150,60 @@ def _tethers(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, Array]:
     return rows, -weight * sizes
 
 
-def _solved(prepared: Prepared, terms: list[Term]) -> list[Term]:
-    """Gauss-Newton over all sizes."""
+def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[Term]]:
+    """The terms with loads acting through the flexibility among them as it now is, and the recording with it."""
+    entries = [_entry(term) for term in terms]
+    loads = [k for k, term in enumerate(terms) if through_flexibility(term.candidate)]
+    if not loads or not any(entries):
+        return prepared, list(terms)
+
+    def under(changed: Sequence[EffectEntry | None]) -> Prepared:
+        softer = prepared.observed.softened([each for each in changed if each is not None])
+        return replace(prepared, observed=softer)
+
+    now = under(entries)
+    found = list(terms)
+    for k in loads:
+        columns = columns_of(now.observed, terms[k].candidate)
+        found[k] = _term(now, terms[k].candidate, terms[k].sizes, terms[k].columns if columns is None else columns)
+    for place, own in enumerate(entries):
+        if own is None:
+            continue
+        parts: list[Array] = []
+        for name, value in own.parameters.items():
+            step = _DIFFERENCE * parameter_of(EFFECTS[own.effect], name).typical[1]
+            further = replace(own, parameters=MappingProxyType({**own.parameters, name: value + step}))
+            other = under([further if k == place else each for k, each in enumerate(entries)])
+            moved = np.zeros(prepared.observed.residual.shape)
+            for k in loads:
+                columns = columns_of(other.observed, terms[k].candidate)
+                moved += 0.0 if columns is None else columns @ terms[k].sizes - found[k].moved
+            parts.append(moved / step)
+        found[place] = replace(found[place], through=np.stack(parts, axis=2))
+    return now, found
+
+
+def _entry(term: Term) -> EffectEntry | None:
+    return entry(term.candidate, term.sizes.tolist())
+
+
+def _solved(prepared: Prepared, terms: list[Term]) -> tuple[Prepared, list[Term]]:
+    """Gauss-Newton over all sizes; the recording with the flexibility found in it beside the terms."""
     for _ in range(_NEWTON):
-        design, spans = _design(prepared, terms)
+        prepared, terms = _coupled(prepared, terms)
+        design, spans = _design(prepared, terms, through=True)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms)
         white = np.concatenate([prepared.observed.whitened(target), wanted])
         step = _least_squares(np.vstack([design, rows]), white)
-        terms = [
+        new = [
             _term(prepared, term.candidate, term.sizes + step[span], term.columns)
             for term, span in zip(terms, spans, strict=True)
         ]
-        if all(_linear(prepared, term.candidate) for term in terms):
+        terms = [replace(one, through=term.through) for one, term in zip(new, terms, strict=True)]
+        if all(_linear(prepared, term.candidate) and term.through is None for term in terms):
             break
-    return terms
+    return _coupled(prepared, terms)
 
 
 def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:
@@ -239,7 +284,7 @@ def _shapes_found(prepared: Prepared, terms: list[Term]) -> list[Term]:
 
 def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple[list[Array], list[NDArray[np.bool_]]]:
     """Standard errors of every term's sizes, and whether the data tell each of them from the others."""
-    design, spans = _design(prepared, terms)
+    design, spans = _design(prepared, terms, through=True)
     further: list[Array] = []
     for place, term in enumerate(terms):
         for name in _free_shapes(term.candidate):

@@ -48,4 +48,5 @@ BASE_TILT = Effect(
     "(Springer, 2009), gravity in the base frame, doi:10.1007/978-1-84628-642-1",
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
+    through_flexibility=True,
 )

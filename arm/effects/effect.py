@@ -131,6 +131,7 @@ class Effect:
     by the encoder: it moves the tip only as long as the coordinates are commands. `requires` names the conditions
     without which it moves nothing, `enough` the sets of parameters of which an entry must hold one to say anything
     (none named: any one parameter that is a size), `only` the joints outside which it moves nothing.
+    `through_flexibility` marks loads that move the tip by what gives in the arm, what `effects` add to that included.
     """
 
     id: str
@@ -150,6 +151,7 @@ class Effect:
     requires: tuple[Condition, ...] = ()
     enough: tuple[tuple[str, ...], ...] = ()
     only: Only | None = None
+    through_flexibility: bool = False
 
     def can_act(self, index: int, *, revolute: bool) -> bool:
         """Whether the effect can move anything at joint `index` (from 0), or at the link it carries."""

@@ -39,4 +39,5 @@ LINK_MASS = Effect(
         ),
     ),
     twists=_twists,
+    through_flexibility=True,
 )

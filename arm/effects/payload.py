@@ -38,4 +38,5 @@ PAYLOAD = Effect(
         ),
     ),
     twists=_twists,
+    through_flexibility=True,
 )

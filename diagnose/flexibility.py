@@ -1,0 +1,41 @@
+"""Which candidates are flexibility, and which are loads that act through it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import MappingProxyType
+
+from arm.chain import EffectEntry
+from arm.effects import EFFECTS
+from arm.effects.elastic import ELASTIC
+
+from .candidates import Candidate, parameter_of
+from .forms import FORCES
+
+LOADS = frozenset(effect.id for effect in EFFECTS.values() if effect.through_flexibility)
+"""Effects that are loads."""
+_FLEXIBLE = frozenset(effect.id for effect in ELASTIC)
+
+
+def flexible(candidate: Candidate) -> bool:
+    """Whether a candidate is flexibility through which unknown loads act."""
+    return candidate.effect in _FLEXIBLE and not (candidate.share or candidate.outside)
+
+
+def through_flexibility(candidate: Candidate) -> bool:
+    """Whether a candidate is a load that acts through the arm's flexibility."""
+    return candidate.effect in (FORCES if candidate.outside else LOADS)
+
+
+def entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry | None:
+    """A flexibility found as an entry of the arm's effects; None where it has no parameters of its own (links of
+    unknown weight) or would be no physics."""
+    if not flexible(candidate) or len(sizes) != len(candidate.sizes):
+        return None
+    values: dict[str, float] = {}
+    for name, size in zip(candidate.sizes, sizes, strict=True):
+        parameter = parameter_of(EFFECTS[candidate.effect], name)
+        if not parameter.lower < size < parameter.upper:
+            return None
+        values[name] = size
+    return EffectEntry(candidate.effect, tuple(index + 1 for index in candidate.at), MappingProxyType(values))
