@@ -21,7 +21,8 @@ from .chain import (
     JointType,
     Link,
 )
-from .vectors import ZERO, Rotation, about, compose, from_roll_pitch_yaw, norm, snap_vector, unit
+from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
+from .vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -35,6 +36,7 @@ class Entry:
     length_given: bool
     origin: tuple[Rotation, FloatVector] | None
     has_link: bool = False
+    modified_dh: bool = False
 
 
 def read_entry(mapping: Mapping, catalogue: Catalogue) -> Entry:
@@ -44,14 +46,19 @@ def read_entry(mapping: Mapping, catalogue: Catalogue) -> Entry:
         has_link = mapping.has("link")
         body = mapping.mapping("link") if has_link else None
         given = body is not None and body.has("length")
+        origin, modified = None, is_modified(mapping)
         if mapping.has("dh"):
             raw = mapping.content["joint"]
             if isinstance(raw, dict) and "axis" in raw:
                 raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
-            for name in ("direction", "end_rotation"):
+            for name in ("direction", "end_rotation", *(("length",) if modified else ())):
                 if body is not None and body.has(name):
                     raise body.error(name, "is given by dh already; leave it out")
-            joint, link = _dh(mapping.mapping("dh"), joint)
+        if modified:
+            origin, joint = modified_dh(mapping.mapping("dh"), joint)
+            link = Link(0.0)
+        elif mapping.has("dh"):
+            joint, link = standard_dh(mapping.mapping("dh"), joint)
             given = True
             if body is not None and body.has("length"):
                 length = body.quantity("length", "length")
@@ -60,13 +67,14 @@ def read_entry(mapping: Mapping, catalogue: Catalogue) -> Entry:
         else:
             link = Link(_length(body) if body is not None and given else 0.0)
         link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
-        origin = None
         if mapping.has("origin"):
+            if modified:
+                raise mapping.error("origin", "is given by dh already, which says where the joint stands; leave it out")
             with mapping.mapping("origin").reading() as frame:
                 xyz = read_vector(frame, "xyz", "length", ZERO)
                 rpy = read_vector(frame, "rpy", "angle", ZERO)
             origin = (from_roll_pitch_yaw(*rpy), xyz)
-    return Entry(joint, link, given, origin, has_link)
+    return Entry(joint, link, given, origin, has_link, modified)
 
 
 def _length(body: Mapping) -> float:
@@ -130,27 +138,6 @@ def _axis(mapping: Mapping, default: str) -> FloatVector:
         if norm((numbers[0], numbers[1], numbers[2])) > 0.0:
             return unit((numbers[0], numbers[1], numbers[2]))
     raise mapping.error("axis", f"is x, y, z (or -x ..), or three numbers such as [0, 0, 1], not {shown(raw)}")
-
-
-def _dh(mapping: Mapping, joint: Joint) -> tuple[Joint, Link]:
-    """Standard (distal) Denavit-Hartenberg parameters: Rz(theta + q) Tz(d) Tx(a) Rx(alpha)."""
-    with mapping.reading():
-        a, d = mapping.quantity("a", "length", 0.0), mapping.quantity("d", "length", 0.0)
-        alpha, theta = mapping.quantity("alpha", "angle", 0.0), mapping.quantity("theta", "angle", 0.0)
-    twist = from_roll_pitch_yaw(alpha, 0.0, 0.0)
-    if joint.revolute:
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), zero=joint.zero + theta)
-    else:
-        turn = about((0.0, 0.0, 1.0), math.cos(theta), math.sin(theta))
-        rotation = (snap_vector(turn[0]), snap_vector(turn[1]), snap_vector(turn[2]))
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), origin_rotation=rotation)
-    return joint, _along((a, 0.0, d), Link(0.0, end_rotation=twist))
-
-
-def _along(vector: FloatVector, link: Link) -> Link:
-    """The link along a vector (m) in its frame."""
-    length = norm(vector)
-    return replace(link, length=length, direction=unit(vector) if length > 0.0 else (1.0, 0.0, 0.0))
 
 
 def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
@@ -251,7 +238,7 @@ def product_of_exponentials(mapping: Mapping, entries: list[Entry]) -> tuple[lis
         joint = replace(entry.joint, axis=unit(directions[index]))
         if index == 0:
             joint = replace(joint, origin_translation=steps[0])
-        found.append(Entry(joint, _along(steps[index + 1], entry.link), True, None))
+        found.append(Entry(joint, along(steps[index + 1], entry.link), True, None))
     return found, ZERO
 
 
@@ -269,14 +256,16 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
     for index, entry in enumerate(entries):
         joint = entry.joint
         runs_on = index + 1 < len(entries) and entries[index + 1].origin is not None
-        if entry.has_link and not entry.length_given and not runs_on:
+        if entry.modified_dh and index and entries[index - 1].length_given:
+            raise mapping.error(f"chain[{index + 1}].dh", "is modified, but the entry before gives a length of its own")
+        if entry.has_link and not entry.length_given and not runs_on and not entry.modified_dh:
             would_do = "write length: 400 mm, say (0 mm for none)"
             raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(joint, origin_rotation=compose(rotation, joint.origin_rotation))
             if index > 0 and not entries[index - 1].length_given:
-                links[-1] = _along(xyz, links[-1])
+                links[-1] = along(xyz, links[-1])
             else:
                 joint = replace(joint, origin_translation=snap_vector(xyz))
         joints.append(joint)

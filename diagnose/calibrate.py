@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 _WORK = 4e9
 """Multiplications that the draws of one test may cost by default."""
 _CHUNK = 32
+_GONE = 1e-8
+"""Directions of which the smaller model leaves less than this share (squared) are gone."""
 _ENOUGH_VISITS = 12
 """Visits whose signs alone give draws enough: 2048."""
 
@@ -44,17 +46,20 @@ class Calibrated:
 
 @dataclass(frozen=True)
 class Given:
-    """What a smaller model takes as given: an orthonormal basis (n, k) of nuisances and effects, and the residual."""
+    """What a smaller model takes as given: an orthonormal basis (n, k) of nuisances and effects, the residual, and
+    which columns of the pool the effects have."""
 
     basis: Array
     residual: Array
+    columns: NDArray[np.int64]
 
 
 def given_model(pool: Pool, vector: Array, members: Sequence[int]) -> Given:
     """The smaller model of some groups, fitted to a vector from which nuisances are projected out."""
-    taken = orthonormal(pool.basis[:, pool.columns(members)]) if members else np.zeros((len(vector), 0))
+    columns = pool.columns(members)
+    taken = orthonormal(pool.basis[:, columns]) if members else np.zeros((len(vector), 0))
     basis = np.concatenate([pool.nuisance, taken], axis=1)
-    return Given(basis, vector - basis @ (basis.T @ vector))
+    return Given(basis, vector - basis @ (basis.T @ vector), columns)
 
 
 def one_more(
@@ -72,10 +77,10 @@ def one_more(
 
     `width` is the number of columns of a reading. The same draws serve all sets.
     """
-    beside = _beside(pool, given.basis)
+    beside = _beside(pool, given.columns)
     statistic = _statistic(beside, given.residual[:, None], criterion)[:, 0]
     among = [usable & criterion.fits for usable in among]
-    draws = max(99, min(draws, int(_WORK / max(beside.basis.size, 1))))
+    draws = max(99, min(draws, int(_WORK / max(pool.basis.size, 1))))
     table = given.residual.reshape(-1, width)
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
@@ -134,31 +139,42 @@ def p_value(observed: float, drawn: Array) -> float:
 
 @dataclass(frozen=True)
 class _Beside:
-    """The pool's basis beside a smaller model, orthonormal within each group again."""
+    """The pool's groups beside a smaller model: what turns products with the pool's basis into those with a basis that
+    is orthonormal within each group again. `scale` (M,) serves groups of one column, `wide` holds for each rank the
+    groups' columns (g, r) and matrices (g, r, r)."""
 
-    basis: Array
-    starts: NDArray[np.int64]
-    ranks: NDArray[np.int64]
+    pool: Pool
+    scale: Array
+    wide: tuple[tuple[NDArray[np.int64], Array], ...]
 
 
-def _beside(pool: Pool, basis: Array) -> _Beside:
-    left = pool.basis - basis @ (basis.T @ pool.basis)
-    starts, ranks = pool.starts, pool.ranks
-    single = starts[ranks == 1]
-    size = np.linalg.norm(left[:, single], axis=0)
-    left[:, single] = np.where(size > 1e-4, left[:, single] / np.where(size > 1e-4, size, 1.0), 0.0)
+def _beside(pool: Pool, columns: NDArray[np.int64]) -> _Beside:
+    """From the Gram matrix alone: vectors come in orthogonal to the smaller model, so only lengths matter."""
+    values, vectors = np.linalg.eigh(pool.gram[np.ix_(columns, columns)])
+    good = values > 1e-10 * values.max(initial=0.0)
+    mixed = pool.gram[:, columns] @ (vectors[:, good] / np.sqrt(values[good]))
+    size = pool.gram.diagonal() - np.einsum("ij,ij->i", mixed, mixed)
+    scale = np.where(size > _GONE, 1.0 / np.sqrt(np.where(size > _GONE, size, 1.0)), 0.0)
+    wide: list[tuple[NDArray[np.int64], Array]] = []
     for _, at in pool.layout.wide:
-        block = left[:, at].transpose(1, 0, 2)
-        values, vectors = np.linalg.eigh(block.transpose(0, 2, 1) @ block)
-        scale = np.where(values > 1e-8, 1.0 / np.sqrt(np.where(values > 1e-8, values, 1.0)), 0.0)
-        left[:, at] = (block @ (vectors * scale[:, None, :])).transpose(1, 0, 2)
-    return _Beside(left, starts, ranks)
+        part = mixed[at]
+        block = pool.gram[at[:, :, None], at[:, None, :]] - part @ part.transpose(0, 2, 1)
+        values, vectors = np.linalg.eigh(block)
+        root = np.where(values > _GONE, 1.0 / np.sqrt(np.where(values > _GONE, values, 1.0)), 0.0)
+        wide.append((at, (vectors * root[:, None, :]).transpose(0, 2, 1)))
+    return _Beside(pool, scale, tuple(wide))
 
 
 def _statistic(beside: _Beside, vectors: Array, criterion: Criterion) -> Array:
-    """The drop of the criterion that each group brings to each vector, (G, V), but for the prior that all share."""
-    along = beside.basis.T @ vectors
-    explained = np.add.reduceat(along * along, beside.starts, axis=0)
+    """The drop of the criterion that each group brings to each vector (n, V) orthogonal to the smaller model, (G, V),
+    but for the prior that all share."""
+    pool = beside.pool
+    along = pool.basis.T @ vectors
+    explained = np.zeros((len(pool.groups), vectors.shape[1]))
+    single = pool.layout.single_columns
+    explained[pool.layout.single_groups] = (beside.scale[single, None] * along[single]) ** 2
+    for (which, at), (_, turned) in zip(pool.layout.wide, beside.wide, strict=True):
+        explained[which] = np.sum((turned @ along[at]) ** 2, axis=1)
     rss = np.sum(vectors * vectors, axis=0)
     share = np.minimum(explained / np.where(rss > 0.0, rss, 1.0), 1.0 - 1e-12)
     return -criterion.count * np.log1p(-share) - criterion.price[:, None]

@@ -27,6 +27,11 @@ Array = NDArray[np.float64]
 _STEP = 1e-3
 """Sizes are tried at this share of their typical upper end: small enough for what is linear to first order only."""
 
+WHOLE = frozenset({"order", "orders", "anew", "sharp"})
+"""Shapes that are whole numbers and stay on their grid."""
+_FOR_EACH = 8.0
+"""Different angles for each coefficient of a joint's curve."""
+
 PLAUSIBLE: tuple[str, ...] = (
     "joint_compliance",
     "encoder_offset",
@@ -41,6 +46,7 @@ PLAUSIBLE: tuple[str, ...] = (
     "axis_misalignment",
     "encoder_eccentricity",
     "gear_transmission_error",
+    "joint_waviness",
     "joint_hardening",
     "clearance",
     "frame_misalignment",
@@ -86,6 +92,13 @@ class Candidate:
     def family(self) -> tuple[str, tuple[int, ...], bool]:
         """What variants of one candidate have in common."""
         return (self.effect, self.at, self.share)
+
+    @property
+    def free_shapes(self) -> tuple[str, ...]:
+        """The shapes that may take any value between those of the grid."""
+        if self.outside:
+            return ()
+        return tuple(name for name, value in self.shapes.items() if name not in WHOLE and value > 0.0)
 
     def settings(self, values: Mapping[str, float]) -> Settings:
         """The effect's settings at sizes of these values."""
@@ -173,6 +186,9 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
         return started is not None and not np.array_equal(started, np.asarray(held.loaded_for))
     if effect.id == "gear_transmission_error":
         return _enough_travel(observed, at[0], shapes["order"])
+    if effect.id == "joint_waviness":
+        angles = np.unique(np.round(observed.recording.q[:, at[0]], 3))
+        return len(angles) >= _FOR_EACH * 2.0 * shapes["orders"]
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True
@@ -191,9 +207,9 @@ def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:
 
 
 def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
-    """The greatest load (N*m, N) on the drives at these places."""
+    """The greatest load (N*m, N) on the drives at these places; one where they carry none."""
     joints = [observed.state.joints[index] for index in at] if at else list(observed.state.joints)
-    return max(float(np.max(np.abs(joint.drive_load))) for joint in joints)
+    return max(float(np.max(np.abs(joint.drive_load))) for joint in joints) or 1.0
 
 
 def _unknown_weight(observed: Observed, joint: int) -> Array:

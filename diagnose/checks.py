@@ -6,6 +6,7 @@ only where nothing sensible can follow.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import replace
@@ -37,6 +38,7 @@ def checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recor
     """
     for check in (_sides, _covariates, _time, _duplicates):
         recording = check(recording, headers)
+    recording = _whole_turns(recording, arm, headers)
     recording = motion_checked(recording, arm, headers)
     for check in (_beyond_range, _constant):
         recording = replace(recording, warnings=(*recording.warnings, *check(recording, arm, headers)))
@@ -63,6 +65,12 @@ def _sides(recording: Recording, headers: Mapping[str, str]) -> Recording:
                 would_do = "it is +1 where the joint last moved towards increasing q, else -1"
                 raise InputError(recording.file, name, f"holds {value:g} in row {row}; {would_do}")
             recording = _rejecting(recording, wrong, f"{name} is {value:g}, neither +1 nor -1 (0: unknown)")
+            assert recording.sides is not None
+        sides = recording.sides[:, index]
+        if (sides == 1.0).any() and (sides == 0.0).any() and not (sides == -1.0).any():
+            name = headers.get(f"dir{index + 1}", f"dir{index + 1}")
+            hint = f"if 0 is the other side, write `columns: {{{name}: 2*{name} - 1}}` in recording.yaml"
+            recording = _saying(recording, f"{name} is 1 or 0 and never -1: 0 counts as unknown; {hint}.")
             assert recording.sides is not None
     return recording
 
@@ -186,6 +194,38 @@ def _coarse(recording: Recording, same_q: NDArray[np.bool_]) -> bool:
     largest = np.max(counts, axis=0)
     moved = largest[largest > 0.5]
     return bool(len(moved)) and float(np.median(moved)) <= 3.0
+
+
+def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
+    """Angles that count from 0 to 360 deg brought into the declared range, and what was read beside them to them:
+    what grows with an angle (the scale of an encoder) must not jump by a turn."""
+    q, turn, said = recording.q.copy(), 2.0 * math.pi, list[str]()
+    for index, joint in enumerate(arm.joints):
+        low, high = joint.range
+        if not joint.revolute or high - low > turn + 1e-9:
+            continue
+        values, slack = q[:, index], 1e-6
+        turns = np.where(values > high + slack, 1.0, np.where(values < low - slack, -1.0, 0.0))
+        moved = values - turn * turns
+        inside = (moved >= low - slack) & (moved <= high + slack)
+        if turns.any() and inside.all() and np.ptp(moved) < np.ptp(values):
+            q[:, index] = moved
+            name = headers.get(f"q{index + 1}", f"q{index + 1}")
+            rows = rows_text(recording.row[turns != 0.0])
+            said.append(f"{name} is taken a whole turn back into the declared range in {rows}.")
+    changed: dict[str, Array] = {"q": q}
+    revolute = np.array([joint.revolute for joint in arm.joints])
+    for name, values in (("commanded", recording.commanded), ("joint_side", recording.joint_side)):
+        if values is not None:
+            turns = np.where(revolute, np.round((values - q) / turn), 0.0)
+            if turns.any():
+                changed[name] = values - turn * turns
+                bases = [f"{name[0]}{k + 1}" for k in np.flatnonzero(turns.any(axis=0))]
+                columns = ", ".join(headers.get(base, base) for base in bases)
+                said.append(f"{columns}: whole turns beside the encoder are taken off.")
+    if not said:
+        return recording
+    return replace(recording, **changed, warnings=(*recording.warnings, *said))  # pyright: ignore[reportArgumentType]
 
 
 def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:

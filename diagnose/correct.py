@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 from arm.chain import Arm, EffectEntry
 
-from .refit import Term
+from .refit import Refit
 
 _WHOLE = 0.25
 """Physics that was left out comes back where its fitted share of the whole is within this of 1."""
 
 
-def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]]:
+def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
     """The arm with each finding as an entry of its `effects`, and sentences on what the file cannot carry.
 
     Physics that the file left out and that came out whole is no longer left out.
@@ -22,7 +21,7 @@ def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]
     entries = list(arm.effects)
     left_out = set(arm.leave_out)
     notes: list[str] = []
-    for term in terms:
+    for term, parameters in zip(fitted.terms, fitted.parameters, strict=True):
         candidate = term.candidate
         if candidate.outside:
             continue
@@ -37,9 +36,19 @@ def corrected_arm(arm: Arm, terms: Sequence[Term]) -> tuple[Arm, tuple[str, ...]
                 )
             continue
         if candidate.effect == "joint_compliance" and len(term.sizes) != len(candidate.sizes):
+            drive = candidate.at[0] + 1
+            told = next((each for each in parameters if each.parameter == "compliance"), None)
+            if told is None:
+                notes.append(
+                    f"The corrected arm lacks the compliance of drive {drive}: with links of unknown mass only its "
+                    "product with their weight is known."
+                )
+                continue
+            values = MappingProxyType({"compliance": told.value})
+            entries.append(EffectEntry("joint_compliance", (drive,), values))
             notes.append(
-                f"The corrected arm lacks the compliance of drive {candidate.at[0] + 1}: with links of unknown mass "
-                "only its product with their weight is known."
+                f"The corrected arm has the compliance of drive {drive} as the known loads show it; how far the drive "
+                "sags under the links' own weight it cannot say while their masses are unknown."
             )
             continue
         values = {name: float(size) for name, size in zip(candidate.sizes, term.sizes.tolist(), strict=True)}

@@ -8,11 +8,11 @@ been found just because the loads' patterns were wrong.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.chain import EffectEntry
 from arm.effects import EFFECTS
@@ -22,11 +22,8 @@ from .fit import fit
 from .flexibility import LOADS, entry, flexible, through_flexibility
 from .forms import forces
 from .naming import Namer
-from .observed import Observed
 from .prepare import Patterns, Prepared, set_up
 from .search import Subset
-
-Array = NDArray[np.float64]
 
 _ROUNDS = 4
 _SAME = 0.01
@@ -38,21 +35,21 @@ _SHORT = 2000
 
 
 def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozenset[str] = frozenset()) -> Prepared:
-    """The same recording, loads acting through these entries of flexibility beyond the arm file's.
+    """The same recording, loads acting through these entries of flexibility beyond the arm file's; what came in where
+    that changes none of their patterns.
 
     `without` takes effects out by id.
     """
     observed = prepared.observed.softened(entries)
-    held = zip(prepared.pool.groups, prepared.columns, strict=True)
+    held = list(zip(prepared.pool.groups, prepared.columns, strict=True))
+    loads = [*candidates(observed, without | (frozenset(EFFECTS) - LOADS)), *forces(observed)]
+    before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
+    if not _differ(before, loads):
+        return prepared
     kept = [(group.candidate, columns) for group, columns in held if not through_flexibility(group.candidate)]
-    again = set_up(observed, [*kept, *_loads(observed, without)], prepared.rejected)
+    again = set_up(observed, [*kept, *loads], prepared.rejected)
     invisible = [candidate for candidate in prepared.pool.invisible if not through_flexibility(candidate)]
     return replace(again, pool=replace(again.pool, invisible=(*invisible, *again.pool.invisible)))
-
-
-def _loads(observed: Observed, without: frozenset[str]) -> Patterns:
-    others = frozenset(EFFECTS) - LOADS
-    return [*candidates(observed, without | others), *forces(observed)]
 
 
 def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]) -> Namer:
@@ -60,16 +57,15 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
 
     The same namer where nothing found is coupled. `tell` hears the share of the work done.
     """
-    best = namer.best(namer.library, 3)
+    best = namer.best_of_library()
     chosen = min(best.values(), key=lambda subset: subset.criterion)
     if len(chosen.members) < 2:
         return namer
     found, value = namer, chosen.criterion
-    starts = list(_starts(namer, best))
-    if len(namer.prepared.observed.recording.q) > _SHORT:
-        starts = starts[:1]
+    long = namer.prepared.observed.rows > _SHORT
+    starts = list(itertools.islice(_starts(namer, best), 1 if long else None))
     for number, start in enumerate(starts):
-        trial, criterion = _consistent(namer, start, without)
+        trial, criterion = _consistent(namer, start, without, 1 if long else _ROUNDS)
         if criterion < value:
             found, value = trial, criterion
         tell((number + 1.0) / len(starts))
@@ -78,15 +74,20 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
 
 def _starts(namer: Namer, best: dict[int, Subset]) -> Iterator[tuple[EffectEntry, ...]]:
     """Flexibility to begin with: that of the best subset of each size, of any physics and of flexibility and loads."""
-    among = np.array([flexible(g.candidate) or through_flexibility(g.candidate) for g in namer.pool.groups], dtype=bool)
     seen: set[tuple[tuple[str, tuple[int, ...]], ...]] = set()
     order = sorted(best.values(), key=lambda subset: subset.criterion)
-    for subset in [*order, *namer.best(among & namer.library, 3).values()]:
+    for subset in itertools.chain(order, _best_among(namer)):
         entries = _entries(namer, subset.members)
         key = tuple(sorted((each.effect, each.at) for each in entries))
         if entries and key not in seen:
             seen.add(key)
             yield entries
+
+
+def _best_among(namer: Namer) -> Iterator[Subset]:
+    """The best subsets of flexibility and loads alone."""
+    among = np.array([flexible(g.candidate) or through_flexibility(g.candidate) for g in namer.pool.groups], dtype=bool)
+    yield from namer.best(among & namer.library, 3).values()
 
 
 def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
@@ -104,15 +105,17 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
     return tuple(found)
 
 
-def _consistent(namer: Namer, entries: tuple[EffectEntry, ...], without: frozenset[str]) -> tuple[Namer, float]:
+def _consistent(
+    namer: Namer, entries: tuple[EffectEntry, ...], without: frozenset[str], rounds: int
+) -> tuple[Namer, float]:
     """Search and soften in turn until the flexibility found is that assumed; the namer and its best criterion."""
     trial, value = namer, np.inf
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         prepared = softened(namer.prepared, entries, without)
-        if not _differ(prepared, trial.prepared):
+        if prepared is namer.prepared:
             break
         trial = namer.with_prepared(prepared)
-        best = min(trial.best(trial.library, 3).values(), key=lambda subset: subset.criterion)
+        best = min(trial.best_of_library().values(), key=lambda subset: subset.criterion)
         value = best.criterion
         again = _entries(trial, best.members)
         if not again or _close(entries, again):
@@ -121,19 +124,14 @@ def _consistent(namer: Namer, entries: tuple[EffectEntry, ...], without: frozens
     return trial, value
 
 
-def _differ(one: Prepared, other: Prepared) -> bool:
-    """Whether the loads' patterns are any different."""
-
-    def loads(prepared: Prepared) -> list[Array]:
-        held = zip(prepared.pool.groups, prepared.columns, strict=True)
-        return [columns for group, columns in held if through_flexibility(group.candidate)]
-
-    first, second = loads(one), loads(other)
-    if len(first) != len(second):
-        return True
-    changes = (np.linalg.norm(a - b) > _MATTERS * np.linalg.norm(b) for a, b in zip(first, second, strict=True)
-               if a.shape == b.shape)  # fmt: skip
-    return any(changes)
+def _differ(before: Patterns, after: Patterns) -> bool:
+    """Whether patterns are others than before, by more than matters."""
+    own = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
+    for candidate, columns in after:
+        was = own.get((candidate.family, tuple(candidate.shapes.items())))
+        if was is None or was.shape != columns.shape or np.linalg.norm(columns - was) > _MATTERS * np.linalg.norm(was):
+            return True
+    return False
 
 
 def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry]) -> bool:

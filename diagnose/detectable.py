@@ -55,6 +55,8 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
         if length <= 0.0:
             continue
         value = norm / length
+        if value > _largest(candidate, name):
+            continue  # could not be that large: it cannot be seen at all
         tip = raw[:, : prepared.observed.components, place]
         rms = value * float(np.sqrt(np.mean(np.sum(tip * tip, axis=1))))
         at = tuple(index + 1 for index in candidate.at)
@@ -63,6 +65,14 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
         if worst is None or found.rms > worst.rms:
             worst = found
     return worst
+
+
+def _largest(candidate: Candidate, name: str) -> float:
+    """The largest size that is physically possible."""
+    if candidate.share:
+        return math.inf
+    parameter = parameter_of(EFFECTS[candidate.effect], name)
+    return max(abs(parameter.lower), abs(parameter.upper))
 
 
 def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:

@@ -17,21 +17,21 @@ from .candidates import columns_of
 from .correct import corrected_arm
 from .coupling import coupled
 from .detectable import detectable
-from .fit import Fit, displacement, fit, remaining
-from .held_out import Folds, rms_held_out, splits
+from .fit import Fit, beyond_nuisances, displacement, fit, remaining
+from .held_out import Folds, HeldOut, hardest, splits
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .naming import FALSE_ALARM, Named, Namer, Rival, name_missing, preferred, rivals
 from .next_poses import next_poses
 from .noise import NoiseFloor, noise_floor
-from .observed import Observed, kept, observe, rms_length, visits
+from .observed import Observed, kept, looks_quieter, observe, rms_length, visits
 from .options import Options, Progress
 from .prepare import FAR_ABOVE, Prepared, prepare, set_up
 from .recording import Recording
-from .refit import Refit, refit
+from .refit import Refit, refit, tether
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from .sentences import name_of, null_vectors, reading_of, verdict_sentence
-from .unknown import describe, rejected_forms
+from .unknown import describe, predictable, rejected_forms
 from .whole_search import LEVEL, whole_search_p
 
 Array = NDArray[np.float64]
@@ -41,6 +41,12 @@ _ENOUGH_REPEATS = 20
 _FARTHER = 2.0
 """Where nothing was found, so many times the noise floor must be left before that is called unknown: heavy tails and a
 memory of the noise together make repeats look up to twice too quiet."""
+_ENOUGH_RETURNS = 8
+"""Poses that were visited again (less one for each) from which that tells what lasts from what does not."""
+_LASTING = 0.3
+"""The share of a remainder that must be there again, or predict itself elsewhere, for it to be the model's fault."""
+_LOCAL = 0.25
+"""The median remainder over its RMS below which it sits at a few visits."""
 _LONG = 3000
 """Readings that are searched at most; the findings are then fitted to all of them."""
 _LEAST_VISITS = 8
@@ -130,8 +136,10 @@ class _Report:
         self.observed: Observed = prepared.observed
         self.folds: dict[str, Folds] = splits(self.observed, options.seed)
         self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
+        self.scattered = False
         self.left_over = self._left_over()
         self.refit: Refit = refit(prepared, self.members, self.outside, self.fitted)
+        self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
 
     def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
         """What the findings are fitted to: all readings where only some were searched (and no form won, whose places
@@ -149,12 +157,25 @@ class _Report:
         return prepared, {m: k for k, m in enumerate(self.found)}
 
     def _left_over(self) -> bool:
-        """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it."""
+        """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it, and
+        it is there again when a pose is visited again or predicts itself elsewhere."""
         if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
             return False
-        left = rms_length(remaining(self.prepared, self.fitted)[:, : self.observed.components])
-        limit = (FAR_ABOVE if self.members else _FARTHER) * self.noise.rms_m
-        return self.noise.degrees_of_freedom >= _ENOUGH_REPEATS and left > limit
+        remainder = remaining(self.prepared, self.fitted)[:, : self.observed.components]
+        left = rms_length(remainder)
+        floor = self.noise.rms_m * looks_quieter(self.observed)
+        limit = (FAR_ABOVE if self.members else _FARTHER) * floor
+        if self.noise.degrees_of_freedom < _ENOUGH_REPEATS or left <= limit:
+            return False
+        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= _ENOUGH_RETURNS:
+            lasting = self.noise.drift_m**2 < (1.0 - _LASTING) * (left**2 - floor**2)
+        else:
+            folds = hardest(splits(self.search.observed, self.options.seed))
+            # Scatter is everywhere; what sits at a few visits alone is something that happened there.
+            local = float(np.median(np.linalg.norm(remainder, axis=1))) < _LOCAL * left
+            lasting = local or predictable(self.namer, self.found, folds) > _LASTING
+        self.scattered = not lasting
+        return lasting
 
     def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""
@@ -179,10 +200,10 @@ class _Report:
         self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
         unknown = None
         if self.outside or self.left_over:
-            folds = splits(self.search.observed, self.options.seed)["pose blocks"]
+            folds = hardest(splits(self.search.observed, self.options.seed))
             unknown = describe(self.namer, self.found, self.forms, found, folds)
         findings = self._findings()
-        corrected, notes = corrected_arm(arm, self.refit.terms)
+        corrected, notes = corrected_arm(arm, self.refit)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
             self.namer,
@@ -190,8 +211,7 @@ class _Report:
             list(zip(self.found, self.alternatives, strict=True)),
             self.options.seed,
         )
-        columns = self._columns([*self.members, *self.outside])
-        held = {name: rms_held_out(self.observed, columns, folds) for name, folds in self.folds.items()}
+        held = {name: part.rms() for name, part in self.held_out.items()}
         rms_before, rms_after = rms_length(before), rms_length(after)
         p_value = self._gate_p()
         moved = displacement(self.prepared, self.fitted)[:, :width]
@@ -204,7 +224,7 @@ class _Report:
             noise_source=self.noise.sentence,
             rms_before=rms_before,
             rms_after=rms_after,
-            rms_after_held_out=held["pose blocks"],
+            rms_after_held_out=hardest(self.held_out).rms(),
             gate_p=p_value,
             findings=findings,
             where=Location(
@@ -259,10 +279,18 @@ class _Report:
             return remaining(self.prepared, self.fitted)[:, :width]
         return self.refit.residual[:, :width]
 
-    def _columns(self, members: Sequence[int]) -> list[Array]:
-        """The columns of nuisances and members, at the refitted shapes."""
-        refined = dict(zip(self.members, (term.columns for term in self.refit.terms), strict=True))
-        return [self.prepared.beside, *(refined.get(m, self.prepared.columns[m]) for m in members)]
+    def _held_out(self, folds: Folds) -> HeldOut:
+        """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one."""
+        terms = self.refit.terms
+        forms = [self.prepared.columns[m] for m in self.outside]
+        parts = [self.prepared.beside, *(term.columns for term in terms), *forms]
+        tethers = [None, *(tether(term, self.fitted.unit) for term in terms), *(None for _ in forms)]
+        return HeldOut(self.observed, parts, folds, tethers)
+
+    def _rms_held_out(self, members: Sequence[int]) -> float:
+        """What some of the members and forms leave of parts of the workspace that their fit has not seen."""
+        whole = [*self.members, *self.outside]
+        return hardest(self.held_out).rms([0, *(1 + whole.index(m) for m in members)])
 
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components
@@ -282,14 +310,27 @@ class _Report:
                     at=at,
                     alternatives=others,
                     parameters=parameters,
-                    rms_explained=rms_length(self.refit.terms[place].moved[:, :width]),
+                    rms_explained=self._moved([place]),
                     p_value=p_values[place] if place < len(p_values) else FALSE_ALARM,
                     rms_without=rms_length(without),
-                    rms_without_held_out=rms_held_out(self.observed, self._columns(rest), self.folds["pose blocks"]),
+                    rms_without_held_out=self._rms_held_out(rest),
                     reading=reading_of(candidate.effect, at, parameters, others),
                 )
             )
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
+
+    def _moved(self, places: Sequence[int]) -> float:
+        """The RMS length (m) of what some findings move together, beyond what the nuisances take up."""
+        total = sum((self.refit.terms[place].moved for place in places), np.zeros(self.observed.residual.shape))
+        return rms_length(beyond_nuisances(self.prepared, total)[:, : self.observed.components])
+
+    def _causes(self) -> list[tuple[str, float]]:
+        """The kinds of physics found, with what each moves (m), the largest first."""
+        places: dict[str, list[int]] = {}
+        for place, member in enumerate(self.members):
+            cause = EFFECTS[self.prepared.pool.groups[member].candidate.effect].cause
+            places.setdefault(cause, []).append(place)
+        return sorted(((cause, self._moved(at)) for cause, at in places.items()), key=lambda each: -each[1])
 
     def _alternative(self, rival: Rival) -> Alternative:
         candidate = self.search.pool.groups[rival.member].candidate
@@ -308,7 +349,7 @@ class _Report:
         if not self._anything:
             return None
         if self.members:
-            size = [rms_length(term.moved[:, : self.observed.components]) for term in self.refit.terms]
+            size = [self._moved([place]) for place in range(len(self.members))]
             candidate = self.prepared.pool.groups[self.members[int(np.argmax(size))]].candidate
             if len(candidate.at) == 1:
                 return candidate.at[0] + 1
@@ -321,10 +362,9 @@ class _Report:
 
     def _ladder(self) -> tuple[Rung, ...]:
         """The model as given, each finding added (the strongest first), and each left out of the whole in turn."""
-        size = {
-            m: rms_length(displacement(self.prepared, self.fitted, (m,))[:, : self.observed.components])
-            for m in (*self.members, *self.outside)
-        }
+        size = {m: self._moved([place]) for place, m in enumerate(self.members)}
+        for m in self.outside:
+            size[m] = rms_length(displacement(self.prepared, self.fitted, (m,))[:, : self.observed.components])
         order = sorted(size, key=lambda m: -size[m])
         rungs = [self._rung("model as given", [])]
         rungs += [self._rung(f"+ {self._label(m)}", order[: k + 1]) for k, m in enumerate(order)]
@@ -335,7 +375,7 @@ class _Report:
     def _rung(self, label: str, members: Sequence[int]) -> Rung:
         left = remaining(self.prepared, fit(self.prepared, members))[:, : self.observed.components]
         length = np.sqrt(np.sum(left**2, axis=1))
-        held = rms_held_out(self.observed, self._columns(members), self.folds["pose blocks"])
+        held = self._rms_held_out(members)
         return Rung(label, rms_length(left), float(length.mean()), float(length.max()), held)
 
     def _label(self, member: int) -> str:
@@ -371,13 +411,21 @@ class _Report:
     ) -> str:
         if self.named is None:
             return "Too few readings: nothing can be told from this recording."
-        return verdict_sentence(findings, unknown, rms_before, rms_after, self.noise.rms_m, p_value)
+        floor = self.noise.rms_m
+        return verdict_sentence(findings, unknown, rms_before, rms_after, floor, p_value, self._causes())
 
     def _notes(self) -> tuple[str, ...]:
         found: list[str] = []
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
+        if self.scattered:
+            found.append(
+                "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
+                "visited again, or nothing recorded predicts it from pose to pose: the arm does not return more "
+                "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
+                "three times or more, with others between."
+            )
         if self.named is not None and self.named.left is not None and not self.outside:
             p = min(test.p_value for test in self.named.left)
             if p <= FALSE_ALARM:

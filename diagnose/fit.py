@@ -79,12 +79,15 @@ def displacement(prepared: Prepared, fitted: Fit, members: Sequence[int] | None 
 
 def remaining(prepared: Prepared, fitted: Fit) -> Array:
     """The residual (N, C), m and rad, after a fit, nuisances fitted too."""
-    left = prepared.observed.residual - displacement(prepared, fitted)
+    return beyond_nuisances(prepared, prepared.observed.residual - displacement(prepared, fitted))
+
+
+def beyond_nuisances(prepared: Prepared, columns: Array) -> Array:
+    """What the nuisances leave of displacements (N, C), m and rad."""
     if prepared.beside.shape[2] == 0:
-        return left
+        return columns
     design = prepared.observed.whitened(prepared.beside)
-    values = solved(design, prepared.observed.whitened(left))
-    return left - prepared.beside @ values
+    return columns - prepared.beside @ solved(design, prepared.observed.whitened(columns))
 
 
 def impossible(prepared: Prepared, fitted: Fit) -> str | None:
@@ -151,6 +154,13 @@ def solved(design: Array, target: Array) -> Array:
     first = inverse @ (scaled.T @ target)
     first += inverse @ (scaled.T @ (target - scaled @ first))  # refined once
     return first / np.where(size > 0.0, size, 1.0)
+
+
+def normal_solution(gram: Array, against: Array) -> Array:
+    """The solution of normal equations, whose directions below 1e-12 of the largest stay at zero."""
+    values, vectors = np.linalg.eigh(gram)
+    good = values > 1e-12 * values[-1]
+    return (vectors[:, good] / values[good]) @ (vectors[:, good].T @ against)
 
 
 def t_quantile(freedom: int) -> float:

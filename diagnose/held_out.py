@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .fit import solved
+from .fit import normal_solution
 from .observed import Observed, poses, rms_length
 
 Array = NDArray[np.float64]
 Folds = NDArray[np.int64]
+Split = TypeVar("Split")
 
 _FOLDS = 5
 
@@ -23,7 +25,9 @@ def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     and `payloads` where there are any.
     """
     count = observed.rows
-    found: dict[str, Folds] = {"pose blocks": _pose_blocks(observed)}
+    found: dict[str, Folds] = {}
+    if len(np.unique(poses(observed))) >= _FOLDS:
+        found["pose blocks"] = _pose_blocks(observed)
     found["random rows"] = np.random.default_rng(seed).permutation(np.arange(count) % _FOLDS)
     if observed.recording.time is not None:
         order = np.argsort(np.argsort(observed.recording.time, kind="stable"))
@@ -36,6 +40,11 @@ def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     return found
 
 
+def hardest(made: Mapping[str, Split]) -> Split:
+    """The split that asks most: parts of the workspace, stretches of time where there are too few poses, else rows."""
+    return next(made[name] for name in ("pose blocks", "time blocks", "random rows") if name in made)
+
+
 def _pose_blocks(observed: Observed) -> Folds:
     """Poses gathered into folds by where the tip stands, so that a fold is a part of the workspace."""
     pose = poses(observed)
@@ -43,8 +52,6 @@ def _pose_blocks(observed: Observed) -> Folds:
     tip = np.stack(
         [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
     )[first]
-    if len(first) < _FOLDS:
-        return pose % max(len(first), 2)
     cells = max(_FOLDS, min(4 * _FOLDS, len(first) // 2))
     centers = [int(np.argmin(np.sum((tip - tip.mean(axis=0)) ** 2, axis=1)))]
     distance = np.sum((tip - tip[centers[0]]) ** 2, axis=1)
@@ -55,25 +62,72 @@ def _pose_blocks(observed: Observed) -> Folds:
     return (nearest % _FOLDS)[pose].astype(np.int64)
 
 
+class HeldOut:
+    """Fits to all folds but one, in turn, of any choice among some parts of a model.
+
+    `columns` are the parts' displacements (N, C, d), `tethers` (d,) for each part what holds its sizes at nought: the
+    reciprocal of their usual size over the scatter (None: nothing does). What the parts multiply to is worked out once
+    a fold.
+    """
+
+    def __init__(
+        self,
+        observed: Observed,
+        columns: Sequence[Array],
+        folds: Folds,
+        tethers: Sequence[Array | None] | None = None,
+    ) -> None:
+        self._observed, self._folds = observed, folds
+        parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
+        self._edges = np.cumsum([0, *(part.shape[2] for part in parts)])
+        self._design = np.concatenate(parts, axis=2)
+        given = list(tethers) if tethers is not None else [None] * len(parts)
+        held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(parts, given, strict=True)]
+        self._held = np.concatenate(held) ** 2
+        scaled, target = self._design / observed.scale[:, None], observed.residual / observed.scale
+        size = np.sqrt(np.sum(scaled**2, axis=(0, 1)) + self._held)
+        self._size = np.where(size > 0.0, size, 1.0)
+        self._scaled = scaled / self._size
+        self._products = [self._product(folds == fold, target) for fold in self._each]
+
+    def _product(self, rows: NDArray[np.bool_], target: Array) -> tuple[Array, Array]:
+        part = self._scaled[rows]
+        flat = part.reshape(part.shape[0] * part.shape[1], part.shape[2])
+        return flat.T @ flat, flat.T @ target[rows].reshape(-1)
+
+    @property
+    def _each(self) -> Sequence[int]:
+        return np.unique(self._folds).tolist()
+
+    def residual(self, which: Sequence[int] | None = None) -> Array:
+        """The tip's residual (N, D), m, of each reading under a fit of some parts (all by default) that has not seen
+        its fold."""
+        width = self._observed.components
+        left = self._observed.residual[:, :width].copy()
+        spans = [np.arange(*self._edges[k : k + 2]) for k in (range(len(self._edges) - 1) if which is None else which)]
+        taken = np.concatenate([np.zeros(0, dtype=np.int64), *spans])
+        if len(taken) == 0 or len(self._products) == 1:
+            return left
+        at = np.ix_(taken, taken)
+        whole = sum(gram[at] for gram, _ in self._products) + np.diag(self._held[taken] / self._size[taken] ** 2)
+        against = sum(wanted[taken] for _, wanted in self._products)
+        for fold, (gram, wanted) in zip(self._each, self._products, strict=True):
+            values = normal_solution(whole - gram[at], against - wanted[taken])
+            out = self._folds == fold
+            left[out] -= (self._design[out][:, :width][:, :, taken] @ (values / self._size[taken]))
+        return left
+
+    def rms(self, which: Sequence[int] | None = None) -> float:
+        """The RMS length (m) of `residual`."""
+        return rms_length(self.residual(which))
+
+
 def residual_held_out(observed: Observed, columns: Sequence[Array], folds: Folds) -> Array:
     """The tip's residual (N, D), m, of each reading under a fit that has not seen its fold.
 
     `columns` are the displacements (N, C, d) of whatever the model fits, nuisances included.
     """
-    width = observed.components
-    residual = observed.residual
-    left = residual[:, :width].copy()
-    design = np.concatenate(list(columns), axis=2) if columns else np.zeros((*residual.shape, 0))
-    if design.size == 0:
-        return left
-    scaled, target = design / observed.scale[:, None], residual / observed.scale
-    for fold in np.unique(folds).tolist():
-        out = folds == fold
-        if out.all():
-            continue
-        values = solved(scaled[~out].reshape(-1, scaled.shape[-1]), target[~out].reshape(-1))
-        left[out] -= design[out][:, :width] @ values
-    return left
+    return HeldOut(observed, columns, folds).residual()
 
 
 def rms_held_out(observed: Observed, columns: Sequence[Array], folds: Folds) -> float:

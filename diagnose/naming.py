@@ -74,11 +74,12 @@ class Namer:
         self.visits = prepared.visits
         self.library: Mask = prepared.library()
         self.criterion = prepared.criterion
+        self._best_of_library: dict[int, Subset] | None = None
 
     def with_prepared(self, prepared: Prepared) -> Namer:
         """A namer that searches the same recording prepared otherwise, with the same draws to come."""
         other = copy(self)
-        other.prepared = prepared
+        other.prepared, other._best_of_library = prepared, None
         other.visits, other.library, other.criterion = prepared.visits, prepared.library(), prepared.criterion
         return other
 
@@ -138,6 +139,12 @@ class Namer:
                     break
         return taken
 
+    def best_of_library(self) -> dict[int, Subset]:
+        """The library's best possible subset of each size up to three."""
+        if self._best_of_library is None:
+            self._best_of_library = self.best(self.library, 3)
+        return self._best_of_library
+
     def criterion_of(self, members: Sequence[int]) -> float:
         """The criterion of a subset."""
         fitted = fit(self.prepared, members)
@@ -163,7 +170,7 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
 
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """The library's best answer of up to three, every part of which passes its own test."""
-    subsets = namer.best(namer.library, 3)
+    subsets = namer.best_of_library()
     members = [namer.refined(subset.members) for subset in subsets.values()]
     smallest = 99
     for chosen in sorted(members, key=namer.criterion_of):

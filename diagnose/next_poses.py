@@ -37,7 +37,8 @@ _HOPELESS = 0.02
 @dataclass(frozen=True)
 class _Pair:
     """A name against another: the named effect's displacement at recorded and tried readings, and the columns that the
-    other name (with nuisances and all other findings) has there; all whitened."""
+    other name (with nuisances and all other findings) has there; all whitened, the recorded ones as a triangular
+    factor of theirs."""
 
     label: str
     signal: Array
@@ -134,7 +135,9 @@ def _tried(observed: Observed, seed: int) -> Observed:
         commanded=None if recording.commanded is None else q.copy(),
         base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (_TRIED, 1)),
     )
-    return observe(arm, made, scale=observed.scale)
+    # A free tool stands where it was found.
+    arm = replace(arm, tool=observed.arm.tool)
+    return observe(arm, made, scale=observed.scale).softened(observed.softening)
 
 
 def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, other: int) -> _Pair | None:
@@ -149,12 +152,15 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     beside = _nuisance(prepared.beside_names, tried)
     recorded = np.concatenate([prepared.beside, *(prepared.columns[m] for m in (*known, other))], axis=2)
     white = prepared.observed.whitened
+    # Least squares sees the recorded rows through their triangular factor alone.
+    both = np.column_stack([white(recorded), white(prepared.columns[member] @ sizes)])
+    factor: Array = np.linalg.qr(both).R
     names = tuple(_label(namer, number) for number in (member, other))
     return _Pair(
         f"{names[0]} from {names[1]}",
-        white(prepared.columns[member] @ sizes),
+        factor[:, -1],
         tried.whitened(own @ sizes),
-        white(recorded),
+        factor[:, :-1],
         tried.whitened(np.concatenate([beside, *there], axis=2)),
     )
 

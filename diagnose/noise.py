@@ -22,10 +22,11 @@ from .placement import placed
 from .recording import Recording, RejectedRow
 from .robust import qn, resolution
 from .row_lists import rows_text
+from .stays import differences_of_revisits, without_drift
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-Source = Literal["repeats", "declared", "residual", "none"]
+Source = Literal["repeats", "declared", "revisits", "none"]
 
 _SAME_ANGLE, _SAME_LENGTH = 2e-4, 2e-5
 """rad, m: what servos come back to; encoders that count coarser than that are given one count and a half."""
@@ -44,7 +45,8 @@ class NoiseFloor:
     """What one reading of the tip is off by where nothing is wrong.
 
     `sigma` (m) is the standard deviation of each component, None where nobody knows (`source` none);
-    `degrees_of_freedom` that it rests on for each component (0: declared); `rms_m` is the RMS length of the error
+    `degrees_of_freedom` that it rests on for each component (0: declared); with `source` revisits it is from poses that
+    were come back to, and what changed between two visits is in it. `rms_m` is the RMS length of the error
     vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off (where
     it is known), None where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from
     repeats of their own pose, `doubtful` rows that disagree in pairs, of which nobody can say which is wrong.
@@ -77,7 +79,8 @@ class _Cleaned:
 
 
 def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
-    """The noise floor: from repeats where the recording has enough of them, else the declared sigma, else none.
+    """The noise floor: from repeats where the recording has enough of them, else the declared sigma, else from poses
+    that were come back to, else none.
 
     Outliers are sought with an F bound on the distance from the group's other readings, the scale being Qn
     first (Rousseeuw & Croux 1993, see `robust.qn`) and the pooled scatter of what is left after that.
@@ -86,7 +89,8 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
     place = placed(arm, recording.q, recording.tip, frame=free, tool=recording.tool == "free")
     # Components are those of the measuring instrument: the residual is turned back into its frame.
     residual = place.residual @ place.rotation
-    groups = repeat_groups(recording, arm)
+    visited = repeat_groups(recording, arm)
+    groups = without_drift(residual, visited)
     cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording)
     width = recording.tip.shape[1]
     dof = cleaned.degrees_of_freedom
@@ -110,9 +114,19 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
         sigma, source, rested = (declared,) * width, "declared", 0
     else:
         sigma, source, rested = None, "none", 0
+        again = differences_of_revisits(residual, _revisits(groups, recording, arm))
+        # Neighbouring differences share a reading: two thirds of them are worth one each.
+        if (rested := 2 * len(again) // 3) >= _ENOUGH:
+            spread = (qn(np.concatenate([again[:, k], -again[:, k]])) for k in range(width))
+            sigma, source = tuple(max(each, _LEAST, float(least[k])) for k, each in enumerate(spread)), "revisits"
     drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm)
     floor = None if sigma is None else float(np.sqrt(sum(each * each for each in sigma)))
     sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
+    if source == "repeats" and len(groups) > len(visited):
+        sentence = (
+            f"The noise floor is {_length(floor or 0.0)} RMS ({rested} degrees of freedom a component), from "
+            "neighbouring readings alone: the arm or the frame moved while it stayed at a pose."
+        )
     if coarse and source == "repeats":
         sentence += f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(max(step))})."
     if drift is not None:
@@ -275,18 +289,9 @@ def _drift(
     """By how much (RMS length, m) visits of the same pose and condition differ beyond what noise explains."""
     bad = {each.row for each in cleaned.outliers} | set(cleaned.doubtful)
     good = [np.array([k for k in group if recording.row[k] not in bad], dtype=np.int64) for group in groups]
-    visits = [group for group in good if len(group)]
-    same = 4.0 * pose_tolerance(recording, arm)
-    keys: dict[tuple[int, ...], list[Rows]] = {}
-    for visit in visits:
-        key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
-        for held in (recording.payload_mass, recording.sides, recording.force):
-            if held is not None:
-                key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
-        keys.setdefault(tuple(key), []).append(visit)
     squares, expected, dof = 0.0, 0.0, 0
     noise = 0.0 if sigma is None else sum(each * each for each in sigma)
-    for again in keys.values():
+    for again in _of_one_pose([group for group in good if len(group)], recording, arm):
         if len(again) < 2:
             continue
         means = np.array([residual[visit].mean(axis=0) for visit in again])
@@ -301,6 +306,28 @@ def _drift(
     return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
 
 
+def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm) -> list[list[Rows]]:
+    """Visits together that were of one pose and condition."""
+    same = 4.0 * pose_tolerance(recording, arm)
+    keys: dict[tuple[int, ...], list[Rows]] = {}
+    for visit in visits:
+        key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
+        for held in (recording.payload_mass, recording.sides, recording.force):
+            if held is not None:
+                key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
+        keys.setdefault(tuple(key), []).append(visit)
+    return list(keys.values())
+
+
+def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm) -> list[Rows]:
+    """The readings of each pose and condition in the order of time."""
+    found: list[Rows] = []
+    for again in _of_one_pose(groups, recording, arm):
+        rows = np.concatenate(again)
+        found.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
+    return found
+
+
 def _sentence(floor: float | None, source: Source, dof: int, groups: int, declared: float | None) -> str:
     if floor is None:
         return "There are no repeats and no declared sigma: nothing but the fit itself tells the noise."
@@ -308,6 +335,11 @@ def _sentence(floor: float | None, source: Source, dof: int, groups: int, declar
         return (
             f"The noise floor is {_length(floor)} RMS, from {groups} poses read more than once "
             f"({dof} degrees of freedom a component)."
+        )
+    if source == "revisits":
+        return (
+            f"There are no repeats in a row: the noise floor of {_length(floor)} RMS is from poses that were come back "
+            f"to ({dof} degrees of freedom a component), and holds what changed between two visits."
         )
     few = "too few repeats" if dof or groups else "no repeats"
     given = "" if declared is None else f" of {_length(declared)} a component"

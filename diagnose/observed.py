@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm, EffectEntry
+from arm.chain import Arm, EffectEntry, FloatVector
 from arm.effects import EFFECTS, Settings
 from arm.error import active_effects
 from arm.model import beams_of
@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 
 SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
 """Coordinates (rad, m) closer than this are the same pose: what servos come back to, and finer than any grid."""
+_SHORT_STAY = 6
+"""Readings of a visit, where a stay at one pose is twice as long or longer."""
+_TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
+"""m; a free tool is put into the arm and sought again until it moves by less than this."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +80,7 @@ class Observed:
     def whitened(self, columns: Array) -> Array:
         """Columns (N, C) or (N, C, d) as (N * C) or (N * C, d) of unit scatter, without the correlation of neighbouring
         rows (the transformation of S. J. Prais & C. B. Winsten, 1954)."""
-        scaled = columns / (self.scale if columns.ndim == 2 else self.scale[:, None])
-        rho = self.correlation
-        if rho != 0.0:
-            first = scaled[:1].copy()
-            scaled = np.concatenate([first, (scaled[1:] - rho * scaled[:-1]) / np.sqrt(1.0 - rho * rho)])
+        scaled = without_memory(columns / (self.scale if columns.ndim == 2 else self.scale[:, None]), self.correlation)
         return scaled.reshape(scaled.shape[0] * scaled.shape[1], *columns.shape[2:])
 
     @property
@@ -95,12 +95,20 @@ class Observed:
 
     @property
     def arm_given(self) -> Arm:
-        """The arm as the file says, unknown masses included."""
+        """The arm as the file says: masses unknown again, and the tool without what was found."""
         links = tuple(
             replace(link, mass=None) if index in self.unknown_masses else link
             for index, link in enumerate(self.arm.links)
         )
-        return self.arm.with_links(links)
+        return replace(self.arm, tool=_moved(self.arm.tool, -self.alignment.tool)).with_links(links)
+
+
+def without_memory(columns: Array, correlation: float) -> Array:
+    """Columns (N, ...) less what each reading shares with the one before (Prais & Winsten, see `Observed.whitened`)."""
+    if correlation == 0.0:
+        return columns
+    left = (columns[1:] - correlation * columns[:-1]) / np.sqrt(1.0 - correlation * correlation)
+    return np.concatenate([columns[:1], left])
 
 
 def kept(recording: Recording, keep: NDArray[np.bool_] | NDArray[np.int64]) -> Recording:
@@ -124,14 +132,6 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
     known = arm.with_links(
         tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))
     )
-    state = solve(
-        known,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(known),
-        conditions=conditions_of(recording, known),
-        payload_mass=recording.payload_mass,
-        tip_force=None if recording.force is None else _columns(recording.force),
-    )
     target = recording.base_target
     asked = Asked(
         recording.size,
@@ -139,10 +139,14 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
     )
-    modelled = seen_of_model(state, active_effects(known), asked)
-    width = recording.tip.shape[1]
-    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
-    alignment = aligned(recording, state, (nominal + modelled.tip)[:, :width])
+    state, modelled, alignment = _placed(known, recording, asked)
+    for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
+        # Loads and turns act at the target that was found, not where the file says that the tip is.
+        known = replace(known, tool=_moved(arm.tool, alignment.tool))
+        state, modelled, further = _placed(known, recording, asked)
+        alignment = replace(further, tool=alignment.tool + further.tool)
+        if np.abs(further.tool).max() < _TOOL_FOUND:
+            break
     parts = [alignment.residual]
     if recording.joint_side is not None and modelled.joint_side is not None:
         parts.append(recording.joint_side - recording.q - modelled.joint_side)
@@ -165,6 +169,26 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
     )
 
 
+def _placed(arm: Arm, recording: Recording, asked: Asked) -> tuple[PoseState, Channels, Alignment]:
+    """The arm at the readings, what its model moves in every channel, and measured set against modelled tips."""
+    state = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm),
+        payload_mass=recording.payload_mass,
+        tip_force=None if recording.force is None else _columns(recording.force),
+    )
+    modelled = seen_of_model(state, active_effects(arm), asked)
+    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
+    return state, modelled, aligned(recording, state, (nominal + modelled.tip)[:, : recording.tip.shape[1]])
+
+
+def _moved(tool: FloatVector, by: Array) -> FloatVector:
+    x, y, z = [*by.tolist(), 0.0][:3]
+    return (tool[0] + x, tool[1] + y, tool[2] + z)
+
+
 def visits(recording: Recording, arm: Arm) -> NDArray[np.int64]:
     """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
     same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
@@ -173,7 +197,32 @@ def visits(recording: Recording, arm: Arm) -> NDArray[np.int64]:
         if held is not None:
             changed = np.diff(held, axis=0) != 0.0
             new |= changed if changed.ndim == 1 else changed.any(axis=1)
+    block = np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+    return block if recording.time is None else _long_stays_cut(block)
+
+
+def _long_stays_cut(block: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Visits with long stays as several of a few readings each: meanwhile arms warm and frames drift."""
+    count = np.bincount(block)
+    within = np.arange(len(block)) - np.repeat(np.cumsum(count) - count, count)
+    part = np.where(count[block] >= 2 * _SHORT_STAY, within // _SHORT_STAY, 0)
+    new = (np.diff(block) != 0) | (np.diff(part) != 0)
     return np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+
+
+def looks_quieter(observed: Observed) -> float:
+    """How many times quieter readings of one visit look than they are, since each shares noise with the one before."""
+    rho = observed.correlation
+    if rho <= 0.0:
+        return 1.0
+    shared, pairs = 0.0, 0.0
+    for rows in blocks_of(observed.block):
+        lags = np.arange(1, len(rows))
+        # Each visit counts by its degrees of freedom; its readings differ by what they do not share on average.
+        each = 2.0 * float(np.sum((len(rows) - lags) * rho**lags)) / max(len(rows) * (len(rows) - 1), 1)
+        shared += (len(rows) - 1) * each
+        pairs += len(rows) - 1
+    return 1.0 / np.sqrt(1.0 - shared / pairs) if pairs > 0.0 else 1.0
 
 
 def poses(observed: Observed) -> NDArray[np.int64]:

@@ -17,7 +17,7 @@ from arm.effects import EFFECTS, Settings
 
 from .candidates import Candidate, candidates, parameter_of
 from .forms import forms
-from .observed import Observed, kept, observe, rms_length
+from .observed import Observed, kept, observe, rms_length, without_memory
 from .options import Options
 from .pool import Pool, make_pool
 from .recording import RejectedRow
@@ -31,9 +31,14 @@ _MARGIN = 1.25
 _MOST_OUTLIERS = 0.05
 """With more rows than this share far off, it is no handful of bad readings but part of the mismatch."""
 _LEAST_PAIRS = 20
+_PASSES, _MUCH = 3, 0.3
+"""How often the rough model is made anew where the noise's memory is more than so much."""
 _SOFTEST = 1e-3
 """rad/(N*m) times kg or kg*m: the compliance of a soft drive times a light link's mass, or a stiff one's times a heavy
 one's."""
+TETHER = 5.0
+"""Bounds are that many standard deviations of what a size is held to where the data say nothing."""
+_MANY_SIZES = 12
 FAR_ABOVE = 1.6
 """Noise with a memory (correlation 0.6 from reading to reading) makes repeats of three look 1.45 times too quiet at
 most; what is 1.6 times the noise floor of repeats is more than noise."""
@@ -103,6 +108,9 @@ def limits(candidate: Candidate, columns: Array) -> Array | None:
     if columns.shape[2] != len(candidate.sizes):
         return np.full(columns.shape[2], _SOFTEST)
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
+    if len(parameters) > _MANY_SIZES:
+        # A curve of many coefficients: each is of its usual size, or readings that lie close would make them anything.
+        return np.array([TETHER * max(abs(limit) for limit in parameter.typical) for parameter in parameters])
     return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
 
 
@@ -137,17 +145,38 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
     outlying = _outliers(left / scale, observed)
     keep = ~outlying
     if not outlying.any():
-        memory = _memory(left / scale, observed.block)
-        return set_up(replace(observed, scale=scale, correlation=memory), patterns)
+        return _with_memory(replace(observed, scale=scale), patterns, left, noise_floor)
     rejected = tuple(
         RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
         for row in np.flatnonzero(outlying).tolist()
     )
-    scale = _scatter(left[keep], rough)
-    memory = _memory(left[keep] / scale, observed.block[keep])
-    again = observe(observed.arm_given, kept(observed.recording, keep), scale=scale, correlation=memory)
+    again = observe(observed.arm_given, kept(observed.recording, keep), scale=_scatter(left[keep], rough))
     # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
-    return set_up(again, [(candidate, columns[keep]) for candidate, columns in patterns], rejected)
+    patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
+    return _with_memory(again, patterns, left[keep], noise_floor, rejected)
+
+
+def _with_memory(
+    observed: Observed,
+    patterns: Patterns,
+    left: Array,
+    noise_floor: float | None,
+    rejected: tuple[RejectedRow, ...] = (),
+) -> Prepared:
+    """Set up with the noise's memory, first that of what a rough model leaves (N, C).
+
+    Where noise remembers much, a rough model that took readings for independent has taken some of it for physics; so
+    the model is made again with the memory found, until that no longer grows.
+    """
+    memory = _memory(left / observed.scale, observed)
+    prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
+    for _ in range(_PASSES if memory > _MUCH else 0):
+        left = _left_by_rough_model(prepared, noise_floor)
+        found = _memory(left / observed.scale, observed)
+        if found <= prepared.observed.correlation + 0.02:
+            break
+        prepared = set_up(replace(observed, correlation=found), patterns, rejected)
+    return prepared
 
 
 def _first_scale(observed: Observed) -> Array:
@@ -187,10 +216,13 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
         return observed.residual
     weight = np.ones(len(target))
     values = np.zeros(design.shape[2])
+    rho = observed.correlation
     for _ in range(6):
         root = np.sqrt(weight)[:, None]
         values = np.linalg.lstsq(
-            (design * root[:, :, None]).reshape(-1, design.shape[2]), (target * root).reshape(-1), rcond=1e-9
+            without_memory(design * root[:, :, None], rho).reshape(-1, design.shape[2]),
+            without_memory(target * root, rho).reshape(-1),
+            rcond=1e-9,
         )[0]
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
@@ -224,13 +256,13 @@ def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     return far if far.mean() <= _MOST_OUTLIERS else np.zeros(len(far), dtype=bool)
 
 
-def _memory(scaled: Array, block: NDArray[np.int64]) -> float:
-    """The correlation of each reading's noise with the one before, from neighbours of different visits (what a visit's
-    readings share may be the pose's own); 0 where it is not beyond doubt."""
-    across = np.flatnonzero(np.diff(block) != 0)
+def _memory(scaled: Array, observed: Observed) -> float:
+    """The correlation of each reading's noise with the one before, from the tip's components at neighbours of different
+    visits (what a visit's readings share may be the pose's own); 0 where it is not beyond doubt."""
+    across = np.flatnonzero(np.diff(observed.block) != 0)
     if len(across) < _LEAST_PAIRS:
         return 0.0
-    clipped = np.clip(scaled, -3.0, 3.0)
+    clipped = np.clip(scaled[:, : observed.components], -3.0, 3.0)
     before, after = clipped[across], clipped[across + 1]
     size = np.sqrt(np.sum(before**2) * np.sum(after**2))
     rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0

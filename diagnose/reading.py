@@ -6,6 +6,7 @@ Whatever is left out of the result is said: rows in `rejected` with the reason, 
 from __future__ import annotations
 
 import datetime
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -33,6 +34,7 @@ _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s",
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _MOSTLY_BLANK = 0.5
 _UNIT_LENGTH = 0.01
+_LEVEL = 1e-9
 
 
 def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Recording:
@@ -120,8 +122,10 @@ def _columns(
             if header not in used:
                 warnings.append(f"{header} is not used: {error.message}.")
         if meaning is None:
+            if header in used:
+                continue  # what a column of ours is made of tells nothing further
             strangers[header] = table.numbers(header)
-            if header not in used and not held.columns:
+            if not held.columns:
                 hint = nearest(header, _known_headers(arm))
                 meant = hint if hint.startswith("; did") else ""
                 warnings.append(f"{header} is no column that is known here{meant or '; it is kept as it is.'}")
@@ -148,7 +152,8 @@ def _plain(table: Table, header: str, meaning: ColumnMeaning) -> ReadColumn:
     def fault(index: int) -> str:
         return table.fault(header, index) or f"{header} is not finite"
 
-    return ReadColumn(meaning, header, table.numbers(header) * meaning.factor + meaning.offset, fault)
+    numbers = table.sides(header) if meaning.base == "dir" else table.numbers(header)
+    return ReadColumn(meaning, header, numbers * meaning.factor + meaning.offset, fault)
 
 
 def _by_formula(
@@ -165,7 +170,8 @@ def _by_formula(
                 return said
         return f"{header} = {formula.text} is not finite"
 
-    values = formula.value(table.numbers, len(table.row)) * meaning.factor + meaning.offset
+    numbers = table.sides if meaning.base == "dir" else table.numbers
+    values = formula.value(numbers, len(table.row)) * meaning.factor + meaning.offset
     return ReadColumn(meaning, header, values, fault)
 
 
@@ -210,7 +216,7 @@ def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm, held: Readi
         there = names if len(names) <= 300 else names[:300] + " ..."
         first, would_do = missing[0]
         also = f" (and {', '.join(name for name, _ in missing[1:])})" if len(missing) > 1 else ""
-        where = "" if held.file else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
+        where = "" if held.columns else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
         raise InputError(table.file, first, f"is missing{also}; the file has {there}; write {would_do}{where}")
     given = [name for name in _QUATERNION if name in columns]
     if 0 < len(given) < len(_QUATERNION):
@@ -224,13 +230,22 @@ def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm, held: Readi
 
 
 def planar_motion(arm: Arm) -> bool:
-    """Whether the tip moves in a plane z = constant, whatever the loads: then x and y say where it is."""
-    for joint in arm.joints:
-        if joint.origin_rotation[2] != (0.0, 0.0, 1.0):
+    """Whether x and y say where a joint has taken the tip, but for slides along z: all else turns about z or slides
+    across it. A SCARA may then be measured from above."""
+    moves = False
+    for joint, link in zip(arm.joints, arm.links, strict=True):
+        # Frames may be turned over as a whole, as they are in most tables of parameters.
+        if not (_along_z(joint.origin_rotation[2]) and _along_z(link.end_rotation[2])):
             return False
-        if (joint.axis[:2] != (0.0, 0.0)) if joint.revolute else (joint.axis[2] != 0.0):
+        upright = _along_z(joint.axis)
+        if not upright and (joint.revolute or abs(joint.axis[2]) > _LEVEL):
             return False
-    return all(link.end_rotation[2] == (0.0, 0.0, 1.0) for link in arm.links)
+        moves |= joint.revolute or not upright
+    return moves
+
+
+def _along_z(direction: Sequence[float]) -> bool:
+    return max(abs(direction[0]), abs(direction[1])) <= _LEVEL
 
 
 def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, ReadColumn], list[RejectedRow], list[str]]:
@@ -251,7 +266,8 @@ def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, Rea
                 comma = "," in said and "not a number" in said and table.decimal == "."
                 hint = '; decimal commas need `decimal: ","` in recording.yaml' if comma else ""
                 raise InputError(table.file, column.header, f"holds no numbers in most rows ({where}){hint}")
-            warnings.append(f"{column.header} is not used, because most of its cells hold no number ({where}).")
+            stamp = " A time stamp needs `time_format: iso`, say, in recording.yaml." if base == "time" else ""
+            warnings.append(f"{column.header} is not used, because most of its cells hold no number ({where}).{stamp}")
             del kept[name]
             continue
         if base == "dir":

@@ -97,6 +97,14 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
     return _with_unit(header, base, None, _KINDS[base], suffix, file)
 
 
+def looks_like_ours(header: str) -> bool:
+    """Whether a header is one of ours, unit and all (of whatever arm)."""
+    found = _JOINT.fullmatch(header) or _WHOLE.fullmatch(header)
+    if found is None:
+        return False
+    return found[found.re.groups] is not None or found[1] in ("dir", "qw", "qx", "qy", "qz")
+
+
 def example_headers(base: str, arm: Arm, index: int | None = None) -> str:
     """The headers that would do for a column, such as `q2_deg or q2_rad`."""
     if index is None:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Literal, cast
 
 from materials.quantities import InputError, shown
-from materials.reading import Mapping, load_yaml
+from materials.reading import Mapping, load_yaml, read_text
 
 from .table import Layout
 
@@ -41,10 +41,8 @@ class ReadingSettings:
 def find_settings(recording: Path) -> Path | None:
     """The settings beside a recording: a file of its own name, or recording.yaml in its folder."""
     own = recording.with_suffix(".yaml")
-    if own != recording and own.is_file():
-        content = load_yaml(own).content
-        if not any(key in content for key in _WHOSE):
-            return own
+    if own != recording and own.is_file() and not _of_another(own):
+        return own
     common = recording.parent / "recording.yaml"
     return common if common.is_file() else None
 
@@ -53,6 +51,8 @@ def read_settings(path: Path | None) -> ReadingSettings:
     """The settings that a file holds, the defaults without one. Raises `InputError`."""
     if path is None:
         return ReadingSettings()
+    if _says_nothing(path):
+        return ReadingSettings(file=str(path))
     mapping = load_yaml(path)
     with mapping.reading():
         columns: dict[str, str] = {}
@@ -75,6 +75,16 @@ def read_settings(path: Path | None) -> ReadingSettings:
             tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
             layout=_layout(mapping),
         )
+
+
+def _of_another(path: Path) -> bool:
+    return not _says_nothing(path) and any(key in load_yaml(path).content for key in _WHOSE)
+
+
+def _says_nothing(path: Path) -> bool:
+    """Whether a file holds blank lines and comments only; every key is optional."""
+    text = read_text(path)
+    return all(not line.strip() or line.lstrip().startswith("#") for line in text.splitlines())
 
 
 def _formula(body: Mapping, name: str) -> str:
@@ -115,4 +125,8 @@ def _layout(mapping: Mapping) -> Layout:
         codecs.lookup(encoding)
     except LookupError:
         raise InputError(mapping.file, "encoding", f"there is no encoding {shown(encoding)}; e.g. latin-1") from None
-    return Layout(separator, decimal, comment, skip, encoding)
+    names = _texts(mapping, "names")
+    for name in names:
+        if names.count(name) > 1:
+            raise mapping.error("names", f"holds {shown(name)} twice")
+    return Layout(separator, decimal, comment, skip, encoding, names)

@@ -21,11 +21,11 @@ from scipy.optimize import minimize_scalar
 from arm.chain import EffectEntry
 from arm.effects import EFFECTS, kind_at
 
-from .candidates import Candidate, columns_of, parameter_of
-from .fit import Fit, bounds, solved, t_quantile
+from .candidates import WHOLE, Candidate, columns_of, parameter_of
+from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile
 from .flexibility import entry, through_flexibility
 from .pool import orthonormal
-from .prepare import Prepared, limits
+from .prepare import TETHER, Prepared, limits
 from .result import FittedParameter
 
 Array = NDArray[np.float64]
@@ -34,9 +34,11 @@ _SWEEPS = 2
 _SCAN = 14
 _NEWTON = 6
 _DIFFERENCE = 1e-4
-_TETHER = 5.0
-_WHOLE = frozenset({"order", "anew", "sharp"})
-"""Shapes that are whole numbers and stay on their grid."""
+_HELD = 0.8
+"""Standard errors, as shares of what a size is held to (see `tether`), from which the data are said to tell nothing."""
+_FEW_SIZES = 8
+_TELLING = 0.5
+"""Half the interval of a compliance over its value, at most, for it to be told."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,8 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
     if not terms:
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
-    terms = _shapes_found(prepared, terms)
-    prepared, terms = _solved(prepared, terms)
+    terms = _shapes_found(prepared, terms, fitted.unit)
+    prepared, terms = _solved(prepared, terms, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     errors, told = _errors(prepared, terms, rss / max(freedom, 1))
     parameters = tuple(
@@ -90,14 +92,14 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
 def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> tuple[Candidate | None, ...]:
     """The members' candidates with their free shapes where they fit best, None for those that have none."""
     groups = [prepared.pool.groups[m] for m in members]
-    if not any(_free_shapes(group.candidate) for group in groups):
+    if not any(group.candidate.free_shapes for group in groups):
         return (None,) * len(groups)
     terms = [
         _term(prepared, group.candidate, sizes, prepared.columns[m])
         for m, group, sizes in zip(members, groups, fitted.sizes, strict=True)
     ]
-    found = _shapes_found(prepared, terms)
-    return tuple(term.candidate if _free_shapes(term.candidate) else None for term in found)
+    found = _shapes_found(prepared, terms, fitted.unit)
+    return tuple(term.candidate if term.candidate.free_shapes else None for term in found)
 
 
 def _linear(prepared: Prepared, candidate: Candidate) -> bool:
@@ -135,16 +137,19 @@ def _least_squares(design: Array, target: Array) -> Array:
     return solved(design, target)
 
 
-def _tethers(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, Array]:
-    """Rows that hold each size within its physical bounds where the data say next to nothing: weights (k, b + k) and
-    what they ask for (k,), for the step from the present sizes. They count where a size at its bound would stay below
-    five standard deviations; what the data show beyond that they shift by less than a tenth of its error."""
+def tether(term: Term, unit: float) -> Array:
+    """What holds a finding's sizes (d,) within their physical bounds where the data say next to nothing: `unit`, the
+    scatter of whitened residuals, over a fifth of the bound. It counts where a size at its bound would stay below five
+    standard deviations; what the data show beyond that it shifts by less than a tenth of its error."""
+    bound = limits(term.candidate, term.columns)
+    return np.zeros(len(term.sizes)) if bound is None else unit * TETHER / bound
+
+
+def _tethers(prepared: Prepared, terms: Sequence[Term], unit: float) -> tuple[Array, Array]:
+    """Rows that hold each size (see `tether`): weights (k, b + k) and what they ask for (k,), for the step from the
+    present sizes."""
     beside = prepared.beside.shape[2]
-    weights: list[Array] = []
-    for term in terms:
-        bound = limits(term.candidate, term.columns)
-        weights.append(np.zeros(len(term.sizes)) if bound is None else _TETHER / bound)
-    weight = np.concatenate([np.zeros(0), *weights])
+    weight = np.concatenate([np.zeros(0), *(tether(term, unit) for term in terms)])
     sizes = np.concatenate([np.zeros(0), *(term.sizes for term in terms)])
     rows = np.hstack([np.zeros((len(weight), beside)), np.diag(weight)])
     return rows, -weight * sizes
@@ -187,13 +192,13 @@ def _entry(term: Term) -> EffectEntry | None:
     return entry(term.candidate, term.sizes.tolist())
 
 
-def _solved(prepared: Prepared, terms: list[Term]) -> tuple[Prepared, list[Term]]:
+def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepared, list[Term]]:
     """Gauss-Newton over all sizes; the recording with the flexibility found in it beside the terms."""
     for _ in range(_NEWTON):
         prepared, terms = _coupled(prepared, terms)
         design, spans = _design(prepared, terms, through=True)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
-        rows, wanted = _tethers(prepared, terms)
+        rows, wanted = _tethers(prepared, terms, unit)
         white = np.concatenate([prepared.observed.whitened(target), wanted])
         step = _least_squares(np.vstack([design, rows]), white)
         new = [
@@ -209,19 +214,10 @@ def _solved(prepared: Prepared, terms: list[Term]) -> tuple[Prepared, list[Term]
 def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:
     design, _ = _design(prepared, terms)
     left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
-    if prepared.beside.shape[2]:
-        beside = prepared.observed.whitened(prepared.beside)
-        left = left - prepared.beside @ _least_squares(beside, prepared.observed.whitened(left))
+    left = beyond_nuisances(prepared, left)
     white = prepared.observed.whitened(left)
-    shapes = sum(len(_free_shapes(term.candidate)) for term in terms)
+    shapes = sum(len(term.candidate.free_shapes) for term in terms)
     return left, float(white @ white), len(white) - int(np.linalg.matrix_rank(design)) - shapes
-
-
-def _free_shapes(candidate: Candidate) -> tuple[str, ...]:
-    """The shapes of a candidate that may take any value between those of the grid."""
-    if candidate.outside:
-        return ()
-    return tuple(name for name, value in candidate.shapes.items() if name not in _WHOLE and value > 0.0)
 
 
 @dataclass(frozen=True)
@@ -232,6 +228,7 @@ class _Scan:
     candidate: Candidate
     others: Array
     left: Array
+    unit: float
 
     def __call__(self, shapes: Mapping[str, float]) -> float:
         candidate = replace(self.candidate, shapes=MappingProxyType(dict(shapes)))
@@ -240,7 +237,7 @@ class _Scan:
             return float("inf")
         own = self.prepared.observed.whitened(columns)
         bound = limits(candidate, columns)
-        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(_TETHER / bound)
+        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(self.unit * TETHER / bound)
         padding = np.zeros((len(self.left) - len(own), own.shape[1]))
         own = np.vstack([own, padding])
         own = np.vstack([own - self.others @ (self.others.T @ own), tether])
@@ -253,24 +250,24 @@ class _Scan:
         return self({**shapes, name: float(np.exp(logarithm))})
 
 
-def _scan(prepared: Prepared, terms: Sequence[Term], place: int) -> _Scan:
+def _scan(prepared: Prepared, terms: Sequence[Term], place: int, unit: float) -> _Scan:
     rest = [term for k, term in enumerate(terms) if k != place]
     design, _ = _design(prepared, rest)
-    rows, _ = _tethers(prepared, rest)
+    rows, _ = _tethers(prepared, rest, unit)
     others = orthonormal(np.vstack([design, rows]))
     white = prepared.observed.whitened(prepared.observed.residual)
     target = np.concatenate([white, np.zeros(len(rows))])
-    return _Scan(prepared, terms[place].candidate, others, target - others @ (others.T @ target))
+    return _Scan(prepared, terms[place].candidate, others, target - others @ (others.T @ target), unit)
 
 
-def _shapes_found(prepared: Prepared, terms: list[Term]) -> list[Term]:
+def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Term]:
     for _, place in itertools.product(range(_SWEEPS), range(len(terms))):
         candidate = terms[place].candidate
-        for name in _free_shapes(candidate):
+        for name in candidate.free_shapes:
             shapes = dict(terms[place].candidate.shapes)
             middle = np.log(shapes[name])
 
-            left = partial(_scan(prepared, terms, place).at, shapes, name)
+            left = partial(_scan(prepared, terms, place, unit).at, shapes, name)
             reach = (middle - 1.2, middle + 1.2)
             found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
             if float(found.fun) < left(middle):
@@ -287,7 +284,7 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
     design, spans = _design(prepared, terms, through=True)
     further: list[Array] = []
     for place, term in enumerate(terms):
-        for name in _free_shapes(term.candidate):
+        for name in term.candidate.free_shapes:
             shapes = dict(term.candidate.shapes)
             shapes[name] *= 1.0 + 1e-3
             other = columns_of(prepared.observed, replace(term.candidate, shapes=MappingProxyType(shapes)))
@@ -295,10 +292,8 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
                 change = (other @ term.sizes - terms[place].columns @ term.sizes) / 1e-3
                 further.append(prepared.observed.whitened(change))
     full = np.column_stack([design, *further]) if further else design
-    rows, _ = _tethers(prepared, terms)
-    full = np.vstack(
-        [full, np.hstack([rows * np.sqrt(variance), np.zeros((len(rows), full.shape[1] - rows.shape[1]))])]
-    )
+    rows, _ = _tethers(prepared, terms, float(np.sqrt(variance)))
+    full = np.vstack([full, np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])])
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
@@ -324,22 +319,28 @@ def _parameters(
     at = tuple(index + 1 for index in candidate.at)
     ending = f"_{at[0]}" if len(at) == 1 else ""
     if candidate.effect == "joint_compliance" and prepared.observed.unknown_masses:
-        return (_sag(prepared, term, factor, variance, at),)
+        known = _known_load(term, errors, told, factor, at)
+        return (_sag(prepared, term, factor, variance, at), *known)
     found: list[FittedParameter] = []
-    fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), strict=True)
-    for name, value, error, sure in fitted:
+    # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
+    held = tether(term, 1.0) * errors > _HELD
+    seen = ~held if (~held).any() and len(held) <= _FEW_SIZES else np.ones(len(held), dtype=bool)
+    fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
+    for name, value, error, sure, shown in fitted:
+        if not shown:
+            continue
         low, high = bounds(candidate, name, prepared)
         reach = factor * error if sure else float("inf")
         kind = "dimensionless" if candidate.share else _kind(prepared, candidate, name)
         interval = (value - reach, value + reach)
         found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval, not low < value < high))
-    for name in _free_shapes(candidate):
+    for name in candidate.free_shapes:
         kind = _kind(prepared, candidate, name)
         value = candidate.shapes[name]
-        interval = _profile(prepared, terms, place, name, factor, freedom)
+        interval = _profile(prepared, terms, place, name, factor, freedom, variance)
         found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
     for name, value in candidate.shapes.items():
-        if name in _WHOLE:
+        if name in WHOLE:
             kind = _kind(prepared, candidate, name)
             found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
     return tuple(found)
@@ -350,6 +351,18 @@ def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
     joints = [prepared.observed.arm.joints[index] for index in candidate.at]
     slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
     return kind_at(parameter_of(effect, name), slides=slides)
+
+
+def _known_load(
+    term: Term, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...]
+) -> tuple[FittedParameter, ...]:
+    """The drive's compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
+    its own column, the last, tells it. Nothing where the data hardly do."""
+    value, error = float(term.sizes[-1]), float(errors[-1])
+    if not told[-1] or factor * error > _TELLING * abs(value):
+        return ()
+    interval = (value - factor * error, value + factor * error)
+    return (FittedParameter(f"compliance_{at[0]}", "compliance", at, "compliance", value, interval),)
 
 
 def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
@@ -367,12 +380,18 @@ def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tup
 
 
 def _profile(
-    prepared: Prepared, terms: Sequence[Term], place: int, name: str, factor: float, freedom: int
+    prepared: Prepared,
+    terms: Sequence[Term],
+    place: int,
+    name: str,
+    factor: float,
+    freedom: int,
+    variance: float,
 ) -> tuple[float, float]:
     """The values of a shape between which the likelihood falls by less than the t quantile allows."""
     shapes = dict(terms[place].candidate.shapes)
     best = shapes[name]
-    scan = _scan(prepared, terms, place)
+    scan = _scan(prepared, terms, place, float(np.sqrt(variance)))
     limit = scan(shapes) * (1.0 + factor**2 / max(freedom, 1))
     ends: list[float] = []
     for direction in (-1.0, 1.0):

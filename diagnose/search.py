@@ -2,8 +2,9 @@
 
 Criterion: the extended BIC of J. Chen & Z. Chen, Biometrika 95 (2008) 759, doi:10.1093/biomet/asn034, with gamma = 1:
 n log(RSS/n) + k log n + 2 log C(P, s) for s of P families of candidates with k coefficients in all, and 2 log V for
-each member that was picked from V variants. Greedy selection names a wrong effect in one mixture in five; so pairs are
-all looked at, and all triples of what any smaller model wants.
+each member that was picked from V variants, or log n for each of its shapes that may take any value, if that is more.
+Greedy selection names a wrong effect in one mixture in five; so pairs are all looked at, and all triples of what any
+smaller model wants.
 """
 
 from __future__ import annotations
@@ -155,7 +156,10 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
             # Links of unknown weight still have masses, positive and of an ordinary size: no free coefficient each.
             price[number] = min(group.rank, 2) * math.log(count)
     for members in alike:
-        price[members] = price[members] + 2.0 * math.log(len(members))
+        # A shape found anywhere on a line is a coefficient like any other; one of a few is a choice among so many.
+        choice = 2.0 * math.log(len(members))
+        free = np.array([len(pool.groups[member].candidate.free_shapes) for member in members])
+        price[members] = price[members] + np.maximum(choice, free * math.log(count))
     return Criterion(count, max(len(alike), 1), price, pool.ranks)
 
 

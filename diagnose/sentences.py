@@ -12,6 +12,10 @@ from materials.quantities import format_quantity
 from .prepare import FAR_ABOVE, Prepared
 from .result import Alternative, Finding, FittedParameter, Unknown
 
+_MANY_PARAMETERS = 8
+_MANY_FINDINGS = 4
+"""Findings up to which the plain answer names each with its size; more are summed up by their cause."""
+
 
 def place_of(effect: str, at: Sequence[int]) -> str:
     """Where an effect acts, in words: " at joint 2", " at links 1, 2 and 3" or nothing."""
@@ -43,11 +47,26 @@ def size_of(parameter: FittedParameter) -> str:
     return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]})"
 
 
+def chief(parameters: Sequence[FittedParameter]) -> FittedParameter:
+    """The parameter that is clearest: the largest for the width of its interval."""
+
+    def clear(parameter: FittedParameter) -> float:
+        low, high = parameter.interval
+        if parameter.value == low == high:
+            return 0.0
+        return abs(parameter.value) / (high - low) if high > low else 0.0
+
+    return max(parameters, key=clear)
+
+
 def reading_of(
     effect: str, at: Sequence[int], parameters: Sequence[FittedParameter], others: Sequence[Alternative]
 ) -> str:
     """A finding in one sentence."""
-    sizes = "; ".join(size_of(parameter) for parameter in parameters)
+    if len(parameters) > _MANY_PARAMETERS:
+        sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(chief(parameters))}"
+    else:
+        sizes = "; ".join(size_of(parameter) for parameter in parameters)
     text = f"{name_of(effect, at)}: {sizes}." if sizes else f"{name_of(effect, at)}."
     if others:
         names = [name_of(other.effect, other.at) for other in others[:4]]
@@ -63,8 +82,10 @@ def verdict_sentence(
     rms_after: float,
     noise_floor: float | None,
     p_value: float,
+    causes: Sequence[tuple[str, float]] = (),
 ) -> str:
-    """The plain answer."""
+    """The plain answer. `causes` are the kinds of physics found and the RMS length (m) of what each moves beyond the
+    nuisances, the largest first."""
     if not findings and unknown is None:
         if noise_floor is not None and rms_before > FAR_ABOVE * noise_floor:
             return (
@@ -77,14 +98,12 @@ def verdict_sentence(
             f"No mismatch beyond {level}: what remains, {_mm(rms_before)} RMS, is what chance leaves "
             f"(p = {p_value:.2g} for the best of all explanations)."
         )
-    named = "; ".join(
-        f"{name_of(f.effect, f.at)}" + (f", {size_of(f.parameters[0])}" if f.parameters else "") for f in findings
-    )
+    named = _summed_up(findings, causes) if len(findings) > _MANY_FINDINGS else "; ".join(_named(f) for f in findings)
     share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
     after = _remains(rms_after, noise_floor)
     if unknown is None:
         text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({_mm(rms_before)} RMS); {after}."
-        doubtful = [f for f in findings if f.alternatives]
+        doubtful = [f for f in findings if f.alternatives] if len(findings) <= _MANY_FINDINGS else []
         if doubtful:
             text += " " + " ".join(_undecided(f) for f in doubtful)
         return text
@@ -94,6 +113,24 @@ def verdict_sentence(
         text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
     text += "; nothing in the library explains it."
     return text + (f" Beside it: {named}." if named else "")
+
+
+def _named(finding: Finding) -> str:
+    size = f", {size_of(chief(finding.parameters))}" if finding.parameters else ""
+    return name_of(finding.effect, finding.at) + size
+
+
+def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]]) -> str:
+    """Many findings by their cause: what, where, and how much it moves the tip."""
+    parts: list[str] = []
+    for cause, rms in causes:
+        places: dict[str, list[int]] = {}
+        for finding in findings:
+            if EFFECTS[finding.effect].cause == cause:
+                places.setdefault(finding.effect, []).extend(finding.at)
+        names = [name_of(effect, sorted(set(at))) for effect, at in places.items()]
+        parts.append(f"{cause}, {_mm(rms)} RMS ({'; '.join(names)})")
+    return "; ".join(parts)
 
 
 def _undecided(finding: Finding) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,24 +17,55 @@ from numpy.typing import NDArray
 from materials.quantities import InputError, shown
 from materials.reading import read_text
 
+from .reading_columns import looks_like_ours
 from .recording import RejectedRow
 
 Array = NDArray[np.float64]
 
 _SEPARATORS = (",", ";", "\t", "|")
+_MARKS = ("#", "%")
+_FEWEST_COLUMNS = 3
+"""An arm with one joint has as many: q1, x and y."""
+_THOUSANDS = MappingProxyType(
+    {
+        ".": re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+\.[0-9]*"),
+        ",": re.compile(r"[+-]?[0-9]{1,3}(?:\.[0-9]{3})+,[0-9]*"),
+    }
+)
+_BINARY = MappingProxyType(
+    {
+        b"PK\x03\x04": "an Excel workbook or a zip file",
+        b"\xd0\xcf\x11\xe0": "an old Excel workbook",
+        b"\x1f\x8b": "compressed (gzip)",
+        b"MATLAB": "a MATLAB file",
+        b"\x89HDF": "an HDF5 or MATLAB file",
+        b"\x93NUMPY": "a NumPy file",
+        b"PAR1": "a parquet file by another name; call it .parquet",
+        b"\xff\xfe": "UTF-16 text (`encoding: utf-16` in recording.yaml reads it)",
+        b"\xfe\xff": "UTF-16 text (`encoding: utf-16` in recording.yaml reads it)",
+    }
+)
+_SIDES = MappingProxyType(
+    {
+        **dict.fromkeys(("+", "p", "pos", "positive", "plus", "up", "forward", "fwd"), 1.0),
+        **dict.fromkeys(("-", "\N{MINUS SIGN}", "n", "neg", "negative", "minus", "down", "backward", "bwd"), -1.0),
+    }
+)
+_USUAL = ("utf-8", "utf8")
 _LARGEST_PARQUET = 512 * 1024 * 1024
 
 
 @dataclass(frozen=True)
 class Layout:
     """How a text file is laid out. `skip_rows` lines stand before the header, lines that begin with `comment` count
-    for nothing; without a `separator` the header tells it."""
+    for nothing; without a `separator` the header tells it. `names` are the columns' where the file has no header."""
 
     separator: str | None = None
     decimal: str = "."
     comment: str | None = None
     skip_rows: int = 0
     encoding: str = "utf-8"
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -62,6 +94,15 @@ class Table:
             return cells
         return np.array([as_number(cell, self.decimal) for cell in cells], dtype=float)
 
+    def sides(self, name: str) -> Array:
+        """A column as numbers, with signs and words for the two ways that a joint can come (`+`, `neg`) as 1 and -1."""
+        found = self.numbers(name)
+        cells = self.columns[name]
+        if isinstance(cells, np.ndarray):
+            return found
+        words = (_SIDES.get(cell.strip().lower(), math.nan) for cell in cells)
+        return np.where(np.isnan(found), np.fromiter(words, dtype=float, count=len(cells)), found)
+
     def text(self, name: str, index: int) -> str:
         """A cell as it stands in the file."""
         return str(self.columns[name][index]).strip()
@@ -80,7 +121,13 @@ class Table:
 
 
 def as_number(cell: str, decimal: str = ".") -> float:
-    """A cell's number, nan for anything else."""
+    """A cell's number, nan for anything else; 1.234,5 and 1,234.5 stand for one thousand and some."""
+    cell = cell.replace("\N{MINUS SIGN}", "-")
+    other = "." if decimal == "," else ","
+    if other in cell:
+        if _THOUSANDS[decimal].fullmatch(cell.strip()) is None:
+            return math.nan
+        cell = cell.replace(other, "")
     if decimal != ".":
         cell = cell.replace(decimal, ".")
     try:
@@ -97,7 +144,7 @@ def read_table(path: Path, layout: Layout) -> Table:
 
 
 def _text(path: Path, encoding: str) -> str:
-    if encoding.lower().replace("_", "-") in ("utf-8", "utf8"):
+    if encoding.lower().replace("_", "-") in _USUAL:
         try:
             return read_text(path)
         except InputError as error:
@@ -115,28 +162,27 @@ def _text(path: Path, encoding: str) -> str:
 
 
 def _csv(path: Path, layout: Layout) -> Table:
+    if layout.encoding.lower().replace("_", "-") in _USUAL:
+        _refuse_binary(path)
     text = _text(path, layout.encoding)
     if "\0" in text:
-        raise InputError(path, "", "is no text table: it holds NUL bytes")
-    lines = io.StringIO(text, newline="")
-    for _ in range(layout.skip_rows):
-        lines.readline()
-    kept = io.StringIO(newline="")
-    for line in lines:
-        if line.strip() and not (layout.comment and line.lstrip().startswith(layout.comment)):
-            kept.write(line)
-    kept.seek(0)
-    first = kept.readline()
-    kept.seek(0)
+        raise InputError(path, "", "is no plain text: it holds NUL bytes; is it UTF-16 (`encoding: utf-16`)?")
+    kept, first, named = _lines(text, layout)
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
-    separator = layout.separator or max(_SEPARATORS, key=lambda each: len(next(csv.reader([first], delimiter=each))))
+    separator = layout.separator or named or _separator(first)
     try:
-        rows = list(csv.reader(kept, delimiter=separator, skipinitialspace=True, strict=True))
+        rows = [
+            [cell for cell in cells if cell] if separator == " " else cells
+            for cells in csv.reader(kept, delimiter=separator, skipinitialspace=True, strict=True)
+        ]
     except csv.Error as error:
         raise InputError(path, "", f"is no table: {error}") from None
-    header = _header(path, rows[0], layout.decimal)
-    body = rows[1:]
+    if layout.names:
+        header, notes, body = list(layout.names), [], rows
+    else:
+        header, notes = _header(path, rows[0], layout.decimal)
+        body = rows[1:]
     if not body:
         raise InputError(path, "", "has a header but no rows")
     if all(len(cells) == len(header) + 1 and not cells[-1].strip() for cells in body):
@@ -158,18 +204,69 @@ def _csv(path: Path, layout: Layout) -> Table:
         np.array(good, dtype=np.int64) + 1,
         layout.decimal,
         ragged,
-        tuple(f"Column {k} of {path.name} has no name and is not used." for k, n in enumerate(header, 1) if not n),
+        (
+            *notes,
+            *(f"Column {k} of {path.name} has no name and is not used." for k, n in enumerate(header, 1) if not n),
+        ),
     )
 
 
-def _header(path: Path, cells: Sequence[str], decimal: str) -> list[str]:
+def _refuse_binary(path: Path) -> None:
+    try:
+        with path.open("rb") as stream:
+            begins = stream.read(8)
+    except OSError:
+        return  # said where it is read
+    for mark, kind in _BINARY.items():
+        if begins.startswith(mark):
+            raise InputError(path, "", f"is {kind}; a recording is a table of text (save a sheet as CSV) or parquet")
+
+
+def _lines(text: str, layout: Layout) -> tuple[io.StringIO, str, str | None]:
+    """The lines that count, the first of them, and the separator where Excel names it (`sep=;`)."""
+    lines = io.StringIO(text, newline="")
+    for _ in range(layout.skip_rows):
+        lines.readline()
+    kept, separator, first = io.StringIO(newline=""), None, ""
+    for line in lines:
+        if not line.strip() or (layout.comment and line.lstrip().startswith(layout.comment)):
+            continue
+        if not first and (named := re.fullmatch(r'"?sep=(.)"?\s*', line)):
+            separator = named[1]
+            continue
+        line = line.lstrip(" ")
+        first = first or line
+        kept.write(line)
+    kept.seek(0)
+    return kept, first, separator
+
+
+def _separator(header: str) -> str:
+    """What parts the columns of a header; blanks only where nothing else is there."""
+    count = {each: len(next(csv.reader([header], delimiter=each))) for each in _SEPARATORS}
+    best = max(count, key=lambda each: count[each])
+    return best if count[best] > 1 or len(header.split()) < _FEWEST_COLUMNS else " "
+
+
+def _header(path: Path, cells: Sequence[str], decimal: str) -> tuple[list[str], list[str]]:
+    """The columns' names and what is to be said of them."""
     header = [" ".join(cell.split()) for cell in cells]
     if all(math.isfinite(as_number(cell, decimal)) for cell in header):
-        raise InputError(path, "", "has no header; the first line names the columns: time_s, q1_deg, .., x_mm, y_mm")
-    for name in header:
-        if name and header.count(name) > 1:
-            raise InputError(path, "", f"the column {shown(name)} occurs twice in the header")
-    return header
+        would_do = "time_s, q1_deg, .., x_mm, y_mm"
+        hint = f"the first line names the columns: {would_do}; or list `names` in recording.yaml"
+        raise InputError(path, "", f"has no header; {hint}")
+    if header[0][:1] in _MARKS:  # as NumPy writes its header
+        header = header[1:] if header[0] in _MARKS else [header[0][1:].strip(), *header[1:]]
+    notes: list[str] = []
+    for place, name in enumerate(header):
+        if name and name in header[:place]:
+            if looks_like_ours(name):
+                raise InputError(path, "", f"the column {shown(name)} occurs twice in the header; rename one")
+            again = header[:place].count(name)
+            number = next(k for k in range(again, len(header) + 1) if f"{name}.{k}" not in header)
+            header[place] = f"{name}.{number}"
+            notes.append(f"The column {shown(name)} occurs more than once; here the further one is {header[place]}.")
+    return header, notes
 
 
 def _parquet(path: Path) -> Table:

@@ -45,19 +45,33 @@ class UnitChange:
         ]
         return " and ".join(parts)
 
-    def right_headers(self) -> str:
-        """The headers that would be right."""
-        return ", ".join(
-            f"{name.rpartition('_')[0]}_{_unit_of_numbers(name, factor)}"
-            for name, factor in zip(self.columns, self.factors, strict=True)
+    def remedy(self) -> str:
+        """What to write: the headers that would be right, or formulas where no unit has that size."""
+        pairs = list(zip(self.columns, self.factors, strict=True))
+        units = [_unit_named(name, factor) for name, factor in pairs]
+        if None not in units:
+            headers = [f"{name.rpartition('_')[0]}_{unit}" for name, unit in zip(self.columns, units, strict=True)]
+            return f"{', '.join(headers)} in the header"
+        formulas = ", ".join(
+            f"{name}: {name}*{factor:.6g}" if factor > 1.0 else f"{name}: {name}/{1.0 / factor:.6g}"
+            for name, factor in pairs
         )
+        return f"`columns: {{{formulas}}}` in recording.yaml"
 
 
-def _unit_of_numbers(header: str, factor: float) -> str:
+def _unit_named(header: str, factor: float) -> str | None:
     """The unit in which a column's numbers are, where they fit with `factor` times the unit of its header."""
     sizes = _ANGLE_SIZES if header.rpartition("_")[2] in _ANGLE_SIZES else _LENGTH_SIZES
     wanted = factor * sizes.get(header.rpartition("_")[2], 1.0)
-    return next((unit for unit, size in sizes.items() if math.isclose(size, wanted)), f"{factor:.5g} of their unit")
+    return next((unit for unit, size in sizes.items() if math.isclose(size, wanted)), None)
+
+
+def _unit_of_numbers(header: str, factor: float) -> str:
+    """The same in words, for any factor."""
+    named = _unit_named(header, factor)
+    if named is not None:
+        return named
+    return f"a unit {factor:.6g} times as large" if factor > 1.0 else f"a unit {1.0 / factor:.6g} times as small"
 
 
 def unit_changes(arm: Arm, width: int, headers: Mapping[str, str]) -> Iterator[UnitChange]:

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 Folds = NDArray[np.int64]
 
 _FORMS = 5
+_TELLING = 0.05
+"""The share of what is left that a form must predict on readings held out, to give the unknown its shape."""
 _NEAR = 12
 
 _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -54,7 +56,10 @@ def describe(
     if not outside:
         moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
-    leading = ranked[0].name if ranked else "nothing simple"
+    won = {namer.pool.groups[m].candidate.effect for m in outside}
+    # A form that predicts nothing describes nothing, however well it can be bent to the readings fitted.
+    telling = sorted((form for form in ranked if form.share_held_out > _TELLING), key=lambda form: form.name not in won)
+    leading = telling[0].name if telling else "nothing simple"
     on = _depends(namer, outside, dependences)
     left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
     inputs = _inputs(namer)
@@ -72,6 +77,18 @@ def describe(
         predicted=model.predict(inputs),
         held_out_share=share,
     )
+
+
+def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:
+    """The share of what is left beside the `known` groups that forms or a smooth model predict where they have not
+    seen it: next to nothing for scatter, however large."""
+    prepared, observed = namer.prepared, namer.prepared.observed
+    forms = [form.share_held_out for form in _ranked_forms(namer, known, folds)]
+    left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
+    beside = [prepared.columns[m][:, : observed.components] for m in known]
+    inputs = _inputs(namer)
+    share = _predicted_share(inputs, left, beside, folds, smooth_model(inputs, left, beside))
+    return max([share, *forms])
 
 
 def _which_joint(namer: Namer, outside: Sequence[int]) -> str:

@@ -27,6 +27,7 @@ from .instrument_scale import INSTRUMENT_SCALE
 from .joint_compliance import JOINT_COMPLIANCE
 from .joint_coupling import JOINT_COUPLING
 from .joint_hardening import JOINT_HARDENING
+from .joint_waviness import JOINT_WAVINESS
 from .latency import LATENCY
 from .link_bending import LINK_BENDING
 from .link_length import LINK_LENGTH
@@ -35,6 +36,7 @@ from .link_modulus import LINK_MODULUS
 from .payload import PAYLOAD
 from .rail_pitch import RAIL_PITCH
 from .rail_straightness import RAIL_STRAIGHTNESS
+from .screw_expansion import SCREW_EXPANSION
 from .servo_droop import SERVO_DROOP
 from .shear_deformation import SHEAR_DEFORMATION
 from .slope_propagation import SLOPE_PROPAGATION
@@ -65,6 +67,7 @@ EFFECTS: Mapping[str, Effect] = MappingProxyType(
             ENCODER_ECCENTRICITY,
             ENCODER_SCALE,
             GEAR_TRANSMISSION_ERROR,
+            JOINT_WAVINESS,
             JOINT_COUPLING,
             LINK_LENGTH,
             PAYLOAD,
@@ -72,6 +75,7 @@ EFFECTS: Mapping[str, Effect] = MappingProxyType(
             THERMAL_EXPANSION,
             THERMAL_BENDING,
             GEARBOX_THERMAL,
+            SCREW_EXPANSION,
             CREEP,
             BASE_TILT,
             BASE_COMPLIANCE,

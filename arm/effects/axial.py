@@ -23,6 +23,7 @@ AXIAL = Effect(
     title="axial strain of the links",
     formula="u_i (N L + w_a L^2/2)/EA",
     place="link",
+    cause="flexibility",
     automatic=True,
     needs="more resolution than most instruments have",
     aliases=(),

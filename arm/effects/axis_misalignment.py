@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..statics import PoseState
-from ..vectors import Vector, cross, is_zero, rotate, scale
+from ..vectors import Vector, add, cross, is_zero, plus, rotate, scale
 from .effect import Effect, Parameter, Settings, Twist
 
 
@@ -21,6 +21,10 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         u, v = _before(state, index)
         shift = _sum(shifts, u, v)
         turn = _sum(tilts, u, v)
+        joint = state.joints[index]
+        if not joint.revolute:
+            # A guide turns about where it begins, and the carriage stands some way along it.
+            shift = add(shift, cross(turn, scale(plus(joint.coordinate, state.arm.joints[index].zero), joint.axis)))
         if not (is_zero(shift) and is_zero(turn)):
             yield Twist("joint", index, shift, turn)
 
@@ -45,7 +49,7 @@ def _before(state: PoseState, index: int) -> tuple[Vector, Vector]:
 
 def _size(name: str, kind: str, meaning: str, bound: float, typical: tuple[float, float]) -> Parameter:
     source = "B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)"
-    return Parameter(name, kind, meaning, -bound, bound, typical, source, role="size")
+    return Parameter(name, kind, meaning, -bound, bound, typical, source, role="size", across=True)
 
 
 AXIS_MISALIGNMENT = Effect(
@@ -53,6 +57,7 @@ AXIS_MISALIGNMENT = Effect(
     title="misalignment of a joint's axis",
     formula="t + r x (p - o_i), t and r across the axis, fixed to the link before",
     place="joint",
+    cause="geometry",
     automatic=False,
     needs="poses in space that differ in the angles before and after the joint",
     aliases=("encoder_offset", "link_length", "frame_misalignment"),

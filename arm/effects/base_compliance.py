@@ -32,6 +32,7 @@ BASE_COMPLIANCE = Effect(
     title="compliance of the base",
     formula="c M_0 x p, M_0 the moment of all loads about the base's origin; in the plane z x p tau_1 / K_0",
     place="base",
+    cause="flexibility",
     automatic=False,
     needs="a target on the base",
     aliases=("joint_compliance",),

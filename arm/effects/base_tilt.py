@@ -41,6 +41,7 @@ BASE_TILT = Effect(
     title="tilt of the base against gravity",
     formula="sum over what bends, under the change of gravity g x tilt",
     place="base",
+    cause="loads",
     automatic=False,
     needs="an inclinometer, or known stiffness",
     aliases=("joint_compliance", "frame_misalignment"),

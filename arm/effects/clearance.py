@@ -44,6 +44,7 @@ CLEARANCE = Effect(
     title="clearance of the joints",
     formula="sum c_i R_i, R_i the direction of the load that joint i carries",
     place="joint",
+    cause="play and friction",
     automatic=True,
     needs="a side force, or the arm mounted the other way up",
     aliases=("frame_misalignment",),

@@ -28,6 +28,10 @@ Role = Literal["size", "shape", "given"]
 changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted."""
 
 
+Cause = Literal["geometry", "flexibility", "loads", "play and friction", "angle errors", "warming", "measurement"]
+"""What kind of thing is at work; effects of one cause are summed up together where there are many."""
+
+
 @dataclass(frozen=True)
 class Twist:
     """A small displacement (m) and rotation (rad), in the base frame, at joint or far end of link `index` (from 0)."""
@@ -62,7 +66,8 @@ class Parameter:
     """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI, source.
 
     `role` says how a fit treats it (see `Role`), `grid` the values at which a search tries a shape; where the pattern
-    depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load.
+    depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load. What moves a
+    joint `across` its motion is of the same kind on slides.
     """
 
     name: str
@@ -75,6 +80,7 @@ class Parameter:
     role: Role = "given"
     grid: tuple[float, ...] = ()
     relative_to_load: bool = False
+    across: bool = False
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,7 @@ _ON_SLIDES: Mapping[str, str] = MappingProxyType(
 
 def kind_at(parameter: Parameter, *, slides: bool) -> str:
     """A parameter's kind of quantity where the effect acts on slides: a length for an angle, N/m for N*m/rad."""
-    return _ON_SLIDES.get(parameter.kind, parameter.kind) if slides else parameter.kind
+    return _ON_SLIDES.get(parameter.kind, parameter.kind) if slides and not parameter.across else parameter.kind
 
 
 def no_twists(state: PoseState, settings: Settings) -> Iterable[Twist]:
@@ -138,6 +144,7 @@ class Effect:
     title: str
     formula: str
     place: Literal["joint", "link", "base", "tip"]
+    cause: Cause
     automatic: bool
     needs: str
     aliases: tuple[str, ...]

@@ -38,6 +38,7 @@ ENCODER_ECCENTRICITY = Effect(
     title="eccentricity of an encoder's disc",
     formula="sum J_i (a sin q_i + b cos q_i)",
     place="joint",
+    cause="angle errors",
     automatic=False,
     needs="wide travel of the joint",
     aliases=("encoder_scale", "gear_transmission_error"),

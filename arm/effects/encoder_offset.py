@@ -20,6 +20,7 @@ ENCODER_OFFSET = Effect(
     title="offset of an encoder's zero",
     formula="sum J_i delta_i",
     place="joint",
+    cause="geometry",
     automatic=False,
     needs="poses that differ in the angles of the other joints",
     aliases=("frame_misalignment", "tool_offset"),

@@ -21,6 +21,7 @@ ENCODER_SCALE = Effect(
     title="scale of an encoder or of a gear ratio",
     formula="sum J_i e_i q_i",
     place="joint",
+    cause="angle errors",
     automatic=False,
     needs="wide travel of the joint",
     aliases=("encoder_eccentricity", "joint_coupling"),

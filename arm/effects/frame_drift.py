@@ -45,6 +45,7 @@ FRAME_DRIFT = Effect(
     title="drift of the measuring frame",
     formula="(t' + r' x p) t, t since the recording began",
     place="base",
+    cause="measurement",
     automatic=False,
     needs="time, and a fixed target",
     aliases=("gearbox_thermal",),

@@ -55,6 +55,7 @@ FRAME_MISALIGNMENT = Effect(
     title="misalignment of the measuring frame",
     formula="t + r x p; in the plane t + r z x p",
     place="base",
+    cause="measurement",
     automatic=False,
     needs="nothing more than poses",
     aliases=("encoder_offset", "clearance"),

@@ -40,6 +40,7 @@ GEAR_TRANSMISSION_ERROR = Effect(
     title="transmission error of a gear",
     formula="sum J_i (a sin k q_i + b cos k q_i)",
     place="joint",
+    cause="angle errors",
     automatic=False,
     needs="dense travel of the joint: three readings a period or more",
     aliases=("encoder_eccentricity",),

@@ -20,6 +20,7 @@ INSTRUMENT_SCALE = Effect(
     title="scale of the measuring instrument",
     formula="e p",
     place="tip",
+    cause="measurement",
     automatic=False,
     needs="a certified length within the measured volume",
     aliases=("link_length", "thermal_expansion"),

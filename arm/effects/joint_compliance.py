@@ -26,6 +26,7 @@ JOINT_COMPLIANCE = Effect(
     title="compliance of the drives",
     formula="sum J_i tau_i / K_i",
     place="joint",
+    cause="flexibility",
     automatic=True,
     needs="two payloads, or joint-side encoders",
     aliases=("link_bending", "servo_droop", "base_compliance"),

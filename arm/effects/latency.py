@@ -23,6 +23,7 @@ LATENCY = Effect(
     title="delay between encoders and instrument",
     formula="sum J_i (dq_i/dt) dt",
     place="joint",
+    cause="angle errors",
     automatic=False,
     needs="velocities, of more than one size or both ways",
     aliases=("friction_windup",),

@@ -93,6 +93,7 @@ LINK_BENDING = Effect(
     title="bending of the links",
     formula="n_i (F L^3/3 + M L^2/2 + w L^4/8)/EI",
     place="link",
+    cause="flexibility",
     automatic=True,
     needs="two slopes of the link, or two payloads",
     aliases=("joint_compliance",),

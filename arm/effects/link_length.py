@@ -21,6 +21,7 @@ LINK_LENGTH = Effect(
     title="true lengths of the links",
     formula="sum u_i dL_i",
     place="link",
+    cause="geometry",
     automatic=False,
     needs="poses that differ in all angles",
     aliases=("tool_offset", "instrument_scale", "thermal_expansion"),

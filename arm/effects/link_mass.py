@@ -21,6 +21,7 @@ LINK_MASS = Effect(
     title="extra mass along the links",
     formula="sum over what bends, under the weight m_i g spread along link i",
     place="link",
+    cause="loads",
     automatic=False,
     needs="known stiffness",
     aliases=("payload", "joint_compliance"),

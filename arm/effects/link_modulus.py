@@ -33,6 +33,7 @@ LINK_MODULUS = Effect(
     title="true moduli of the links",
     formula="(1/(1 + x) - 1) times bending, slope, axial strain, torsion and shear of link i, x = E/E_nominal - 1",
     place="link",
+    cause="flexibility",
     automatic=False,
     needs="payloads",
     aliases=("joint_compliance", "link_bending", "slope_propagation"),

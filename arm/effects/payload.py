@@ -20,6 +20,7 @@ PAYLOAD = Effect(
     title="extra mass at the tip",
     formula="sum over what bends, under the weight m g at the tip",
     place="tip",
+    cause="loads",
     automatic=False,
     needs="known stiffness, or two payloads",
     aliases=("joint_compliance", "link_mass"),

@@ -29,6 +29,7 @@ RAIL_PITCH = Effect(
     formula="sum psi_i x (p - p_i), |psi_i| <= angle, p_i the carriage of slide i",
     # The carriage is the link that the slide carries; an angle at a joint that slides would be read as a length.
     place="link",
+    cause="geometry",
     automatic=False,
     needs="a level or an autocollimator on the carriage, at many places along the rail",
     aliases=("encoder_offset", "backlash"),

@@ -27,6 +27,7 @@ RAIL_STRAIGHTNESS = Effect(
     title="straightness of a rail",
     formula="sum s_i n_i, |s_i| <= deviation, n_i across slide i",
     place="joint",
+    cause="geometry",
     automatic=False,
     needs="a target on the carriage, at many places along the rail",
     aliases=("clearance",),

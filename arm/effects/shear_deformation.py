@@ -29,6 +29,7 @@ SHEAR_DEFORMATION = Effect(
     title="shear deformation of the links",
     formula="n_i (F L + w L^2/2)/(kappa G A)",
     place="link",
+    cause="flexibility",
     automatic=True,
     needs="short deep links",
     aliases=("link_bending",),

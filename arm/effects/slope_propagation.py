@@ -46,6 +46,7 @@ SLOPE_PROPAGATION = Effect(
     title="slopes of the bent links, carried to the tip",
     formula="z x (p - o_{i+1}) (F L^2/2 + M L + w L^3/6)/EI",
     place="link",
+    cause="flexibility",
     automatic=True,
     needs="poses that differ in the angles beyond the link",
     aliases=("joint_compliance",),

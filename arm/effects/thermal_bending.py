@@ -28,6 +28,7 @@ THERMAL_BENDING = Effect(
     title="thermal bending of the links",
     formula="n_i k_i dT_i L_i^2/2, and its slope k_i dT_i L_i carried on; k_i = alpha G/(h dT), G from bottom to top",
     place="link",
+    cause="warming",
     automatic=False,
     needs="temperature",
     aliases=("gearbox_thermal",),

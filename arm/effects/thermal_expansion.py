@@ -40,6 +40,7 @@ THERMAL_EXPANSION = Effect(
     title="thermal expansion of the links",
     formula="sum u_i alpha_i L_i dT_i, dT_i above 20 degC behind its first-order lag",
     place="link",
+    cause="warming",
     automatic=False,
     needs="temperature or time, with poses in shuffled order",
     aliases=("instrument_scale", "link_length"),

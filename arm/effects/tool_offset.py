@@ -56,6 +56,7 @@ TOOL_OFFSET = Effect(
     title="offset of the tool",
     formula="a u_n + b n_n (+ c u_n x n_n in space)",
     place="tip",
+    cause="geometry",
     automatic=False,
     needs="turns of the wrist",
     aliases=("link_length", "encoder_offset"),

@@ -23,6 +23,7 @@ TORSION = Effect(
     title="torsion of the links",
     formula="u_i x (p - o_{i+1}) T L/GJ",
     place="link",
+    cause="flexibility",
     automatic=True,
     needs="a chain in space whose links carry torques about themselves",
     aliases=("joint_compliance",),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain import Arm, Joint
 from arm.effects import EFFECTS, Settings
 from arm.kinematics import tip_position
 from arm.recorded import Asked, seen
@@ -112,6 +112,12 @@ SPATIAL = [spatial(3), spatial(4, slide=False), planar(6, absolute=True)]
         ("encoder_eccentricity", {"cosine": 1.0}, lambda q, i: np.cos(q[:, i])),
         ("gear_transmission_error", {"sine": 1.0, "order": 7.0}, lambda q, i: np.sin(7.0 * q[:, i])),
         ("gear_transmission_error", {"cosine": 1.0, "order": 7.0}, lambda q, i: np.cos(7.0 * q[:, i])),
+        ("joint_waviness", {"sine_5": 1.0}, lambda q, i: np.sin(5.0 * q[:, i])),
+        (
+            "joint_waviness",
+            {"cosine_2": 1.0, "sine_32": -0.5, "sine_9": 7.0, "orders": 8.0},
+            lambda q, i: np.cos(2.0 * q[:, i]),
+        ),
         ("joint_coupling", {"coupling": 1.0}, lambda q, i: q[:, i - 1]),
     ],
 )
@@ -130,6 +136,35 @@ def test_joint_errors_are_those_of_exact_kinematics(
             exact = coordinates_moved(posed, i, partial(motion, i=i))
         expected = exact_change(exact)
         assert moved(posed.state, effect, values, (i,)) == pytest.approx(expected, abs=1e-8)
+
+
+def put(arm: Arm, index: int, joint: Joint) -> Arm:
+    return replace(arm, joints=(*arm.joints[:index], joint, *arm.joints[index + 1 :]))
+
+
+@pytest.mark.parametrize("posed", SPATIAL[:2], ids=["slide", "turning"])
+def test_a_misaligned_axis_is_a_joint_set_askew(posed: Posed) -> None:
+    """Tilts turn the joint's place on the link before it, shifts move it there, slides as they stand."""
+    for index in range(1, posed.arm.size):
+        joint = posed.arm.joints[index]
+        hint = np.array([1.0, 0.0, 0.0] if abs(joint.axis[0]) < 0.9 else [0.0, 1.0, 0.0])
+        first = np.cross(joint.axis, hint)
+        first /= np.linalg.norm(first)
+        for name, axis in (("u", first), ("v", np.cross(joint.axis, first))):
+
+            def tilted(h: float, axis: Array = axis, index: int = index, joint: Joint = joint) -> tuple[Arm, Array]:
+                turn = np.array(joint.origin_rotation) @ rotation_about(axis, h)
+                new = replace(joint, origin_rotation=tuple(tuple(row) for row in turn.tolist()))
+                return put(posed.arm, index, new), posed.q
+
+            def shifted(h: float, axis: Array = axis, index: int = index, joint: Joint = joint) -> tuple[Arm, Array]:
+                by = np.array(joint.origin_translation) + h * np.array(joint.origin_rotation) @ axis
+                new = replace(joint, origin_translation=tuple(by.tolist()))
+                return put(posed.arm, index, new), posed.q
+
+            for kind, exact in (("tilt", tilted), ("shift", shifted)):
+                found = moved(posed.state, "axis_misalignment", {f"{kind}_{name}": 1.0}, (index,))
+                assert found == pytest.approx(exact_change(exact), abs=1e-8), (index, kind, name)
 
 
 @pytest.mark.parametrize("posed", SPATIAL, ids=["slide", "turning", "absolute"])

@@ -50,6 +50,16 @@ def test_warm_links_lengthen_bend_and_turn_their_joints_behind_their_lag() -> No
         assert found == pytest.approx(turning, rel=1e-6, abs=1e-10)
 
 
+def test_a_warm_screw_carries_its_slide_too_far() -> None:
+    """a dT q along the slide's axis, and nothing at joints that turn."""
+    posed = spatial()
+    unit = moved(posed.state, "encoder_offset", {"offset": 1.0}, (2,))
+    travel = 2e-5 * lagged(posed, 2) * posed.q[:, 2]
+    found = moved(posed.state, "screw_expansion", {"expansion": 2e-5, "lag": LAG}, (2,))
+    assert found == pytest.approx(unit * travel[:, None], rel=1e-6, abs=1e-12)
+    assert np.all(moved(posed.state, "screw_expansion", {"expansion": 2e-5}, (1,)) == 0.0)
+
+
 def test_thermal_bending_is_thermal_motion_of_both_joints_half_each() -> None:
     """z x (p - o_i) + z x (p - o_(i+1)) = 2 z x (p - o_(i+1)) + L n, with both joints as warm as the link."""
     posed = planar()

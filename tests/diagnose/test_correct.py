@@ -11,7 +11,7 @@ from arm.writing import write_arm
 from diagnose.candidates import Candidate
 from diagnose.correct import corrected_arm
 from diagnose.diagnosis import diagnose
-from diagnose.refit import Term
+from diagnose.refit import Refit, Term
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -59,13 +59,18 @@ def test_physics_left_out_comes_back_whole(tmp_path):
     assert again.verdict == "none"
 
 
+def refitted(candidate, sizes):
+    """A fit that found this one term."""
+    nothing = np.zeros((1, 2))
+    return Refit((Term(candidate, sizes, nothing[:, :, None], nothing),), ((),), nothing, 0.0, 1)
+
+
 @pytest.mark.parametrize(("share", "back"), [(0.98, True), (0.5, False), (1.8, False)])
 def test_half_an_effect_does_not_come_back_whole(share, back):
     """The file can hold the physics or leave it out; where neither is so, it says that it cannot."""
     arm = replace(made_arm(), leave_out=frozenset({"slope_propagation"}))
     candidate = Candidate("slope_propagation", (0, 1), ("share",), MappingProxyType({}), share=True)
-    nothing = np.zeros((1, 2))
-    corrected, notes = corrected_arm(arm, [Term(candidate, np.array([share]), nothing[:, :, None], nothing)])
+    corrected, notes = corrected_arm(arm, refitted(candidate, np.array([share])))
     assert ("slope_propagation" not in corrected.leave_out) is back
     assert any("slope_propagation" in note for note in notes) is not back
 
@@ -74,15 +79,13 @@ def test_a_shape_of_nought_is_kept_where_it_says_something():
     """Creep that began with the recording must not turn into creep that begins anew with each payload."""
     shapes = {"time_constant": 3600.0, "anew": 0.0}
     candidate = Candidate("creep", (0,), ("compliance",), MappingProxyType(shapes))
-    nothing = np.zeros((1, 2))
-    corrected, _ = corrected_arm(made_arm(), [Term(candidate, np.array([1e-6]), nothing[:, :, None], nothing)])
+    corrected, _ = corrected_arm(made_arm(), refitted(candidate, np.array([1e-6])))
     assert corrected.effects[0].parameters["anew"] == 0.0
 
 
 def test_forms_do_not_enter_the_file():
     arm = made_arm()
     form = Candidate("step_in_time", (), (), MappingProxyType({"since": 1.0}), outside=True)
-    nothing = np.zeros((1, 2))
-    corrected, notes = corrected_arm(arm, [Term(form, np.array([1.0]), nothing[:, :, None], nothing)])
+    corrected, notes = corrected_arm(arm, refitted(form, np.array([1.0])))
     assert corrected == arm
     assert notes == ()

@@ -56,7 +56,10 @@ def test_power_at_the_stated_size(gate, effect):
 def test_twice_the_noise_hides_twice_as_much(gate):
     null, tested = gate
     once, twice = detectable(null, tested, 1.0, FALSE_ALARM), detectable(null, tested, 2.0, FALSE_ALARM)
-    assert [b.value / a.value for a, b in zip(once, twice, strict=True)] == pytest.approx([2.0] * len(once))
+    size = {(each.effect, each.at): each.value for each in once}
+    ratio = [each.value / size[each.effect, each.at] for each in twice]
+    assert ratio == pytest.approx([2.0] * len(twice))
+    assert len(once) >= len(twice) > 0.8 * len(once)  # what could only be shown beyond its bounds is not listed
 
 
 def test_a_pattern_within_the_nuisances_shows_only_what_is_left():

@@ -1,0 +1,48 @@
+"""A slide's screw or scale grows as it warms: the slide travels farther than its coordinate says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..statics import PoseState
+from ..vectors import times
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from .warming import LAG, warming_of
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    expansion = settings.values.get("expansion", 0.0)
+    for index, joint in enumerate(state.joints):
+        if joint.revolute or expansion == 0.0 or not settings.acts_at(index):
+            continue
+        growth = times(expansion, warming_of(state, index, settings.values))
+        yield from drive_motion(state, index, times(growth, joint.coordinate))
+
+
+SCREW_EXPANSION = Effect(
+    id="screw_expansion",
+    title="expansion of a slide's screw or scale",
+    formula="sum J_i a_i dT_i q_i, dT_i above 20 degC behind its first-order lag",
+    place="joint",
+    cause="warming",
+    automatic=False,
+    needs="temperature, at several positions of the slide",
+    aliases=("encoder_scale", "thermal_expansion"),
+    source="ISO 230-3:2020 (determination of thermal effects): distortion of linear axes in motion",
+    parameters=(
+        Parameter(
+            "expansion",
+            "thermal_expansion",
+            "growth for one kelvin of warming above 20 degC, from the coordinate's zero on",
+            -1e-4,
+            1e-4,
+            (5e-6, 2e-5),
+            "steel screws 11e-6/K, glass scales 8e-6/K; more where the recorded temperature is not the screw's",
+            role="size",
+        ),
+        LAG,
+    ),
+    twists=_twists,
+    requires=("warming",),
+    only="joints that slide",
+)

@@ -1,0 +1,207 @@
+"""Whether joints and tips of a recording as a whole tell of the same motion: units, frame, tool, conventions.
+
+What contradicts the arm as a whole is refused with what would mend it; a frame or tool that is a little off is said.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+from materials.quantities import InputError, format_quantity
+
+from .convention_slips import Explained, explained_by_convention
+from .placement import Placement, nominal, placed, turn_of
+from .recording import Recording
+from .unit_slips import UnitChange, unit_changes
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_FEWEST = 5
+_WHOLE, _LEAST_WHOLE = 0.1, 0.01
+"""Shares of the tips' spread and of the reach beyond which the middle reading contradicts the arm."""
+BETTER = 0.2
+_NOTICED, _FEWEST_FOR_CONVENTIONS = 2e-3, 12
+"""Of the reach: from here on a wrong convention is looked for, in so many readings at least."""
+_HOPELESS, _HOPELESS_WHOLE = 0.2, 0.05
+"""Of the tips' spread and of the reach: no small displacements explain what is left then."""
+
+
+def contradictions(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+) -> list[str]:
+    """Sentences about the recording as a whole; `place` sets it against the arm as declared, `reach` is the arm's, m.
+
+    Raises `InputError` where another unit, frame, tool or convention is needed, or nothing that is known would do.
+    """
+    if place.misfit > _much(place, reach):
+        _refuse_units(recording, arm, place, reach, headers)
+        _refuse_still_joint(recording, arm, place, reach, headers)
+    _refuse_conventions(recording, arm, place, reach, headers)
+    return _frame_sentences(recording, arm, place, reach, headers)
+
+
+def _much(place: Placement, reach: float) -> float:
+    """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
+    return max(_WHOLE * _spread(place.modelled), _LEAST_WHOLE * reach)
+
+
+def _spread(points: Array) -> float:
+    return float(np.median(np.linalg.norm(points - np.median(points, axis=0), axis=1)))
+
+
+def _refuse_units(recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]) -> None:
+    """Raise where another unit of a column makes joints and tip agree."""
+    best: tuple[float, float, UnitChange] | None = None
+    for change in unit_changes(arm, recording.tip.shape[1], headers):
+        tried = placed(
+            arm,
+            recording.q * change.q,
+            recording.tip * change.tip,
+            frame=recording.frame == "free",
+            tool=recording.tool == "free",
+        )
+        # Relative to the motion: in units that are small enough, everything is close to everything.
+        share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
+        good = share < _WHOLE and tried.misfit < BETTER * place.misfit
+        if good and (best is None or share < 0.999 * best[0]):
+            best = (share, tried.misfit, change)
+    if best is None:
+        return
+    _, misfit, change = best
+    message = (
+        f"{change.said()}: then the middle reading is {shown_length(misfit)} from the nominal tip, and not "
+        f"{shown_length(place.misfit)}; write {change.remedy()}"
+    )
+    raise InputError(recording.file, "", message)
+
+
+def _refuse_still_joint(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+) -> None:
+    """Raise where a joint that never changes would have to move for the tip to be where it is."""
+    for index in range(arm.size):
+        if np.ptp(recording.q[:, index]) != 0.0 or recording.frame == "free":
+            continue
+        left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
+        if np.median(left) < BETTER * place.misfit and np.median(left) < _much(place, reach):
+            name = headers.get(f"q{index + 1}", f"q{index + 1}")
+            message = "never changes, but the tip moves as if the joint did: its encoder stands still or was not logged"
+            raise InputError(recording.file, name, message)
+
+
+def _refuse_conventions(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+) -> None:
+    """Raise where a joint that counts the other way, another zero, mirrored axes and the like make them agree."""
+    if place.misfit < _NOTICED * reach or recording.size < _FEWEST_FOR_CONVENTIONS:
+        return
+    gross = place.misfit > _much(place, reach)
+    frame, tool = recording.frame == "free", recording.tool == "free"
+
+    def explained(*, frame: bool, tool: bool) -> Explained | None:
+        q, tip = recording.q, recording.tip
+        return explained_by_convention(arm, q, tip, headers, place.misfit, frame=frame, tool=tool, gross=gross)
+
+    found, further = explained(frame=frame, tool=tool), ""
+    if not (frame and tool):
+        free = placed(arm, recording.q, recording.tip, frame=True, tool=True).misfit
+        if found is None and gross and free >= BETTER * place.misfit:
+            found, further = explained(frame=True, tool=True), " and `frame: free` and `tool: free`"
+        elif found is not None and free <= 2.0 * found.misfit:
+            return  # a frame that was turned says as much, and is commoner
+    if found is not None:
+        message = (
+            f"{found.sentence()}, it seems: then the middle reading is {shown_length(found.misfit)} from the nominal "
+            f"tip, and not {shown_length(place.misfit)}; write {found.remedy()}{further}"
+        )
+        raise InputError(recording.file, "", message)
+
+
+def _frame_sentences(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+) -> list[str]:
+    """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
+    if place.misfit < _LEAST_WHOLE * reach or recording.size < 2 * _FEWEST:
+        return []
+    known_frame, known_tool = recording.frame == "known", recording.tool == "known"
+    tries: list[tuple[str, Placement]] = []
+    for frame, tool in ((True, False), (False, True), (True, True)):
+        if (frame and not known_frame) or (tool and not known_tool):
+            continue
+        free = placed(arm, recording.q, recording.tip, frame=frame or not known_frame, tool=tool or not known_tool)
+        words = [word for word, is_free in (("frame: free", frame), ("tool: free", tool)) if is_free]
+        tries.append((" and ".join(words), free))
+    good = [(words, free) for words, free in tries if free.misfit < BETTER * place.misfit]
+    if not good:
+        if place.misfit > _much(place, reach):
+            text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
+            ask = "do the arm file and the recording belong together?"
+            still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
+            if still:
+                ask += f" {', '.join(still)} never changes: was it logged?"
+            text += f", and no other unit, frame, tool, zero, sign or order explains it: {ask}"
+            far = place.misfit > _HOPELESS * _spread(place.modelled) and place.misfit > _HOPELESS_WHOLE * reach
+            if far or still:
+                raise InputError(recording.file, "", text)
+            return [f"{text[0].upper()}{text[1:]}"]
+        return []
+    least = min(free.misfit for _, free in good)
+    words, free = next((words, free) for words, free in good if free.misfit <= 2.0 * least + 1e-6)
+    shift, turn = float(np.linalg.norm(free.translation)), turn_of(free.rotation)
+    parts: list[str] = []
+    if "frame" in words:
+        # The shift of the origin alone means little where the frame is turned: what the tips move by is what counts.
+        parts.append(f"a frame turned by {math.degrees(turn):.3g} deg and shifted by {shown_length(shift)}")
+    if "tool" in words:
+        parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
+    falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
+    change = f"{' and '.join(parts)} would bring the middle reading {falls}"
+    large = turn > 0.1 or place.misfit > _WHOLE * reach
+    if large:
+        message = f"is measured in another frame than the arm's: {change}; write `{words}` in recording.yaml"
+        if "frame" not in words:
+            message = f"does not hold the arm file's tip: {change}; write `{words}` in recording.yaml"
+        raise InputError(recording.file, "", message)
+    return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write `{words}` in recording.yaml."]
+
+
+def distance_with_joint_free(recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int) -> Array:
+    """How far the measured tips of some rows are from what the arm can reach by moving one joint alone, m."""
+    q = recording.q[rows]
+    goal = (place.modelled + place.residual)[rows]
+    joint = arm.joints[index]
+    low, high = (-math.pi, math.pi) if joint.revolute else joint.range
+    step = (high - low) / 180.0
+    best = np.full(len(q), np.inf)
+    at = q[:, index].copy()
+    width = recording.tip.shape[1]
+
+    def distance(values: Array) -> Array:
+        moved = q.copy()
+        moved[:, index] = values
+        tips, axes = nominal(arm, moved, width)
+        return np.linalg.norm(tips + axes @ place.tool - goal, axis=1)
+
+    center = q[:, index] if joint.revolute else np.zeros(len(q))
+    for offset in np.arange(low, high + 0.5 * step, step):
+        tried = distance(center + offset)
+        at = np.where(tried < best, center + offset, at)
+        best = np.minimum(best, tried)
+    for _ in range(12):  # each pass halves the step: 2 deg down to 0.5 mdeg
+        step /= 2.0
+        for side in (-step, step):
+            tried = distance(at + side)
+            at = np.where(tried < best, at + side, at)
+            best = np.minimum(best, tried)
+    return best
+
+
+def shown_length(value: float) -> str:
+    """A length (m) in words, three digits."""
+    return format_quantity(value, "length", digits=3)
