@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo test lint benchmark proof proof-sample lock clean
+.PHONY: help demo test lint benchmark proof proof-sample proof-docs lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -22,6 +22,7 @@ help:
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
+	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -88,6 +89,19 @@ proof: $(DEV)
 
 proof-sample: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind_sample
+
+# The report of one half or of both: a half counts where its answers are. A sealed half is opened by this. What the parts
+# beyond the score computed stays in PROOF_WORK, by case and answer, so that a second run takes only what is new.
+PROOF_DISCLOSED ?= proof-out-disclosed-$(PROOF_SEED)
+PROOF_DISCLOSED_ANSWERS ?= $(PROOF_DISCLOSED)-answers
+PROOF_SEALED ?= proof-out-sealed-$(PROOF_SEED)
+PROOF_SEALED_ANSWERS ?= $(PROOF_SEALED)-answers
+PROOF_WORK ?= proof-out-parts
+PROOF_JOBS ?= 2
+proof-docs: $(DEV)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind publish --work $(PROOF_WORK) --docs docs --jobs $(PROOF_JOBS) \
+		$(if $(wildcard $(PROOF_DISCLOSED_ANSWERS)),--disclosed $(PROOF_DISCLOSED) $(PROOF_DISCLOSED_ANSWERS)) \
+		$(if $(wildcard $(PROOF_SEALED_ANSWERS)),--sealed $(PROOF_SEALED) $(PROOF_SEALED_ANSWERS))
 
 # The dev lock repeats the pins of the runtime lock, so that tests run on what users get. The first run on a tree
 # without locks needs pip-tools in the environment by hand.

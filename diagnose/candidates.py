@@ -29,6 +29,12 @@ _STEP = 1e-3
 
 WHOLE = frozenset({"order", "orders", "anew", "sharp"})
 """Shapes that are whole numbers and stay on their grid."""
+_ECCENTRIC = 1.0
+"""rad; over less travel a wave of one turn is a straight line."""
+STANDS = 0.05
+"""rad; a joint that travels less is taken to stand."""
+_STEADY = 0.02
+"""A load that changes by no more than this share of its greatest is steady."""
 _FOR_EACH = 8.0
 """Different angles for each coefficient of a joint's curve."""
 
@@ -150,7 +156,9 @@ def parameter_of(effect: Effect, name: str) -> Parameter:
 
 
 def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
-    sizes = tuple(parameter.name for parameter in effect.parameters if parameter.role == "size")
+    sizes = tuple(parameter.name for parameter in effect.sizes)
+    alone = tuple(parameter.name for parameter in effect.sizes if not parameter.of_all)
+    common = tuple(parameter.name for parameter in effect.sizes if parameter.of_all) or sizes
     if effect.automatic and effect.id in observed.arm.leave_out:
         acting = tuple(i for i in _places(observed, effect) if observed.signature(effect.id, Settings((i,))).any())
         yield Candidate(effect.id, acting, ("share",), MappingProxyType({}), share=True)
@@ -171,7 +179,8 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         }
         if not _needs_met(observed, effect, at, shapes):
             continue
-        yield Candidate(effect.id, at, sizes, MappingProxyType(shapes), shared=shared)
+        own = common if shared else alone
+        yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
 
 
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
@@ -181,6 +190,8 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
         return False
     if effect.id == "backlash" and shapes.get("held_below", 0.0) > 0.0:
         return held.sides is not None
+    if effect.id == "creep" and not _load_changes(observed, at):
+        return False
     if effect.id == "creep" and shapes.get("anew") == 0.0:
         started = observed.recording.time
         return started is not None and not np.array_equal(started, np.asarray(held.loaded_for))
@@ -189,9 +200,20 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
     if effect.id == "joint_waviness":
         angles = np.unique(np.round(observed.recording.q[:, at[0]], 3))
         return len(angles) >= _FOR_EACH * 2.0 * shapes["orders"]
+    if effect.id == "counterbalance":
+        # Without travel of its own a joint's balance only repeats what the joints before it do.
+        return bool(np.ptp(observed.recording.q[:, at[0]]) > STANDS)
+    if effect.id == "encoder_eccentricity":
+        return float(np.ptp(observed.recording.q[:, at[0]])) >= _ECCENTRIC
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True
+
+
+def _load_changes(observed: Observed, at: tuple[int, ...]) -> bool:
+    """Whether the load on a drive changes: under the same load for ever, creep is any slow settling."""
+    load = np.asarray(observed.state.joints[at[0]].drive_load, dtype=float)
+    return float(np.ptp(load)) > _STEADY * float(np.max(np.abs(load)))
 
 
 def _enough_travel(observed: Observed, joint: int, order: float) -> bool:

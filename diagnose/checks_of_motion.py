@@ -32,8 +32,8 @@ _MANY_STILL = 0.2
 
 def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
     """The recording less rows in which joints and tip contradict each other grossly. Raises `InputError`."""
-    if recording.size < _FEWEST:
-        return recording
+    if recording.size < _FEWEST or not np.ptp(recording.q, axis=0).any():
+        return recording  # where no joint moves there is no motion to tell of
     reach = sum(arm.lengths) + sum(math.dist(joint.origin_translation, (0, 0, 0)) for joint in arm.joints)
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
     if reach <= 0.0:

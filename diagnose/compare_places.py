@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from arm.chain import Arm
 from arm.kinematics import tip_position
 
-from .iso_figures import SAME_ANGLE, SAME_LENGTH, clusters
+from .iso_figures import clusters
 from .observed import rms_length
-from .recording import Recording
+from .recording import SAME_ANGLE, SAME_LENGTH, Recording
 from .result import Diagnosis
 
 Array = NDArray[np.float64]

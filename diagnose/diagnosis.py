@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ from .unknown import describe, predictable, rejected_forms
 from .whole_search import LEVEL, whole_search_p
 
 Array = NDArray[np.float64]
+Item = TypeVar("Item")
 
 _ENOUGH_REPEATS = 20
 """Degrees of freedom (for each component) from which repeats are trusted to tell noise from physics."""
@@ -43,8 +45,10 @@ _FARTHER = 2.0
 memory of the noise together make repeats look up to twice too quiet."""
 _ENOUGH_RETURNS = 8
 """Poses that were visited again (less one for each) from which that tells what lasts from what does not."""
-_LASTING = 0.3
+_LASTING = 0.2
 """The share of a remainder that must be there again, or predict itself elsewhere, for it to be the model's fault."""
+_REFUTED = 0.05
+"""By how much (as a share of the RMS) held-out readings must be better without a finding for it to be dropped."""
 _LOCAL = 0.25
 """The median remainder over its RMS below which it sits at a few visits."""
 _LONG = 3000
@@ -128,18 +132,37 @@ class _Report:
         self.noise, self.options, self.tell = noise, options, progress
         self.search: Prepared = namer.prepared
         self.found, self.alternatives = self._renamed()
+        self.p_values = named.p_values if named is not None else ()
         self.forms: tuple[int, ...] = named.outside if named is not None else ()
         self.prepared, number = self._fitted_to(whole)
         self.members = tuple(number[m] for m in self.found)
         self.outside = tuple(number[m] for m in self.forms)
-        prepared = self.prepared
-        self.observed: Observed = prepared.observed
+        self.observed: Observed = self.prepared.observed
         self.folds: dict[str, Folds] = splits(self.observed, options.seed)
-        self.fitted: Fit = fit(prepared, [*self.members, *self.outside])
+        self.unconfirmed: list[str] = []
+        self._fit()
+        while (refuted := self._refuted()) is not None:
+            self.unconfirmed.append(self._label(self.members[refuted]))
+            self.found, self.members = _less(self.found, refuted), _less(self.members, refuted)
+            self.alternatives, self.p_values = _less(self.alternatives, refuted), _less(self.p_values, refuted)
+            self._fit()
         self.scattered = False
         self.left_over = self._left_over()
-        self.refit: Refit = refit(prepared, self.members, self.outside, self.fitted)
+
+    def _fit(self) -> None:
+        """Fit what was found to all readings, and in turn to all but some."""
+        self.fitted: Fit = fit(self.prepared, [*self.members, *self.outside])
+        self.refit: Refit = refit(self.prepared, self.members, self.outside, self.fitted)
         self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
+
+    def _refuted(self) -> int | None:
+        """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
+        was fitted to, and no others."""
+        whole = hardest(self.held_out).rms()
+        without = [self._rms_held_out([*_less(self.members, k), *self.outside]) for k in range(len(self.members))]
+        if not without or min(without) >= (1.0 - _REFUTED) * whole:
+            return None
+        return int(np.argmin(without))
 
     def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
         """What the findings are fitted to: all readings where only some were searched (and no form won, whose places
@@ -177,16 +200,16 @@ class _Report:
         self.scattered = not lasting
         return lasting
 
-    def _renamed(self) -> tuple[tuple[int, ...], list[list[Rival]]]:
+    def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""
         if self.named is None:
-            return (), []
+            return (), ()
         members = list(self.named.members)
         for place, member in enumerate(members):
             whole = [*members, *self.named.outside]
             members[place] = preferred(self.namer, whole, member, rivals(self.namer, whole, member))
         whole = [*members, *self.named.outside]
-        return tuple(members), [rivals(self.namer, whole, member) for member in members]
+        return tuple(members), tuple(rivals(self.namer, whole, member) for member in members)
 
     def result(self, arm: Arm, recording: Recording, began: float) -> Diagnosis:
         """The whole result."""
@@ -295,7 +318,7 @@ class _Report:
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components
         found: list[Finding] = []
-        p_values = self.named.p_values if self.named is not None else ()
+        p_values = self.p_values
         whole = [*self.members, *self.outside]
         for place, member in enumerate(self.members):
             candidate = self.prepared.pool.groups[member].candidate
@@ -419,6 +442,10 @@ class _Report:
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
+        found += [
+            f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
+            for each in self.unconfirmed
+        ]
         if self.scattered:
             found.append(
                 "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
@@ -431,6 +458,11 @@ class _Report:
             if p <= FALSE_ALARM:
                 found.append(f"A remainder is more than chance (p = {p:.2g}), but small beside what was found.")
         return tuple(found)
+
+
+def _less(values: tuple[Item, ...], place: int) -> tuple[Item, ...]:
+    """A tuple without one of its items."""
+    return (*values[:place], *values[place + 1 :])
 
 
 def _fitted(effect: str) -> bool:

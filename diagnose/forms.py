@@ -27,6 +27,7 @@ SENTENCES = MappingProxyType(
         "step_in_time": "a step in time: something slipped or was moved",
         "joint_step_in_time": "a step in time of one joint: its zero has moved",
         "periodic_in_time": "a term that is periodic in time",
+        "joint_periodic_in_time": "a motion of one joint that is periodic in time",
         "trend_in_time": "a slow curved trend in time",
         "smooth_in_time": "something that wanders with time",
         "spring_to_a_point": "a spring to a fixed point (a cable or hose that pulls), acting through what bends",
@@ -50,6 +51,8 @@ FORCES = frozenset({"constant_force", "spring_to_a_point", "pull_of_a_point", "f
 _STEPS_IN_TIME = 40
 _PERIODS = 130
 _REGIONS = 12
+_MANY_VISITS = 100
+"""Visits beyond which no period is sought for each joint."""
 _CORE = 0.15
 """m; nearer than this a pull grows no further, since what pulls has a size."""
 _LARGE = 4000
@@ -129,6 +132,9 @@ def _in_time(
             angle = 2.0 * np.pi * cycles * run
             waves = [np.sin(angle), np.cos(angle)]
             yield _form("periodic_in_time", shapes={"period": span / cycles}), _times_axes(waves, axes)
+            for number, motion in enumerate(joints if len(starts) <= _MANY_VISITS else ()):
+                turning = np.stack([wave[:, None] * motion for wave in waves], axis=2)
+                yield _form("joint_periodic_in_time", (number,), {"period": span / cycles}), turning
 
 
 def _scaled_position(observed: Observed) -> Array:

@@ -20,7 +20,7 @@ from arm.chain import Arm
 from arm.jacobian import motion_directions
 from arm.kinematics import tip_position
 
-from .recording import Recording
+from .recording import SAME_ANGLE, SAME_LENGTH, Recording
 from .result import Covered
 
 Array = NDArray[np.float64]
@@ -30,8 +30,6 @@ LEAST_VISITS = 5
 """Readings at one pose from which a standard deviation is told."""
 LEAST_EACH = 3
 """Readings in each of two groups (sides, loads, times) whose means are compared."""
-SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
-"""Coordinates (rad, m) closer than this are the same pose."""
 _SAME_LOAD = 1e-3
 """kg or N; a scale's noise is no other load."""
 _LONGER = 3.0

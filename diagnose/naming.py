@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .calibrate import Calibrated, Given, given_model, one_more
-from .candidates import PLAUSIBLE, columns_of
+from .candidates import PLAUSIBLE, STANDS, columns_of
 from .fit import Fit, fit, impossible, typical
 from .pool import Pool, with_group
 from .prepare import Prepared, limits
@@ -357,16 +357,24 @@ def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
 
 
 def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequence[Rival]) -> int:
-    """Which name of an alias class goes first: among those that fit equally well, the one with fewest coefficients, of
-    a usual size, and the commonest cause."""
+    """Which name of an alias class goes first: among those that fit equally well, one at a joint that moves before one
+    that only shares its pattern, then the one with fewest coefficients, of a usual size, and the commonest cause."""
 
-    def order(number: int) -> tuple[int, bool, int]:
+    travel = namer.prepared.observed.recording.q
+
+    def order(number: int) -> tuple[bool, int, bool, int]:
         candidate = namer.pool.groups[number].candidate
         trial = [number if m == member else m for m in members]
         fitted: Fit = fit(namer.prepared, trial)
         sizes = fitted.sizes[trial.index(number)]
         rank = PLAUSIBLE.index(candidate.effect) if candidate.effect in PLAUSIBLE else len(PLAUSIBLE)
-        return (namer.pool.groups[number].rank, not typical(candidate, sizes), rank)
+        still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < STANDS
+        # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
+        unknown = len(sizes) != len(candidate.sizes)
+        coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
+        return (still, coefficients, not (unknown or typical(candidate, sizes)), rank)
 
-    tied = [member, *(rival.member for rival in others if rival.worse <= _TIED)]
+    # A joint that never moves is not accused while one that does would do nearly as well.
+    limit = REFUTED if order(member)[0] else _TIED
+    tied = [member, *(rival.member for rival in others if rival.worse <= limit)]
     return min(tied, key=order)

@@ -19,7 +19,7 @@ from arm.chain import Arm
 from materials.quantities import format_quantity
 
 from .placement import placed
-from .recording import Recording, RejectedRow
+from .recording import SAME_ANGLE, SAME_LENGTH, Recording, RejectedRow
 from .robust import qn, resolution
 from .row_lists import rows_text
 from .stays import differences_of_revisits, without_drift
@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]
 
-_SAME_ANGLE, _SAME_LENGTH = 2e-4, 2e-5
-"""rad, m: what servos come back to; encoders that count coarser than that are given one count and a half."""
 _COARSE = 10.0
 _FALSE_OUTLIER = 0.01
 """Chance that any row of a clean Gaussian recording is called an outlier."""
@@ -186,7 +184,7 @@ def pose_tolerance(recording: Recording, arm: Arm) -> Array:
     """How far coordinates (n,) may differ at one pose: rad, m."""
     found: list[float] = []
     for index, joint in enumerate(arm.joints):
-        least = _SAME_ANGLE if joint.revolute else _SAME_LENGTH
+        least = SAME_ANGLE if joint.revolute else SAME_LENGTH
         found.append(min(max(1.5 * _count(recording.q[:, index], _COARSE * least), least), _COARSE * least))
     return np.array(found)
 

@@ -22,12 +22,10 @@ from arm.statics import PoseState, solve
 
 from .alignment import Alignment, aligned
 from .conditions import conditions_of
-from .recording import Recording
+from .recording import SAME_ANGLE, SAME_LENGTH, Recording
 
 Array = NDArray[np.float64]
 
-SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
-"""Coordinates (rad, m) closer than this are the same pose: what servos come back to, and finer than any grid."""
 _SHORT_STAY = 6
 """Readings of a visit, where a stay at one pose is twice as long or longer."""
 _TOOL_PASSES, _TOOL_FOUND = 4, 1e-6

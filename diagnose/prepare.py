@@ -31,8 +31,9 @@ _MARGIN = 1.25
 _MOST_OUTLIERS = 0.05
 """With more rows than this share far off, it is no handful of bad readings but part of the mismatch."""
 _LEAST_PAIRS = 20
-_PASSES, _MUCH = 3, 0.3
-"""How often the rough model is made anew where the noise's memory is more than so much."""
+_PASSES, _MUCH, _SHORT = 3, 0.3, 1000
+"""How often the rough model is made anew where the noise's memory is more than so much; in longer recordings it is
+rather physics that the rough model lacks, and goes with the arm's path."""
 _SOFTEST = 1e-3
 """rad/(N*m) times kg or kg*m: the compliance of a soft drive times a light link's mass, or a stiff one's times a heavy
 one's."""
@@ -170,7 +171,7 @@ def _with_memory(
     """
     memory = _memory(left / observed.scale, observed)
     prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
-    for _ in range(_PASSES if memory > _MUCH else 0):
+    for _ in range(_PASSES if memory > _MUCH and observed.rows <= _SHORT else 0):
         left = _left_by_rough_model(prepared, noise_floor)
         found = _memory(left / observed.scale, observed)
         if found <= prepared.observed.correlation + 0.02:

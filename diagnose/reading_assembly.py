@@ -15,7 +15,7 @@ from arm.chain import Arm
 
 from .reading_columns import ColumnMeaning
 from .reading_settings import ReadingSettings
-from .recording import Recording
+from .recording import SAME_ANGLE, SAME_LENGTH, Recording
 from .table import Table
 
 Array = NDArray[np.float64]
@@ -74,6 +74,8 @@ def assembled(
         lacking = [f"dir{k + 1}" for k in range(arm.size) if f"dir{k + 1}" not in columns]
         if lacking:
             warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
+    elif held.sides == "from_order":
+        sides = sides_from_order(stacked([f"q{k + 1}" for k in range(arm.size)]), arm)
     time = one("time")
     spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
     return Recording(
@@ -101,6 +103,17 @@ def assembled(
         other=MappingProxyType(strangers),
         settings=held.file,
     )
+
+
+def sides_from_order(q: Array, arm: Arm) -> Array:
+    """The side from which each joint came (N, n), +1 or -1, if it went straight from the row before; a joint that stays
+    keeps its side, and before its first move it has none (0)."""
+    still = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
+    moves = np.diff(q, axis=0, prepend=q[:1])
+    sides = np.where(np.abs(moves) > still, np.sign(moves), 0.0)
+    for row in range(1, len(sides)):
+        sides[row] = np.where(sides[row] == 0.0, sides[row - 1], sides[row])
+    return sides
 
 
 def _in_space(columns: dict[str, ReadColumn], names: Sequence[str], total: int) -> Array | None:

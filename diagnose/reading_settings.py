@@ -17,6 +17,9 @@ from .table import Layout
 _WHOSE = ("chain", "minimize")  # keys of an arm's or a problem's file that happens to have the recording's name
 
 
+Sides = Literal["columns", "from_order"]
+
+
 @dataclass(frozen=True)
 class ReadingSettings:
     """What recording.yaml says.
@@ -24,7 +27,8 @@ class ReadingSettings:
     `columns` maps our headers (`q1_deg`) to formulas of the file's own columns; where it is given, further columns are
     taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
-    `sigma` (m) is the standard deviation of each component of the tip.
+    `sigma` (m) is the standard deviation of each component of the tip. `sides` tells whence the sides of approach are
+    known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row.
     """
 
     file: str = ""
@@ -35,6 +39,7 @@ class ReadingSettings:
     sigma: float | None = None
     frame: Literal["known", "free"] = "known"
     tool: Literal["known", "free"] = "known"
+    sides: Sides = "columns"
     layout: Layout = field(default_factory=Layout)
 
 
@@ -73,6 +78,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             sigma=sigma,
             frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
             tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
+            sides=cast(Sides, mapping.choice("sides", ("columns", "from_order"), "columns")),
             layout=_layout(mapping),
         )
 

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
+"""Coordinates (rad, m) closer than this are the same pose: what servos come back to, and finer than any grid."""
+
 
 @dataclass(frozen=True)
 class RejectedRow:

@@ -31,6 +31,7 @@ _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "step_in_time": ("time",),
         "joint_step_in_time": ("time",),
         "periodic_in_time": ("time",),
+        "joint_periodic_in_time": ("time",),
         "trend_in_time": ("time",),
         "smooth_in_time": ("time",),
         "spring_to_a_point": ("position",),

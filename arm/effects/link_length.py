@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..statics import PoseState
-from ..vectors import scale
+from ..vectors import plus, scale, times
 from .effect import Effect, Parameter, Settings, Twist
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    length = settings.values.get("length", 0.0)
+    length, stretch = settings.values.get("length", 0.0), settings.values.get("stretch", 0.0)
+    if length == 0.0 and stretch == 0.0:
+        return
     for index, link in enumerate(state.links):
-        if length != 0.0 and settings.acts_at(index):
-            yield Twist("link", index, scale(length, link.along))
+        if settings.acts_at(index):
+            yield Twist("link", index, scale(plus(length, times(stretch, link.beam.length)), link.along))
 
 
 LINK_LENGTH = Effect(
     id="link_length",
     title="true lengths of the links",
-    formula="sum u_i dL_i",
+    formula="sum u_i (dL_i + e L_i)",
     place="link",
     cause="geometry",
     automatic=False,
@@ -37,6 +39,19 @@ LINK_LENGTH = Effect(
             "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m",
             role="size",
         ),
+        Parameter(
+            "stretch",
+            "dimensionless",
+            "the same as a share of each link's length: all in proportion, as one wrong gauge makes them",
+            -0.1,
+            0.1,
+            (2e-5, 1e-3),
+            "ISO 2768-1:1989, medium to coarse, over 0.2 to 1 m",
+            role="size",
+            of_all=True,
+        ),
     ),
     twists=_twists,
+    together=True,
+    enough=(("length",), ("stretch",)),
 )

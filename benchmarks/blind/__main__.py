@@ -1,4 +1,4 @@
-"""python -m benchmarks.blind make | run | score."""
+"""python -m benchmarks.blind make | run | score | remake | publish."""
 
 from benchmarks.blind.commands import main
 

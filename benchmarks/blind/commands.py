@@ -1,16 +1,19 @@
-"""The command line: python -m benchmarks.blind make | run | score."""
+"""The command line: python -m benchmarks.blind make | run | score | remake | publish."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
 from benchmarks.blind.answers import load
 from benchmarks.blind.make import HALVES, make
+from benchmarks.blind.proof.publish import publish
+from benchmarks.blind.proof.remade import REGIONS, NotTheCaseError, remade, rng_of, session, table_of
 from benchmarks.blind.run import SealedTwiceError, run
 from benchmarks.blind.score import score
-from benchmarks.blind.seal import BrokenSealError
+from benchmarks.blind.seal import BrokenSealError, half_of
 from benchmarks.blind.tables import as_json, as_markdown
 
 
@@ -35,7 +38,28 @@ def _parser() -> argparse.ArgumentParser:
     scoring.add_argument("--json", type=Path, default=None)
     scoring.add_argument("--markdown", type=Path, default=None)
     scoring.add_argument("--partial", action="store_true", help="score a disclosed half that is not all answered")
+    again = commands.add_parser("remake", help="record a case anew at other poses, free of noise")
+    again.add_argument("cases", type=Path)
+    again.add_argument("case", help="its name, as in the folder of cases; of a sealed half only once it is scored")
+    again.add_argument("--out", type=Path, required=True, help="the new recording, a CSV file")
+    publishing = commands.add_parser("publish", help="docs/proof.md from folders of cases and answers")
+    for half in HALVES:
+        publishing.add_argument(f"--{half}", type=Path, nargs=2, metavar=("CASES", "ANSWERS"), default=None)
+    publishing.add_argument("--work", type=Path, required=True, help="keeps what was computed, case by case")
+    publishing.add_argument("--docs", type=Path, default=Path("docs"))
+    publishing.add_argument("--jobs", type=int, default=2)
     return parser
+
+
+def _remake(root: Path, name: str, out: Path) -> str:
+    """Records a case anew; says which rows are where. Raises SealedTwiceError while its truths are shut."""
+    if half_of(root) == "sealed" and not (root / "scored.txt").exists():
+        raise SealedTwiceError(f"{root}: its truths are shut until they are scored")
+    truth = json.loads((root / "truth" / f"{name}.json").read_text(encoding="utf-8"))
+    case = remade(truth, root / "cases" / name)
+    made = session(case, rng_of(truth, 1))
+    table_of(case, made).to_csv(out, index=False, lineterminator="\n")
+    return "\n".join(f"{region}: {made.region.count(region)} rows" for region in REGIONS)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -47,6 +71,14 @@ def main(arguments: list[str] | None = None) -> int:
         elif asked.command == "run":
             done = run(asked.cases, asked.answers, asked.jobs, asked.limit, asked.timeout)
             print(f"{done} cases answered")
+        elif asked.command == "remake":
+            print(_remake(asked.cases, asked.case, asked.out))
+        elif asked.command == "publish":
+            folders = [tuple(pair) for pair in (asked.disclosed, asked.sealed) if pair]
+            if not folders:
+                raise FileNotFoundError("name the folders of at least one half: --disclosed CASES ANSWERS")
+            for path in publish(folders, asked.work, asked.docs, asked.jobs):
+                print(f"written: {path}")
         else:
             result = score(*load(asked.cases, asked.answers, partial=asked.partial))
             text = as_markdown(result)
@@ -55,7 +87,7 @@ def main(arguments: list[str] | None = None) -> int:
             if asked.markdown:
                 asked.markdown.write_text(text, encoding="utf-8")
             print(text)
-    except (FileExistsError, FileNotFoundError, BrokenSealError, SealedTwiceError) as error:
+    except (FileExistsError, FileNotFoundError, BrokenSealError, SealedTwiceError, NotTheCaseError) as error:
         print(f"benchmarks.blind: {error}", file=sys.stderr)
         return 2
     return 0

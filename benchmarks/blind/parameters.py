@@ -46,8 +46,37 @@ UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "N*m": ("N*m", 1.0),
         "kN*m": ("N*m", 1e3),
         "1/(N*m^2)": ("1/(N*m^2)", 1.0),
+        "m/s": ("m/s", 1.0),
+        "m/h": ("m/s", 1.0 / 3600.0),
+        "rad/s": ("rad/s", 1.0),
+        "rad/h": ("rad/s", 1.0 / 3600.0),
     }
 )
+Translation = Mapping[str, tuple[str, str, float]]
+_ANGLES: Translation = MappingProxyType({"sine": ("sine", "rad", 1.0), "cosine": ("cosine", "rad", 1.0)})
+TRANSLATED: Mapping[str, Translation] = MappingProxyType(
+    {
+        "encoder_eccentricity": _ANGLES,
+        "gear_transmission_error": _ANGLES,
+        "friction_windup": MappingProxyType(
+            {"coulomb": ("windup", "rad", 1.0), "proportional": ("windup_per_load", "rad/(N*m)", 1.0)}
+        ),
+        "gearbox_thermal": MappingProxyType({"rate": ("per_kelvin", "rad/K", 1.0), "lag": ("lag", "s", 1.0)}),
+        "thermal_expansion": MappingProxyType({"lag": ("lag", "s", 1.0)}),
+        "thermal_bending": MappingProxyType({"lag": ("lag", "s", 1.0)}),
+        "tool_offset": MappingProxyType({"a": ("along", "m", 1.0), "b": ("across", "m", 1.0)}),
+        "link_modulus": MappingProxyType({"ratio": ("excess", "1", 1.0)}),
+        # a base turned one way sees gravity turned the other
+        "base_tilt": MappingProxyType({axis: (f"about_{axis}", "rad", -1.0) for axis in "xyz"}),
+        "frame_misalignment": MappingProxyType(
+            {axis: (axis, "m", 1.0) for axis in "xyz"} | {"rotation": ("about_z", "rad", 1.0)}
+        ),
+        "frame_drift": MappingProxyType(
+            {axis: (axis, "m/h", 1.0) for axis in "xyz"} | {"rotation": ("about_z", "rad/h", 1.0)}
+        ),
+    }
+)
+"""What a true parameter is called where the words differ or the truth has no unit: name, unit of the truth, factor."""
 SYNONYMS: tuple[frozenset[str], ...] = (
     frozenset({"total", "backlash"}),
     frozenset({"offset", "delta"}),
@@ -78,18 +107,33 @@ def _same(stated: str, true: str) -> bool:
     return one == two or any(one in group and two in group for group in SYNONYMS)
 
 
+def _other_words(entry: Mapping[str, Any], true: Mapping[str, Any]) -> bool:
+    """Whether the two speak of different things: three zones have neither the knee nor the compliance of a smooth
+    curve, and a tool's axes are those of the last link or of the last joint, which are one in the plane only."""
+    if true.get("effect") == "joint_hardening":
+        return any(name.startswith("zones") and each["value"] > 0.5 for name, each in true["parameters"].items())
+    return true.get("effect") == "tool_offset" and "out" in (entry.get("parameters") or {})
+
+
 def coverage(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[str, bool]]:
     """For each stated parameter with an interval and a true value of its name and dimension: whether it is inside."""
+    if _other_words(entry, true):
+        return []
+    words = TRANSLATED.get(true.get("effect", ""), MappingProxyType({}))
     found = []
     for name, stated in (entry.get("parameters") or {}).items():
         interval = stated.get("ci95") if isinstance(stated, Mapping) else None
         if not interval or any(end is None for end in interval):
             continue
         for true_name, value in true["parameters"].items():
-            unit, own = UNITS.get(stated.get("unit") or ""), UNITS.get(value["unit"])
-            if not _same(name, true_name) or unit is None or own is None or unit[0] != own[0]:
+            base, place = _base(true_name)
+            called, own_unit, factor = words.get(base, (base, value["unit"], 1.0))
+            unit, own = UNITS.get(stated.get("unit") or ""), UNITS.get(own_unit)
+            if not _same(name, f"{called}_{place}" if place else called):
                 continue
-            amount = value["value"] * own[1] / unit[1]
+            if unit is None or own is None or unit[0] != own[0]:
+                continue
+            amount = factor * value["value"] * own[1] / unit[1]
             found.append((_base(true_name)[0], bool(interval[0] <= amount <= interval[1])))
             break
     return found

@@ -6,8 +6,10 @@ import contextlib
 import io
 import json
 import os
+import shutil
 import signal
 import sys
+import tempfile
 import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -18,6 +20,8 @@ from typing import Any
 from benchmarks.blind.seal import digest, half_of
 
 FAILED = -1
+CORRECTED = "corrected"
+"""Folder of the answers' corrected arms, kept from the one asking for what they predict."""
 
 
 class SealedTwiceError(ValueError):
@@ -28,20 +32,25 @@ def _late(number: int, frame: FrameType | None) -> None:
     raise TimeoutError(f"no answer in time (signal {number}, {frame is not None})")
 
 
-def _ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
+def ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
     """One question: exit status, seconds, the last line that the tool printed as an error."""
     from linkwright.command_line import outcome  # the one touch of what is judged
 
-    folder = Path(case)
+    folder, corrected = Path(case), Path(answer).parent.parent / CORRECTED
     start = time.perf_counter()
     words = io.StringIO()
-    signal.signal(signal.SIGALRM, _late)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(words):
-            status = outcome(["diagnose", str(folder / "arm.yaml"), str(folder / "recording.csv"), "--json", answer])
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    with tempfile.TemporaryDirectory() as out:
+        asked = ["diagnose", str(folder / "arm.yaml"), str(folder / "recording.csv"), "--json", answer, "--out", out]
+        signal.signal(signal.SIGALRM, _late)
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+        try:
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(words):
+                status = outcome(asked)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        if (Path(out) / "arm.yaml").exists():
+            corrected.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(Path(out) / "arm.yaml", corrected / f"{Path(answer).stem}.yaml")
     lines = words.getvalue().strip().splitlines()
     return status, time.perf_counter() - start, lines[-1] if lines else ""
 
@@ -96,7 +105,7 @@ def _waves(root: Path, answers: Path, names: list[str], jobs: int, seconds: floa
     for at in range(0, len(names), size):
         wave = names[at : at + size]
         futures: dict[str, Future[tuple[int, float, str]]] = {
-            name: pool.submit(_ask, str(root / "cases" / name), str(answers / "diagnosis" / f"{name}.json"), seconds)
+            name: pool.submit(ask, str(root / "cases" / name), str(answers / "diagnosis" / f"{name}.json"), seconds)
             for name in wave
         }
         broken = []

@@ -342,6 +342,6 @@ def test_what_the_arm_has_data_for_may_be_named_without_a_size(tmp_path: Path) -
 
 def test_what_links_share_and_what_an_encoder_sees() -> None:
     """One material, one air and one clock for all; only a servo's droop is before the encoder."""
-    together = {"link_modulus", "thermal_expansion", "thermal_bending", "latency"}
+    together = {"link_modulus", "link_length", "thermal_expansion", "thermal_bending", "latency"}
     assert {effect.id for effect in EFFECTS.values() if effect.together} == together
     assert {effect.id for effect in EFFECTS.values() if effect.before_encoder} == {"servo_droop"}

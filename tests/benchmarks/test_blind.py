@@ -514,7 +514,7 @@ def stand_in(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
 
 def test_runner_survives_failures_and_deaths(sealed, tmp_path, monkeypatch):
     """Each case gets its record; only the culprits fail, and a second run finds nothing to ask."""
-    monkeypatch.setattr(run_module, "_ask", stand_in)
+    monkeypatch.setattr(run_module, "ask", stand_in)
     answers = tmp_path / "answers"
     assert run(sealed, answers, jobs=2, limit=1) == 1
     assert run(sealed, answers, jobs=2, seconds=7.0) == 2

@@ -1,0 +1,95 @@
+"""From folders of cases and answers to docs/proof.md: scores, the further parts, pictures, page."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.blind.concealed import OUTSIDE
+from benchmarks.blind.proof.asked_again import next_poses, self_made
+from benchmarks.blind.proof.drawing import heat_map, power
+from benchmarks.blind.proof.figures import Figures, Results, asks_for_poses, figures
+from benchmarks.blind.proof.halves import Half, read_half, sample, shown
+from benchmarks.blind.proof.library import tellable
+from benchmarks.blind.proof.page import MAP, POWER, page
+from benchmarks.blind.proof.parts import FAILED, Piece, done
+from benchmarks.blind.proof.prediction import claimed, predicted
+
+VERDICTS = ("none", "insufficient_data", "unknown", "failed")
+_GOALS = ((0.5, 0.9), (1.0, 0.95), (2.0, 0.99))
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How many cases each further part takes at most."""
+
+    predicted: int = 72
+    nulls: int = 60
+    next_poses: int = 40
+    self_made: int = 150
+
+
+def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Results]:
+    """The further parts of a half; those that ask the tool anew only of a disclosed one."""
+    open_half = half.name == "disclosed"
+
+    def run(part: str, call: Callable[..., dict[str, Any]], pieces: list[Piece]) -> Results:
+        return done(f"{half.name}, {part}", call, pieces, work / half.name / part, jobs)
+
+    some = sample(half, sizes.predicted, lambda t, _: shown(t, ("single", "pair"), 0.5))
+    quiet = [*sample(half, sizes.nulls // 2, lambda t, _: t["kind"] == "null")]
+    quiet += sample(half, sizes.nulls - sizes.nulls // 2, lambda t, _: t["kind"] == "hostile_null")
+    tied = sample(half, sizes.next_poses, asks_for_poses) if open_half else []
+    single = sample(half, sizes.self_made, lambda t, _: shown(t, ("single",), 0.0) and tellable(t)) if open_half else []
+
+    def piece(case: str, *more: object) -> Piece:
+        return Piece(case, half.key(case), (*more,))
+
+    names = {truth["case"]: str(half.folder(truth["case"])) for truth in half.truths}
+    return {
+        "prediction": run(
+            "prediction",
+            predicted,
+            [piece(t["case"], dict(t), names[t["case"]], str(half.corrected(t["case"])), open_half) for t in some],
+        ),
+        "nulls": run("nulls", claimed, [piece(t["case"], names[t["case"]]) for t in quiet]),
+        "next_poses": run(
+            "next_poses",
+            next_poses,
+            [piece(t["case"], dict(t), names[t["case"]], dict(half.said[t["case"]].diagnosis or {})) for t in tied],
+        ),
+        "self_made": run("self_made", self_made, [piece(t["case"], dict(t), names[t["case"]]) for t in single]),
+    }
+
+
+def publish(
+    folders: list[tuple[Path, Path]], work: Path, docs: Path, jobs: int = 2, sizes: Sizes | None = None
+) -> list[Path]:
+    """Writes docs/proof.md and its pictures from (cases, answers) of each half; gives what was written.
+
+    Raises FileNotFoundError where answers are wanting, benchmarks.blind.seal.BrokenSealError where truths were touched.
+    """
+    both: list[tuple[Half, Figures]] = []
+    for cases, answers in folders:
+        half = read_half(cases, answers)
+        print(f"{half.name}: {len(half.truths)} cases scored", file=sys.stderr)
+        found = parts(half, work, jobs, sizes or Sizes())
+        for part, results in found.items():
+            for case, result in results.items():
+                if FAILED in result:
+                    print(f"{half.name}, {part}, {case}: {result[FAILED]}", file=sys.stderr)
+        both.append((half, figures(half, found)))
+    pictures = docs / "pictures"
+    pictures.mkdir(parents=True, exist_ok=True)
+    curves = {f"class named, {h.name}": [(float(d), rate) for d, rate in h.score.class_by_dose] for h, _ in both}
+    texts = {
+        pictures / POWER: power(curves, _GOALS),
+        pictures / MAP: heat_map(both[-1][1].confusion, VERDICTS, frozenset(OUTSIDE)),
+        docs / "proof.md": page(both),
+    }
+    for path, text in texts.items():
+        path.write_text(text, encoding="utf-8", newline="\n")
+    return list(texts)

@@ -1,0 +1,49 @@
+"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [--inside] [--out DIR]
+
+Prints, for each machine (all by default), what the tool says of its recordings and how well that predicts what was not
+fitted. `--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps the servo's
+telemetry with its pulls.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.real import motoman, printer, servo, ur10
+from benchmarks.real.data import NoDataError
+
+_MACHINES = ("motoman", "ur10", "servo", "printer")
+
+
+def main() -> int:
+    """Run what was asked for."""
+    reader = argparse.ArgumentParser(prog="python -m benchmarks.real")
+    reader.add_argument("machines", nargs="*", choices=[*_MACHINES, []], metavar="MACHINE", help=", ".join(_MACHINES))
+    reader.add_argument("--inside", action="store_true", help="the diagnosis inside the folds, too")
+    reader.add_argument("--out", type=Path, help="where the servo's telemetry with its pulls goes")
+    asked = reader.parse_args()
+    machines = asked.machines or _MACHINES
+    try:
+        if "motoman" in machines:
+            for day in motoman.TARGETS:
+                motoman.evaluate(day, inside=asked.inside)
+                print()
+                motoman.evaluate(day, sides=True)
+                print()
+        if "ur10" in machines:
+            ur10.evaluate(inside=asked.inside)
+            print()
+        if "servo" in machines:
+            servo.evaluate(out=asked.out)
+        if "printer" in machines:
+            printer.evaluate()
+    except NoDataError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,39 @@
+"""Cross-validation with the diagnosis inside: what to look for is chosen anew without each fold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from arm.chain import Arm
+from benchmarks.real.model import Array, Part, fitted, found, loose, moved
+from benchmarks.real.splits import Folds
+from diagnose.diagnosis import diagnose
+from diagnose.observed import Observed
+from diagnose.options import Options
+from diagnose.recording import Recording
+
+
+def selected_within(
+    arm: Arm,
+    recording: Recording,
+    observed: Observed,
+    folds: Folds,
+    options: Options,
+    tell: Callable[[str], None] = print,
+    first: Sequence[int] | None = None,
+) -> Array:
+    """What is left (N, 3), m, of each reading by a model that was both chosen and fitted without its fold.
+
+    `first` names the folds to be tried, all by default; other readings are nan.
+    """
+    residual = observed.residual[:, :3]
+    result = np.full(residual.shape, np.nan)
+    for fold in first if first is not None else np.unique(folds).tolist():
+        seen = folds != fold
+        said = diagnose(arm, recording.kept(seen), options)
+        parts: list[Part] = [loose(observed), *found(observed, said)]
+        result[~seen] = (residual - moved(parts, fitted(residual, parts, seen)))[~seen]
+        tell(f"  fold {fold + 1}: {', '.join(each.name for each in parts[1:]) or 'nothing'}")
+    return result

@@ -1,0 +1,26 @@
+"""A printer's frame: 530 mm of aluminium would rise 12.4 um a kelvin; measured are -33."""
+
+import pytest
+
+from benchmarks.real import printer
+
+DAYS = list(printer.FILES)
+
+
+@pytest.mark.parametrize("day", DAYS)
+def test_expansion_is_refused_where_the_library_holds_nothing_else(day: str) -> None:
+    found = printer.warmed(day, expansion_only=True)
+    assert found.verdict == "unknown"
+    assert found.findings == ()
+    reasons = [form.reason for form in found.rejected_forms if form.effect == printer.EXPANSION]
+    assert reasons == ["only a size below what is possible would fit"]
+
+
+@pytest.mark.parametrize("day", DAYS)
+def test_expansion_alone_is_refused(day: str) -> None:
+    found = printer.warmed(day)
+    assert found.verdict in ("named", "alias_class", "unknown")
+    assert printer.refused(found)
+    falls = [p.value for f in found.findings for p in f.parameters if p.parameter == "per_kelvin"]
+    assert falls
+    assert sum(falls) == pytest.approx(-33e-6, abs=8e-6)
