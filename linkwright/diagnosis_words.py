@@ -14,6 +14,8 @@ from materials.quantities import format_quantity
 
 from .words import effect_title, figure, mm, percent, pose, with_unit
 
+MOST_PARAMETERS = 6
+
 VERDICTS = (
     ("none", "nothing missing", "nothing missing that this recording could show"),
     ("named", "named", "named"),
@@ -46,6 +48,19 @@ def effect_words(effect: str, at: Sequence[int]) -> str:
     """An effect with its place: `compliance of the drives (joint 2)`."""
     place = place_words(effect, at)
     return f"{effect_title(effect)} ({place})" if place else effect_title(effect)
+
+
+def main_parameters(finding: Finding) -> tuple[tuple[FittedParameter, ...], str]:
+    """The parameters of a finding to show (of many coefficients the clearest), and words for those left out."""
+    if len(finding.parameters) <= MOST_PARAMETERS:
+        return finding.parameters, ""
+
+    def clear(fitted: FittedParameter) -> float:
+        low, high = fitted.interval
+        return abs(fitted.value) / (high - low) if high > low else 0.0
+
+    shown = sorted(finding.parameters, key=clear, reverse=True)[:MOST_PARAMETERS]
+    return tuple(shown), f"and {len(finding.parameters) - MOST_PARAMETERS} more (in diagnosis.json)"
 
 
 def quantity(value: float, kind: str, digits: int = 3, like: float | None = None) -> str:

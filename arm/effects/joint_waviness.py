@@ -6,7 +6,7 @@ measured joints of light arms show it (0.2 to 0.3 mrad RMS, bending every 10 to 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ..statics import PoseState
 from ..vectors import Scalar, plus, times
@@ -17,13 +17,14 @@ ORDERS = 32
 """The highest order: a wave of 11 degrees."""
 
 
-def _curve(coordinate: Scalar, values: Settings) -> Scalar:
+def waviness(coordinate: Scalar, values: Mapping[str, float]) -> Scalar:
+    """A joint's error (rad) at an angle (rad), by the effect's parameters."""
     total: Scalar = 0.0
-    highest = values.values.get("orders", float(ORDERS))
+    highest = values.get("orders", float(ORDERS))
     for order in range(1, ORDERS + 1):
         if order > highest:
             break
-        of_sine, of_cosine = values.values.get(f"sine_{order}", 0.0), values.values.get(f"cosine_{order}", 0.0)
+        of_sine, of_cosine = values.get(f"sine_{order}", 0.0), values.get(f"cosine_{order}", 0.0)
         if of_sine != 0.0:
             total = plus(total, times(of_sine, sine(times(float(order), coordinate))))
         if of_cosine != 0.0:
@@ -34,7 +35,7 @@ def _curve(coordinate: Scalar, values: Settings) -> Scalar:
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, joint in enumerate(state.joints):
         if joint.revolute and settings.acts_at(index):
-            yield from drive_motion(state, index, _curve(joint.coordinate, settings))
+            yield from drive_motion(state, index, waviness(joint.coordinate, settings.values))
 
 
 def _amplitude(name: str, order: int) -> Parameter:

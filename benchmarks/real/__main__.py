@@ -30,7 +30,7 @@ def main() -> int:
             for day in motoman.TARGETS:
                 motoman.evaluate(day, inside=asked.inside)
                 print()
-                motoman.evaluate(day, sides=True)
+                motoman.evaluate(day, sides=False)
                 print()
         if "ur10" in machines:
             ur10.evaluate(inside=asked.inside)

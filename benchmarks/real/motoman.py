@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +27,6 @@ from benchmarks.real.model import (
     rms_mm,
     unheld,
 )
-from benchmarks.real.sides import with_sides
 from benchmarks.real.within import selected_within
 from diagnose.diagnosis import diagnose
 from diagnose.observed import Observed, observe
@@ -64,12 +63,12 @@ class Day:
         return splits.dealt(self.cells, seed)
 
 
-def grid(day: str, *, sides: bool = False, options: Options | None = None) -> Day:
-    """A day's grid, diagnosed; with `sides`, the direction each joint came from is told from the order of the rows."""
+def grid(day: str, *, sides: bool = True, options: Options | None = None) -> Day:
+    """A day's grid, diagnosed; without `sides`, as if the order of the rows did not tell where each joint came from."""
     arm = nominal(MOTOMAN)
-    path = recording_file(MOTOMAN, f"grid_test{day}_R1.csv")
-    with tempfile.TemporaryDirectory() as folder:
-        recording = read(MOTOMAN, with_sides(path, Path(folder)) if sides else path)
+    recording = read(MOTOMAN, recording_file(MOTOMAN, f"grid_test{day}_R1.csv"))
+    if not sides:
+        recording = replace(recording, sides=None)
     return Day(day, recording, observe(arm, recording), diagnose(arm, recording, options or Options()))
 
 
@@ -84,10 +83,10 @@ def gravity(observed: Observed) -> list[Part]:
     return [loose(observed), *geometry(observed), *compliance(observed, (2, 3))]
 
 
-def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = False, sides: bool = False) -> None:
+def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = False, sides: bool = True) -> None:
     """Print what is said of a day's grid, and how well it predicts."""
     known = grid(day, sides=sides)
-    tell(f"## Motoman MA2010, grid {day}{', with the sides that joints came from' if sides else ''}\n")
+    tell(f"## Motoman MA2010, grid {day}{'' if sides else ', without the sides that joints came from'}\n")
     tell(f"{known.diagnosis.sentence}\n")
     everything = [loose(known.observed), *found(known.observed, known.diagnosis)]
     folds = known.folds(0)
@@ -112,8 +111,8 @@ def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = Fa
         tell("\nSelection inside the folds:")
         rest = selected_within(nominal(MOTOMAN), known.recording, known.observed, folds, Options(), tell)
         tell(f"  by cell, chosen and fitted without the fold: {mean_rms_mm(rest, folds):.3f} mm")
-    lines(known, tell, sides=sides)
-    if not sides:
+    if sides:
+        lines(known, tell)
         other_day(known, tell)
         wandering(known, tell)
 
@@ -169,14 +168,13 @@ def other_day(day: Day, tell: Callable[[str], None] = print) -> dict[str, float]
     return said
 
 
-def lines(day: Day, tell: Callable[[str], None] = print, *, sides: bool = False) -> dict[str, tuple[float, float]]:
+def lines(day: Day, tell: Callable[[str], None] = print) -> dict[str, tuple[float, float]]:
     """The day's straight lines predicted by what the grid taught, and the other way: mm with frame and tool as taught,
     and with these fitted again. Both are in one frame of the instrument."""
     arm = nominal(MOTOMAN)
     paths = [recording_file(MOTOMAN, f"{kind}_test{day.name}_R1.csv") for kind in ("grid", "line")]
     with tempfile.TemporaryDirectory() as folder:
-        given = [with_sides(path, Path(folder)) for path in paths] if sides else paths
-        recording, file = joined(MOTOMAN, given, Path(folder))
+        recording, file = joined(MOTOMAN, paths, Path(folder))
     observed = observe(arm, recording)
     residual, line = observed.residual[:, :3], file == 1
     said: dict[str, tuple[float, float]] = {}

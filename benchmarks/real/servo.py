@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.real.data import SERVO, nominal, read, recording_file
-from benchmarks.real.sides import with_pulls
+from benchmarks.real.pulls import with_pulls
 from diagnose.diagnosis import diagnose
 from diagnose.options import Options
 from diagnose.result import Diagnosis, Finding

@@ -17,6 +17,7 @@ from linkwright.diagnosis_words import (
     effect_words,
     interval_words,
     least_visible,
+    main_parameters,
     next_pose_words,
     p_words,
     parameter_title,
@@ -30,6 +31,7 @@ from linkwright.diagnosis_words import (
 from linkwright.words import figure, mm, pose
 
 from .arm_picture import arm_picture, shared_window, skeleton_at
+from .joint_curves import joint_curves
 from .page import side_by_side, table
 from .svg import element, nice_below, text
 
@@ -53,11 +55,14 @@ def findings(diagnosis: Diagnosis) -> str:
     rows: list[list[str]] = []
     for finding in diagnosis.findings:
         rest = [mm(finding.rms_explained, 3), mm(finding.rms_without, 3), p_words(finding.p_value)]
-        for index, fitted in enumerate(finding.parameters):
+        parameters, further = main_parameters(finding)
+        for index, fitted in enumerate(parameters):
             title = parameter_title(fitted, finding.effect)
             value = value_words(fitted) + (" (at its bound)" if fitted.at_bound else "")
             row = [effect_words(finding.effect, finding.at) if index == 0 else "", title, value, interval_words(fitted)]
             rows.append(row + (rest if index == 0 else ["", "", ""]))
+        if further:
+            rows.append(["", further, "", "", "", "", ""])
     said = "".join(
         element("p", text(spoken(each.reading)), class_="statement") for each in diagnosis.findings if each.reading
     )
@@ -68,7 +73,7 @@ def findings(diagnosis: Diagnosis) -> str:
         for each in diagnosis.findings
         if (sentence := alias_sentence(each)) and "cannot tell" not in each.reading
     ]
-    found = table(headings, rows, numbers=(2, 3, 4, 5, 6)) if rows else ""
+    found = (table(headings, rows, numbers=(2, 3, 4, 5, 6)) if rows else "") + joint_curves(diagnosis)
     others = [
         [
             effect_words(each.effect, each.at),

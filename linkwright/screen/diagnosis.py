@@ -13,6 +13,7 @@ from linkwright.diagnosis_words import (
     effect_words,
     interval_words,
     least_visible,
+    main_parameters,
     next_pose_words,
     p_words,
     place_words,
@@ -83,12 +84,15 @@ def findings(diagnosis: Diagnosis) -> Table:
     shown = table(*headings, numbers=(2, 3, 4, 5))
     for finding in diagnosis.findings:
         first = (effect_words(finding.effect, finding.at), mm(finding.rms_explained, 3), p_words(finding.p_value))
-        for index, fitted in enumerate(finding.parameters):
+        parameters, further = main_parameters(finding)
+        for index, fitted in enumerate(parameters):
             name, explained, p = first if index == 0 else ("", "", "")
             bound = " (at its bound)" if fitted.at_bound else ""
             place = place_words(finding.effect, fitted.at) if fitted.at != finding.at else ""
             title = f"{fitted.parameter.replace('_', ' ')} {place}".strip()
             shown.add_row(name, title, value_words(fitted) + bound, interval_words(fitted), explained, p)
+        if further:
+            shown.add_row("", further, "", "", "", "")
         if not finding.parameters:
             shown.add_row(first[0], "", "", "", *first[1:])
     return shown

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.real import splits
 from benchmarks.real.data import VARIABLE, NoDataError, data_folder
 from benchmarks.real.model import Equations, Part, fitted, held_out, mean_rms_mm, moved, rms_mm
-from benchmarks.real.sides import with_pulls, with_sides
+from benchmarks.real.pulls import with_pulls
 
 
 def _parts(rows: int, *widths: int, seed: int = 0) -> list[Part]:
@@ -68,15 +68,6 @@ def test_what_rows_do_not_tell_stays_usual() -> None:
     sizes = fitted(residual, [part])[0]
     assert np.abs(sizes).max() < 2e-3
     assert sizes.sum() == pytest.approx(1e-3, rel=0.05)
-
-
-def test_sides_are_those_of_the_last_move(tmp_path: Path) -> None:
-    source = tmp_path / "grid.csv"
-    source.write_text("q1_rad,q2_rad\n0,0\n0.1,0\n0.1,-0.2\n0.00001,-0.20001\n", encoding="utf-8")
-    (tmp_path / "out").mkdir()
-    lines = with_sides(source, tmp_path / "out").read_text(encoding="utf-8").split()
-    assert lines[0] == "q1_rad,q2_rad,dir1,dir2"
-    assert [line.split(",")[2:] for line in lines[1:]] == [["0", "0"], ["1", "0"], ["1", "-1"], ["-1", "-1"]]
 
 
 def test_pulls_are_remembered_until_the_servo_is_sent_elsewhere(tmp_path: Path) -> None:

@@ -1,0 +1,36 @@
+"""Curves by which joints' angles err, drawn over the travel that was recorded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from arm.effects.joint_waviness import JOINT_WAVINESS, waviness
+from diagnose.result import Diagnosis, Finding
+
+from .plot import Plot, course, spanned
+from .svg import element, text
+
+_WIDTH, _HEIGHT, _POINTS = 270.0, 130.0, 400
+
+
+def joint_curves(diagnosis: Diagnosis) -> str:
+    """A small plot for each joint whose angle errs by a curve; nothing where none does."""
+    curved = [each for each in diagnosis.findings if each.effect == JOINT_WAVINESS.id and len(each.at) == 1]
+    panels = [_panel(diagnosis, each) for each in curved]
+    if not panels:
+        return ""
+    heading = element("h3", text("How joints err over their travel"))
+    return heading + element("div", *panels, class_="multiples")
+
+
+def _panel(diagnosis: Diagnosis, finding: Finding) -> str:
+    joint = finding.at[0]
+    travelled = diagnosis.recording.q[:, joint - 1]
+    angle = np.linspace(travelled.min(), travelled.max(), _POINTS)
+    values = {fitted.parameter: fitted.value for fitted in finding.parameters}
+    error = 1e3 * np.asarray(waviness(angle, values), dtype=float)
+    across = (float(np.degrees(angle[0])), float(np.degrees(angle[-1])))
+    plot = Plot(_WIDTH, _HEIGHT, across, spanned(error))
+    about = f"Error of joint {joint} over its travel, within {np.abs(error).max():.2g} mrad."
+    drawn = course(plot.x(np.degrees(angle)), plot.y(error), "after")
+    return plot.drawn(about, (f"joint {joint} in degrees", "error in mrad"), drawn)
