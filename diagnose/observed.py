@@ -140,10 +140,13 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
     state, modelled, alignment = _placed(known, recording, asked)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
-        known = replace(known, tool=_moved(arm.tool, alignment.tool))
+        put = alignment.tool
+        known = replace(known, tool=_moved(arm.tool, put))
         state, modelled, further = _placed(known, recording, asked)
-        alignment = replace(further, tool=alignment.tool + further.tool)
-        if np.abs(further.tool).max() < _TOOL_FOUND:
+        done = np.abs(further.tool).max() < _TOOL_FOUND
+        # What a last pass moves it by is within the nuisances; the arm has what was put into it.
+        alignment = replace(further, tool=put if done else put + further.tool)
+        if done:
             break
     parts = [alignment.residual]
     if recording.joint_side is not None and modelled.joint_side is not None:

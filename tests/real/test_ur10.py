@@ -33,7 +33,7 @@ def test_geometry_then_periodic_errors() -> None:
 def test_predicts_what_it_has_not_seen() -> None:
     known = _series()
     each = ur10.ways(known.recording)
-    for name in ("random rows", "15-degree cells"):
+    for name in ("random rows", "15-degree cells", "time blocks"):
         left = Equations(known.residual, known.parts, each[name]).held_out()
         assert rms_mm(left) <= ur10.TARGETS[name], name
 

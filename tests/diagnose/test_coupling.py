@@ -1,0 +1,86 @@
+"""Loads that nobody declared act through flexibility that nobody declared; a free tool is where it was found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.chain import Link
+from arm.effects import Settings
+from diagnose.diagnosis import diagnose
+from diagnose.observed import observe
+from tests.diagnose.core_cases import SIGMA, recorded, with_effects
+from tests.diagnose.made_diagnosis import made_arm, made_recording
+
+SOFT = ("joint_compliance", (2,), {"compliance": 3e-5})
+HEAVY = ("payload", (), {"mass": 1.0})
+
+
+def test_a_softened_recording_is_that_of_the_softer_arm():
+    """What a kilogram does through the file's flexibility and an entry of `effects`, against an arm that has the entry
+    in its file; the residual stays against the file, and so does every pattern that is no load."""
+    arm, recording = made_arm(), made_recording()
+    plain, softer = observe(arm, recording), observe(with_effects(arm, SOFT), recording)
+    found = plain.softened(softer.arm.effects)
+    kilogram = Settings((), {"mass": 1.0})
+    assert found.signature("payload", kilogram) == pytest.approx(softer.signature("payload", kilogram), rel=1e-12)
+    stiff = plain.signature("payload", kilogram)
+    assert np.linalg.norm(found.signature("payload", kilogram)) > 1.3 * np.linalg.norm(stiff)
+    assert (found.residual == plain.residual).all()
+    offset = Settings((1,), {"offset": 1e-3})
+    assert (found.signature("encoder_offset", offset) == plain.signature("encoder_offset", offset)).all()
+
+
+def test_a_heavier_payload_on_a_softer_drive():
+    """They multiply: without going back, the payload comes out 1.43 kg (1.40 to 1.47) and the drive as hardening."""
+    arm = made_arm()
+    recording = recorded(with_effects(arm, SOFT, HEAVY), poses=24, repeats=3, payloads=(0.0, 5.0))
+    found = diagnose(arm, recording)
+    assert {(each.effect, each.at) for each in found.findings} == {("joint_compliance", (2,)), ("payload", ())}
+    sizes = {p.parameter: p for each in found.findings for p in each.parameters}
+    for name, truth in (("compliance", 3e-5), ("mass", 1.0)):
+        low, high = sizes[name].interval
+        # Three standard errors: 95 % intervals are two to either side.
+        assert abs(sizes[name].value - truth) < 0.75 * (high - low)
+        assert high - low < 0.3 * truth
+    assert diagnose(found.corrected, recording).verdict == "none"
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_a_free_tool_is_put_where_it_was_found(space):
+    """Rotations turn the target that was measured: a tool of some centimetres changes every pattern by that much."""
+    arm = made_arm(space)
+    width = 3 if space else 2
+    tool = (0.06, 0.04, 0.03 if space else 0.0)
+    true = replace(arm, tool=tool)
+    recording = made_recording(true)
+    exact = observe(true, recording)
+    measured = replace(recording, tip=recording.tip - exact.residual[:, :width])
+    found = observe(arm, replace(measured, tool="free"))
+    # One pass sees the tool through the error that it makes itself, first order in its size.
+    assert found.arm.tool == pytest.approx(tool, abs=2e-6)
+    assert found.arm_given.tool == pytest.approx(arm.tool, abs=1e-12)
+    turning = Settings((0,), {"offset": 1.0})
+    expected = exact.signature("encoder_offset", turning)
+    assert found.signature("encoder_offset", turning) == pytest.approx(expected, abs=1e-5)
+    assert np.abs(found.tip_residual()).max() < 0.1 * SIGMA
+
+
+def test_a_known_load_tells_compliance_where_links_weigh_nobody_knows_what():
+    """The sag under the links is a product; what a payload adds to it is not."""
+    arm = made_arm(True)
+    joints = tuple(replace(joint, stiffness=None) for joint in arm.joints)
+    links = tuple(Link(link.length, mass=mass) for link, mass in zip(arm.links, (4.0, 3.0, 1.5), strict=True))
+    arm = replace(arm, joints=joints, links=links)
+    truth = 2e-5
+    recording = recorded(
+        with_effects(arm, ("joint_compliance", (2,), {"compliance": truth})), poses=30, repeats=2, payloads=(0.0, 5.0)
+    )
+    unknown = replace(arm, links=(links[0], *(replace(link, mass=None) for link in links[1:])))
+    found = diagnose(unknown, recording)
+    told = {(each.at, p.parameter): p for each in found.findings for p in each.parameters}
+    compliance = told[(2,), "compliance"]
+    low, high = compliance.interval
+    assert abs(compliance.value - truth) < 0.75 * (high - low) < 0.1 * truth
+    entries = {(each.effect, each.at): each.parameters for each in found.corrected.effects}
+    assert entries["joint_compliance", (2,)]["compliance"] == compliance.value
