@@ -1,0 +1,264 @@
+"""From what was found to a result: findings, location, ladder, what cannot be seen, sentences."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Arm
+from arm.effects import EFFECTS
+
+from .confirmed import Confirmed
+from .correct import corrected_arm
+from .detectable import detectable
+from .fit import displacement, fit, remaining
+from .held_out import hardest, splits
+from .iso_figures import iso_figures
+from .locate import dependences, depends_on, direction, joint_shares
+from .naming import FALSE_ALARM, Rival
+from .next_poses import next_poses
+from .observed import rms_length
+from .recording import Recording
+from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
+from .sentences import null_vectors, reading_of, verdict_sentence
+from .unknown import describe, rejected_forms
+
+Array = NDArray[np.float64]
+
+
+class Conclusion(Confirmed):
+    """Turns what was confirmed into a result; each method is one part of it."""
+
+    def result(self, arm: Arm, recording: Recording, began: float) -> Diagnosis:
+        """The whole result."""
+        width = self.observed.components
+        before = remaining(self.prepared, fit(self.prepared, ()))[:, :width]
+        after = self._after()
+        rows = self._joint_of_forms()
+        shares = joint_shares(self.search)
+        rng = np.random.default_rng(self.options.seed + 1)
+        found = () if not self._anything else dependences(self.search, int(np.argmax(shares)), rng)
+        self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
+        unknown = None
+        if self.outside or self.left_over:
+            folds = hardest(splits(self.search.observed, self.options.seed))
+            unknown = describe(self.namer, self.found, self.forms, found, folds)
+        findings = self._findings()
+        corrected, notes = corrected_arm(arm, self.refit)
+        self.tell("next poses", 0.95)
+        poses, note = next_poses(
+            self.namer,
+            [*self.found, *self.forms],
+            list(zip(self.found, self.alternatives, strict=True)),
+            self.options.seed,
+        )
+        held = {name: part.rms() for name, part in self.held_out.items()}
+        rms_before, rms_after = rms_length(before), rms_length(after)
+        p_value = self._gate_p()
+        moved = displacement(self.prepared, self.fitted)[:, :width]
+        return Diagnosis(
+            arm=arm,
+            recording=self.observed.recording,
+            verdict=self._verdict(),
+            sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value),
+            noise_floor=self.noise.rms_m,
+            noise_source=self.noise.sentence,
+            rms_before=rms_before,
+            rms_after=rms_after,
+            rms_after_held_out=hardest(self.held_out).rms(),
+            gate_p=p_value,
+            findings=findings,
+            where=Location(
+                joint=self._joint(shares, rows),
+                joint_shares=shares,
+                depends_on=depends_on(found),
+                direction=direction(self.observed, moved),
+                since=None if unknown is None else unknown.since,
+                dependences=found,
+            ),
+            unknown=unknown,
+            ladder=self._ladder(),
+            rejected_rows=(*recording.rejected, *self.noise.outliers, *self.prepared.rejected),
+            rejected_forms=rejected_forms(self.namer, self.found, self.forms) if self._anything else (),
+            detectable=self._detectable(),
+            invisible=self._invisible(),
+            next_poses=poses,
+            next_poses_note=note,
+            null_vectors=null_vectors(self.search),
+            splits=MappingProxyType(held),
+            figures=iso_figures(self.observed.recording, arm),
+            residual_before=before,
+            residual_after=after,
+            corrected=corrected,
+            notes=(*recording.warnings, *self.noise.warnings, *notes, *self._notes()),
+            seconds=time.perf_counter() - began,
+        )
+
+    @property
+    def _anything(self) -> bool:
+        return bool(self.members or self.outside or self.left_over)
+
+    def _verdict(self) -> Verdict:
+        if self.named is None:
+            return "insufficient_data"
+        if self.outside or self.left_over:
+            return "unknown"
+        if not self.members:
+            return "none"
+        return "alias_class" if any(self.alternatives) else "named"
+
+    def _gate_p(self) -> float:
+        if self.named is None:
+            return 1.0
+        if self.named.whole_p is not None:
+            return self.named.whole_p
+        return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
+
+    def _after(self) -> Array:
+        width = self.observed.components
+        if self.outside:
+            return remaining(self.prepared, self.fitted)[:, :width]
+        return self.refit.residual[:, :width]
+
+    def _findings(self) -> tuple[Finding, ...]:
+        width = self.observed.components
+        found: list[Finding] = []
+        p_values = self.p_values
+        whole = [*self.members, *self.outside]
+        for place, member in enumerate(self.members):
+            candidate = self.prepared.pool.groups[member].candidate
+            others = tuple(self._alternative(rival) for rival in self.alternatives[place])
+            parameters = self.refit.parameters[place]
+            rest = [m for m in whole if m != member]
+            without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
+            at = tuple(index + 1 for index in candidate.at)
+            found.append(
+                Finding(
+                    effect=candidate.effect,
+                    at=at,
+                    alternatives=others,
+                    parameters=parameters,
+                    rms_explained=self._moved([place]),
+                    p_value=p_values[place] if place < len(p_values) else FALSE_ALARM,
+                    rms_without=rms_length(without),
+                    rms_without_held_out=self._rms_held_out(rest),
+                    reading=reading_of(candidate.effect, at, parameters, others),
+                )
+            )
+        return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
+
+    def _causes(self) -> list[tuple[str, float]]:
+        """The kinds of physics found, with what each moves (m), the largest first."""
+        places: dict[str, list[int]] = {}
+        for place, member in enumerate(self.members):
+            cause = EFFECTS[self.prepared.pool.groups[member].candidate.effect].cause
+            places.setdefault(cause, []).append(place)
+        return sorted(((cause, self._moved(at)) for cause, at in places.items()), key=lambda each: -each[1])
+
+    def _alternative(self, rival: Rival) -> Alternative:
+        candidate = self.search.pool.groups[rival.member].candidate
+        at = tuple(index + 1 for index in candidate.at)
+        return Alternative(candidate.effect, at, rival.likeness, rival.worse)
+
+    def _joint_of_forms(self) -> int | None:
+        for member in self.outside:
+            at = self.prepared.pool.groups[member].candidate.at
+            if len(at) == 1:
+                return at[0] + 1
+        return None
+
+    def _joint(self, shares: Sequence[float], of_form: int | None) -> int | None:
+        """The joint that the strongest finding names; else the one whose motion alone describes clearly most."""
+        if not self._anything:
+            return None
+        if self.members:
+            size = [self._moved([place]) for place in range(len(self.members))]
+            candidate = self.prepared.pool.groups[self.members[int(np.argmax(size))]].candidate
+            if len(candidate.at) == 1:
+                return candidate.at[0] + 1
+            return None
+        if of_form is not None:
+            return of_form
+        ranked = sorted(shares, reverse=True)
+        clear = len(ranked) == 1 or ranked[0] > ranked[1] + 0.15
+        return int(np.argmax(shares)) + 1 if clear else None
+
+    def _ladder(self) -> tuple[Rung, ...]:
+        """The model as given, each finding added (the strongest first), and each left out of the whole in turn."""
+        size = {m: self._moved([place]) for place, m in enumerate(self.members)}
+        for m in self.outside:
+            size[m] = rms_length(displacement(self.prepared, self.fitted, (m,))[:, : self.observed.components])
+        order = sorted(size, key=lambda m: -size[m])
+        rungs = [self._rung("model as given", [])]
+        rungs += [self._rung(f"+ {self._label(m)}", order[: k + 1]) for k, m in enumerate(order)]
+        if len(order) > 1:
+            rungs += [self._rung(f"without {self._label(m)}", [o for o in order if o != m]) for m in order]
+        return tuple(rungs)
+
+    def _rung(self, label: str, members: Sequence[int]) -> Rung:
+        left = remaining(self.prepared, fit(self.prepared, members))[:, : self.observed.components]
+        length = np.sqrt(np.sum(left**2, axis=1))
+        held = self._rms_held_out(members)
+        return Rung(label, rms_length(left), float(length.mean()), float(length.max()), held)
+
+    def _detectable(self) -> tuple[Detectable, ...]:
+        if self.named is None:
+            return ()
+        # What is left after the findings is scatter; the gate's own draws still hold what was found.
+        test = self.named.gate[0] if self.named.left is None else self.named.left[0]
+        return detectable(self.search, test, self.fitted.unit, FALSE_ALARM)
+
+    def _invisible(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """What this recording cannot show: swallowed by the nuisances, or without a trace for want of a column."""
+        shown = {group.candidate.family for group in self.search.pool.groups}
+        swallowed = {c.family for c in self.search.pool.invisible if not c.outside} - shown
+        found = {(effect, tuple(index + 1 for index in at)) for effect, at, _ in swallowed}
+        present = {effect for effect, _, _ in shown} | {effect for effect, _ in found}
+        absent = [
+            name for name, effect in EFFECTS.items() if _fitted(name) and name not in present and not effect.automatic
+        ]
+        found |= {(name, ()) for name in absent if name not in self.options.without}
+        return tuple(sorted(found))
+
+    def _sentence(
+        self,
+        findings: tuple[Finding, ...],
+        unknown: Unknown | None,
+        rms_before: float,
+        rms_after: float,
+        p_value: float,
+    ) -> str:
+        if self.named is None:
+            return "Too few readings: nothing can be told from this recording."
+        floor = self.noise.rms_m
+        return verdict_sentence(findings, unknown, rms_before, rms_after, floor, p_value, self._causes())
+
+    def _notes(self) -> tuple[str, ...]:
+        found: list[str] = []
+        if self.observed.correlation > 0.0:
+            shared = f"correlation {self.observed.correlation:.2f}"
+            found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
+        found += [
+            f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
+            for each in self.unconfirmed
+        ]
+        if self.scattered:
+            found.append(
+                "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
+                "visited again, or nothing recorded predicts it from pose to pose: the arm does not return more "
+                "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
+                "three times or more, with others between."
+            )
+        if self.named is not None and self.named.left is not None and not self.outside:
+            p = min(test.p_value for test in self.named.left)
+            if p <= FALSE_ALARM:
+                found.append(f"A remainder is more than chance (p = {p:.2g}), but small beside what was found.")
+        return tuple(found)
+
+
+def _fitted(effect: str) -> bool:
+    return any(parameter.role == "size" for parameter in EFFECTS[effect].parameters)

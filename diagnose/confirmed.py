@@ -1,0 +1,163 @@
+"""What was found, fitted to all readings and confirmed on those held out; and whether something is left beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidates import columns_of
+from .fit import Fit, beyond_nuisances, fit, remaining
+from .held_out import Folds, HeldOut, hardest, splits
+from .naming import Named, Namer, Rival, preferred, rivals
+from .noise import NoiseFloor
+from .observed import Observed, kept, looks_quieter, observe, rms_length
+from .options import Options, Progress
+from .prepare import FAR_ABOVE, Prepared, set_up
+from .recording import Recording
+from .refit import Refit, refit, tether
+from .sentences import name_of
+from .unknown import predictable
+
+Array = NDArray[np.float64]
+Item = TypeVar("Item")
+
+ENOUGH_REPEATS = 20
+"""Degrees of freedom (for each component) from which repeats are trusted to tell noise from physics."""
+_FARTHER = 2.0
+"""Where nothing was found, so many times the noise floor must be left before that is called unknown: heavy tails and a
+memory of the noise together make repeats look up to twice too quiet."""
+_ENOUGH_RETURNS = 8
+"""Poses that were visited again (less one for each) from which that tells what lasts from what does not."""
+_LASTING = 0.2
+"""The share of a remainder that must be there again, or predict itself elsewhere, for it to be the model's fault."""
+_REFUTED = 0.05
+"""By how much (as a share of the RMS) held-out readings must be better without a finding for it to be dropped."""
+_LOCAL = 0.25
+"""The median remainder over its RMS below which it sits at a few visits."""
+
+
+class Confirmed:
+    """What was found in a recording: names that go first in their class, the joint fit, folds, and what is left."""
+
+    def __init__(
+        self,
+        namer: Namer,
+        named: Named | None,
+        noise: NoiseFloor,
+        options: Options,
+        *,
+        whole: Recording | None,
+        progress: Progress,
+    ) -> None:
+        self.namer, self.named = namer, named
+        self.noise, self.options, self.tell = noise, options, progress
+        self.search: Prepared = namer.prepared
+        self.found, self.alternatives = self._renamed()
+        self.p_values = named.p_values if named is not None else ()
+        self.forms: tuple[int, ...] = named.outside if named is not None else ()
+        self.prepared, number = self._fitted_to(whole)
+        self.members = tuple(number[m] for m in self.found)
+        self.outside = tuple(number[m] for m in self.forms)
+        self.observed: Observed = self.prepared.observed
+        self.folds: dict[str, Folds] = splits(self.observed, options.seed)
+        self.unconfirmed: list[str] = []
+        self._fit()
+        while (refuted := self._refuted()) is not None:
+            self.unconfirmed.append(self._label(self.members[refuted]))
+            self.found, self.members = _less(self.found, refuted), _less(self.members, refuted)
+            self.alternatives, self.p_values = _less(self.alternatives, refuted), _less(self.p_values, refuted)
+            self._fit()
+        self.scattered = False
+        self.left_over = self._left_over()
+
+    def _fit(self) -> None:
+        """Fit what was found to all readings, and in turn to all but some."""
+        self.fitted: Fit = fit(self.prepared, [*self.members, *self.outside])
+        self.refit: Refit = refit(self.prepared, self.members, self.outside, self.fitted)
+        self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
+
+    def _refuted(self) -> int | None:
+        """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
+        was fitted to, and no others."""
+        whole = hardest(self.held_out).rms()
+        without = [self._rms_held_out([*_less(self.members, k), *self.outside]) for k in range(len(self.members))]
+        if not without or min(without) >= (1.0 - _REFUTED) * whole:
+            return None
+        return int(np.argmin(without))
+
+    def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
+        """What the findings are fitted to: all readings where only some were searched (and no form won, whose places
+        belong to those searched). With it, the numbers that the search's groups have there."""
+        searched = self.search
+        if whole is None or self.forms:
+            return searched, {m: m for m in (*self.found, *self.forms)}
+        near = searched.observed
+        rejected = {each.row for each in searched.rejected}
+        rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
+        observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation)
+        observed = observed.softened(near.softening)
+        patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
+        prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
+        return prepared, {m: k for k, m in enumerate(self.found)}
+
+    def _left_over(self) -> bool:
+        """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it, and
+        it is there again when a pose is visited again or predicts itself elsewhere."""
+        if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
+            return False
+        remainder = remaining(self.prepared, self.fitted)[:, : self.observed.components]
+        left = rms_length(remainder)
+        floor = self.noise.rms_m * looks_quieter(self.observed)
+        limit = (FAR_ABOVE if self.members else _FARTHER) * floor
+        if self.noise.degrees_of_freedom < ENOUGH_REPEATS or left <= limit:
+            return False
+        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= _ENOUGH_RETURNS:
+            lasting = self.noise.drift_m**2 < (1.0 - _LASTING) * (left**2 - floor**2)
+        else:
+            folds = hardest(splits(self.search.observed, self.options.seed))
+            # Scatter is everywhere; what sits at a few visits alone is something that happened there.
+            local = float(np.median(np.linalg.norm(remainder, axis=1))) < _LOCAL * left
+            lasting = local or predictable(self.namer, self.found, folds) > _LASTING
+        self.scattered = not lasting
+        return lasting
+
+    def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...]]:
+        """The members under the name of each class that goes first, with what cannot be told from each."""
+        if self.named is None:
+            return (), ()
+        members = list(self.named.members)
+        for place, member in enumerate(members):
+            whole = [*members, *self.named.outside]
+            members[place] = preferred(self.namer, whole, member, rivals(self.namer, whole, member))
+        whole = [*members, *self.named.outside]
+        return tuple(members), tuple(rivals(self.namer, whole, member) for member in members)
+
+    def _held_out(self, folds: Folds) -> HeldOut:
+        """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one."""
+        terms = self.refit.terms
+        forms = [self.prepared.columns[m] for m in self.outside]
+        parts = [self.prepared.beside, *(term.columns for term in terms), *forms]
+        tethers = [None, *(tether(term, self.fitted.unit) for term in terms), *(None for _ in forms)]
+        return HeldOut(self.observed, parts, folds, tethers)
+
+    def _rms_held_out(self, members: Sequence[int]) -> float:
+        """What some of the members and forms leave of parts of the workspace that their fit has not seen."""
+        whole = [*self.members, *self.outside]
+        return hardest(self.held_out).rms([0, *(1 + whole.index(m) for m in members)])
+
+    def _moved(self, places: Sequence[int]) -> float:
+        """The RMS length (m) of what some findings move together, beyond what the nuisances take up."""
+        total = sum((self.refit.terms[place].moved for place in places), np.zeros(self.observed.residual.shape))
+        return rms_length(beyond_nuisances(self.prepared, total)[:, : self.observed.components])
+
+    def _label(self, member: int) -> str:
+        candidate = self.prepared.pool.groups[member].candidate
+        return name_of(candidate.effect, tuple(index + 1 for index in candidate.at))
+
+
+def _less(values: tuple[Item, ...], place: int) -> tuple[Item, ...]:
+    """A tuple without one of its items."""
+    return (*values[:place], *values[place + 1 :])
