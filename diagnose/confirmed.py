@@ -33,6 +33,8 @@ _ENOUGH_RETURNS = 8
 """Poses that were visited again (less one for each) from which that tells what lasts from what does not."""
 _LASTING = 0.2
 """The share of a remainder that must be there again, or predict itself elsewhere, for it to be the model's fault."""
+_MOST = 0.5
+"""The share of a mismatch (sum of squares beyond the noise) that findings may leave and still explain it."""
 _REFUTED = 0.05
 """By how much (as a share of the RMS) held-out readings must be better without a finding for it to be dropped."""
 _LOCAL = 0.25
@@ -114,6 +116,9 @@ class Confirmed:
         limit = (FAR_ABOVE if self.members else _FARTHER) * floor
         if self.noise.degrees_of_freedom < ENOUGH_REPEATS or left <= limit:
             return False
+        whole = rms_length(remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components])
+        if self.members and left**2 - floor**2 > _MOST * (whole**2 - floor**2):
+            return True  # what was named leaves most of the mismatch: it is no explanation of it
         if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= _ENOUGH_RETURNS:
             lasting = self.noise.drift_m**2 < (1.0 - _LASTING) * (left**2 - floor**2)
         else:

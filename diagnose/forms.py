@@ -51,7 +51,7 @@ FORCES = frozenset({"constant_force", "spring_to_a_point", "pull_of_a_point", "f
 _STEPS_IN_TIME = 40
 _PERIODS = 130
 _REGIONS = 12
-_MANY_VISITS = 100
+_MANY_VISITS = 200
 """Visits beyond which no period is sought for each joint."""
 _CORE = 0.15
 """m; nearer than this a pull grows no further, since what pulls has a size."""
