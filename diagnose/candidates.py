@@ -29,8 +29,6 @@ _STEP = 1e-3
 
 WHOLE = frozenset({"order", "orders", "anew", "sharp"})
 """Shapes that are whole numbers and stay on their grid."""
-_ECCENTRIC = 1.0
-"""rad; over less travel a wave of one turn is a straight line."""
 STANDS = 0.05
 """rad; a joint that travels less is taken to stand."""
 _STEADY = 0.02
@@ -188,6 +186,8 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
     held = observed.state.conditions
     if any(getattr(held, condition) is None for condition in effect.requires):
         return False
+    if effect.least_travel > 0.0 and float(np.ptp(observed.recording.q[:, at[0]])) < effect.least_travel:
+        return False
     if effect.id == "backlash" and shapes.get("held_below", 0.0) > 0.0:
         return held.sides is not None
     if effect.id == "creep" and not _load_changes(observed, at):
@@ -200,11 +200,6 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
     if effect.id == "joint_waviness":
         angles = np.unique(np.round(observed.recording.q[:, at[0]], 3))
         return len(angles) >= _FOR_EACH * 2.0 * shapes["orders"]
-    if effect.id == "counterbalance":
-        # Without travel of its own a joint's balance only repeats what the joints before it do.
-        return bool(np.ptp(observed.recording.q[:, at[0]]) > STANDS)
-    if effect.id == "encoder_eccentricity":
-        return float(np.ptp(observed.recording.q[:, at[0]])) >= _ECCENTRIC
     if shapes.get("lag", 0.0) > 0.0:
         return held.time is not None and held.warming is not None
     return True

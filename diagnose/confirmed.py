@@ -116,16 +116,16 @@ class Confirmed:
         limit = (FAR_ABOVE if self.members else _FARTHER) * floor
         if self.noise.degrees_of_freedom < ENOUGH_REPEATS or left <= limit:
             return False
-        whole = rms_length(remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components])
-        if self.members and left**2 - floor**2 > _MOST * (whole**2 - floor**2):
-            return True  # what was named leaves most of the mismatch: it is no explanation of it
         if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= _ENOUGH_RETURNS:
             lasting = self.noise.drift_m**2 < (1.0 - _LASTING) * (left**2 - floor**2)
         else:
             folds = hardest(splits(self.search.observed, self.options.seed))
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
             local = float(np.median(np.linalg.norm(remainder, axis=1))) < _LOCAL * left
-            lasting = local or predictable(self.namer, self.found, folds) > _LASTING
+            # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
+            whole = rms_length(remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components])
+            unexplained = bool(self.members) and left**2 - floor**2 > _MOST * (whole**2 - floor**2)
+            lasting = local or unexplained or predictable(self.namer, self.found, folds) > _LASTING
         self.scattered = not lasting
         return lasting
 

@@ -133,10 +133,6 @@ def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False)
     return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
 
 
-def _least_squares(design: Array, target: Array) -> Array:
-    return solved(design, target)
-
-
 def tether(term: Term, unit: float) -> Array:
     """What holds a finding's sizes (d,) within their physical bounds where the data say next to nothing: `unit`, the
     scatter of whitened residuals, over a fifth of the bound. It counts where a size at its bound would stay below five
@@ -200,7 +196,7 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         white = np.concatenate([prepared.observed.whitened(target), wanted])
-        step = _least_squares(np.vstack([design, rows]), white)
+        step = solved(np.vstack([design, rows]), white)
         new = [
             _term(prepared, term.candidate, term.sizes + step[span], term.columns)
             for term, span in zip(terms, spans, strict=True)
@@ -242,7 +238,7 @@ class _Scan:
         own = np.vstack([own, padding])
         own = np.vstack([own - self.others @ (self.others.T @ own), tether])
         target = np.concatenate([self.left, np.zeros(len(tether))])
-        left = target - own @ _least_squares(own, target)
+        left = target - own @ solved(own, target)
         return float(left @ left)
 
     def at(self, shapes: Mapping[str, float], name: str, logarithm: float) -> float:
@@ -319,7 +315,7 @@ def _parameters(
     at = tuple(index + 1 for index in candidate.at)
     ending = f"_{at[0]}" if len(at) == 1 else ""
     if candidate.effect == "joint_compliance" and prepared.observed.unknown_masses:
-        known = _known_load(term, errors, told, factor, at)
+        known = _known_load(term, _kind(prepared, candidate, "compliance"), errors, told, factor, at)
         return (_sag(prepared, term, factor, variance, at), *known)
     found: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
@@ -354,7 +350,7 @@ def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
 
 
 def _known_load(
-    term: Term, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...]
+    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...]
 ) -> tuple[FittedParameter, ...]:
     """The drive's compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
     its own column, the last, tells it. Nothing where the data hardly do."""
@@ -362,7 +358,7 @@ def _known_load(
     if not told[-1] or factor * error > _TELLING * abs(value):
         return ()
     interval = (value - factor * error, value + factor * error)
-    return (FittedParameter(f"compliance_{at[0]}", "compliance", at, "compliance", value, interval),)
+    return (FittedParameter(f"compliance_{at[0]}", "compliance", at, kind, value, interval),)
 
 
 def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:

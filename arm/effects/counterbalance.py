@@ -58,4 +58,5 @@ COUNTERBALANCE = Effect(
     parameters=(_torque("sine"), _torque("cosine")),
     twists=_twists,
     only="joints that turn",
+    least_travel=0.05,  # a joint that stands only repeats what the joints before it do
 )

@@ -140,6 +140,7 @@ class Effect:
     without which it moves nothing, `enough` the sets of parameters of which an entry must hold one to say anything
     (none named: any one parameter that is a size), `only` the joints outside which it moves nothing.
     `through_flexibility` marks loads that move the tip by what gives in the arm, what `effects` add to that included.
+    `least_travel` (rad, m) is how far a joint must have gone in a recording for the effect to be sought there.
     """
 
     id: str
@@ -161,6 +162,7 @@ class Effect:
     enough: tuple[tuple[str, ...], ...] = ()
     only: Only | None = None
     through_flexibility: bool = False
+    least_travel: float = 0.0
 
     def can_act(self, index: int, *, revolute: bool) -> bool:
         """Whether the effect can move anything at joint `index` (from 0), or at the link it carries."""

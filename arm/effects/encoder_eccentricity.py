@@ -46,4 +46,5 @@ ENCODER_ECCENTRICITY = Effect(
     parameters=(_amplitude("sine"), _amplitude("cosine")),
     twists=_twists,
     only="joints that turn",
+    least_travel=1.0,  # over less a wave of one turn is a straight line: the encoder's scale
 )

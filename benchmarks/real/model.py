@@ -179,6 +179,15 @@ def held_out(residual: Array, parts: Sequence[Part], folds: Folds) -> Array:
     return Equations(residual, parts, folds).held_out()
 
 
+def less_each_cause(parts: Sequence[Part]) -> dict[str, list[Part]]:
+    """The model without all that is of one kind of physics, for every kind in it, by a name for the table."""
+    causes = {each.effect: EFFECTS[each.effect].cause for each in parts if each.effect}
+    return {
+        f"what the tool found, less {cause}": [each for each in parts if causes.get(each.effect) != cause]
+        for cause in dict.fromkeys(causes.values())
+    }
+
+
 def rms_mm(residual: Array) -> float:
     """The RMS length in mm."""
     return 1e3 * float(np.sqrt(np.mean(np.sum(residual**2, axis=1))))

@@ -21,6 +21,7 @@ from benchmarks.real.model import (
     found,
     geometry,
     held_out,
+    less_each_cause,
     loose,
     mean_rms_mm,
     moved,
@@ -100,6 +101,7 @@ def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = Fa
         "the same, sizes free": [unheld(each) for each in gravity(known.observed)],
         "what the tool found": everything,
         "geometry, gravity and what the tool found": [*gravity(known.observed), *everything[1:]],
+        **less_each_cause(everything),
     }
     count = int(known.cells.max()) + 1
     for name, parts in models.items():

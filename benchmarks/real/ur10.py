@@ -19,6 +19,7 @@ from benchmarks.real.model import (
     found,
     geometry,
     held_out,
+    less_each_cause,
     loose,
     moved,
     rms_mm,
@@ -113,6 +114,7 @@ def evaluate(tell: Callable[[str], None] = print, *, inside: bool = False) -> No
         "frame and tool": parts[:1],
         "geometry": [parts[0], *all_geometry],
         "what the tool found": parts,
+        **less_each_cause(parts),
         "all geometry and what the tool found": [*parts, *all_geometry],
         "the same and the give of drives 2 and 3": [*parts, *all_geometry, *compliance(known.observed, (2, 3))],
     }
