@@ -101,7 +101,7 @@ class Candidate:
     def free_shapes(self) -> tuple[str, ...]:
         """The shapes that may take any value between those of the grid."""
         if self.outside:
-            return ()
+            return tuple(name for name in self.shapes if name == "core" or name.startswith("at_"))
         return tuple(name for name, value in self.shapes.items() if name not in WHOLE and value > 0.0)
 
     def settings(self, values: Mapping[str, float]) -> Settings:

@@ -19,11 +19,12 @@ from .fit import displacement, fit, remaining
 from .held_out import hardest, splits
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
-from .naming import FALSE_ALARM, Rival
+from .naming import FALSE_ALARM
 from .next_poses import next_poses
 from .observed import rms_length
 from .recording import Recording
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
+from .rivals import Rival
 from .sentences import null_vectors, reading_of, verdict_sentence
 from .unknown import describe, rejected_forms
 

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from .candidates import columns_of
 from .fit import Fit, beyond_nuisances, fit, remaining
 from .held_out import Folds, HeldOut, hardest, splits
-from .naming import Named, Namer, Rival, preferred, rivals
+from .naming import Named, Namer
 from .noise import NoiseFloor
 from .observed import Observed, kept, looks_quieter, observe, rms_length
 from .options import Options, Progress
 from .prepare import FAR_ABOVE, Prepared, set_up
 from .recording import Recording
 from .refit import Refit, refit, tether
+from .rivals import Rival, preferred, rivals
 from .sentences import name_of
 from .unknown import predictable
 

@@ -20,7 +20,7 @@ from arm.effects import EFFECTS
 from .candidates import candidates
 from .fit import fit
 from .flexibility import LOADS, entry, flexible, through_flexibility
-from .forms import forces
+from .forces import forces
 from .naming import Namer
 from .prepare import Patterns, Prepared, set_up
 from .search import Subset

@@ -10,7 +10,7 @@ from arm.effects import EFFECTS
 from arm.effects.elastic import ELASTIC
 
 from .candidates import Candidate, parameter_of
-from .forms import FORCES
+from .forces import FORCES
 
 LOADS = frozenset(effect.id for effect in EFFECTS.values() if effect.through_flexibility)
 """Effects that are loads."""

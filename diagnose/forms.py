@@ -7,17 +7,17 @@ They compete with the library under the same criterion and the same calibration.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arm.effects import Settings
-from arm.effects.elastic import elastic_twists, under_other_loads
-from arm.error import carried_to_tip
 
 from .candidates import Candidate
+from .forces import forces
+from .form import clock_of, form, run_of, scaled_position
 from .observed import Observed, blocks_of
 
 Array = NDArray[np.float64]
@@ -32,10 +32,12 @@ SENTENCES = MappingProxyType(
         "smooth_in_time": "something that wanders with time",
         "spring_to_a_point": "a spring to a fixed point (a cable or hose that pulls), acting through what bends",
         "constant_force": "a constant force at the tip, acting through what bends",
+        "force_in_time": "a force at the tip that wanders with time (a cable or hose), acting through what bends",
         "pull_of_a_point": "a pull towards a point (a magnet) that weakens with distance, acting through what bends",
         "force_field": "a force at the tip that varies over the workspace, acting through what bends",
         "field_over_position": "a smooth field over the tip's position",
         "smooth_function_of_joint": "a smooth function of one joint's coordinate",
+        "joint_in_part_of_travel": "one joint that is off within a part of its travel",
         "temperature": "something that follows the temperature",
         "payload_and_position": "something that grows with the payload and varies over the workspace",
         "side_of_approach": "something that depends on the side of approach",
@@ -45,16 +47,15 @@ SENTENCES = MappingProxyType(
     }
 )
 
-FORCES = frozenset({"constant_force", "spring_to_a_point", "pull_of_a_point", "force_field"})
-"""Forms that act through what bends."""
-
 _STEPS_IN_TIME = 40
 _PERIODS = 130
 _REGIONS = 12
+_EDGES = 10
+"""Stretches that a joint's travel is cut into."""
+_WIDEST = 4
+"""Neighbouring stretches that are one part of the travel, at most."""
 _MANY_VISITS = 200
 """Visits beyond which no period is sought for each joint."""
-_CORE = 0.15
-"""m; nearer than this a pull grows no further, since what pulls has a size."""
 _LARGE = 4000
 """Readings beyond which fewer change points, periods and regions are tried."""
 
@@ -63,7 +64,7 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """Every form with its columns (N, C, d)."""
     axes = _axes(observed)
     joints = _joint_motions(observed)
-    clock = _clock(observed)
+    clock = clock_of(observed)
     few = 0.4 if observed.rows > _LARGE else 1.0
     yield from _in_time(observed, axes, joints, clock, few)
     yield from _over_position(observed, axes, few)
@@ -73,12 +74,20 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
         if np.ptp(q) > 0.0:
             span = 1.0 if observed.arm.joints[number].revolute else 2.0 * np.pi / np.ptp(q)
             waves = [wave(order * span * q) for order in (1, 2, 3) for wave in (np.sin, np.cos)]
-            yield _form("smooth_function_of_joint", (number,)), np.stack([w[:, None] * motion for w in waves], axis=2)
+            yield form("smooth_function_of_joint", (number,)), np.stack([w[:, None] * motion for w in waves], axis=2)
+            yield from _in_part_of_travel(number, q, motion)
     yield from _with_covariates(observed, axes)
 
 
-def _form(name: str, at: tuple[int, ...] = (), shapes: Mapping[str, float] = MappingProxyType({})) -> Candidate:
-    return Candidate(name, at, (), shapes, outside=True)
+def _in_part_of_travel(number: int, q: Array, motion: Array) -> Iterator[tuple[Candidate, Array]]:
+    """Stretches of one joint's travel of up to four tenths of it, each with readings inside and out."""
+    edges = np.linspace(q.min(), q.max(), _EDGES + 1)
+    edges[-1] = np.inf
+    for first, last in itertools.combinations(range(_EDGES + 1), 2):
+        inside = (q >= edges[first]) & (q < edges[last])
+        if last - first <= _WIDEST and inside.any():
+            shapes = {"from": float(edges[first]), "to": float(min(edges[last], q.max()))}
+            yield form("joint_in_part_of_travel", (number,), shapes), (inside[:, None] * motion)[:, :, None]
 
 
 def _axes(observed: Observed) -> Array:
@@ -92,12 +101,6 @@ def _joint_motions(observed: Observed) -> list[Array]:
     """How the tip moves with each joint, (N, C)."""
     unit = MappingProxyType({"offset": 1.0})
     return [observed.signature("encoder_offset", Settings((index,), unit)) for index in range(observed.arm.size)]
-
-
-def _clock(observed: Observed) -> Array:
-    """The time of each reading, or its number where no time was recorded."""
-    time = observed.recording.time
-    return np.arange(observed.rows, dtype=float) if time is None else time
 
 
 def _times_axes(functions: list[Array], axes: Array) -> Array:
@@ -118,47 +121,39 @@ def _in_time(
         inner = inner[np.linspace(0, len(inner) - 1, count).astype(int)]
     for since in inner.tolist():
         after = (clock >= since).astype(float)
-        yield _form("step_in_time", shapes={"since": since}), _times_axes([after], axes)
+        yield form("step_in_time", shapes={"since": since}), _times_axes([after], axes)
         for number, motion in enumerate(joints):
-            yield _form("joint_step_in_time", (number,), {"since": since}), (after[:, None] * motion)[:, :, None]
-    run = (clock - clock.min()) / span
-    yield _form("trend_in_time"), _times_axes([run, run * run], axes)
+            yield form("joint_step_in_time", (number,), {"since": since}), (after[:, None] * motion)[:, :, None]
+    run = run_of(clock)
+    yield form("trend_in_time"), _times_axes([run, run * run], axes)
     smooth = [np.cos(np.pi * order * run) for order in range(1, 7)]
     if observed.rows > 4 * len(smooth):
-        yield _form("smooth_in_time"), _times_axes(smooth, axes)
+        yield form("smooth_in_time"), _times_axes(smooth, axes)
     if len(starts) >= 12:
         fastest = min(0.5 * len(starts), 0.4 * _PERIODS * few)
         for cycles in np.arange(1.4, fastest, 0.4).tolist():
             angle = 2.0 * np.pi * cycles * run
             waves = [np.sin(angle), np.cos(angle)]
-            yield _form("periodic_in_time", shapes={"period": span / cycles}), _times_axes(waves, axes)
+            yield form("periodic_in_time", shapes={"period": span / cycles}), _times_axes(waves, axes)
             for number, motion in enumerate(joints if len(starts) <= _MANY_VISITS else ()):
                 turning = np.stack([wave[:, None] * motion for wave in waves], axis=2)
-                yield _form("joint_periodic_in_time", (number,), {"period": span / cycles}), turning
-
-
-def _scaled_position(observed: Observed) -> Array:
-    tip = np.stack(
-        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
-    )[:, : observed.components]
-    spread = np.ptp(tip, axis=0)
-    return (tip - tip.mean(axis=0)) / np.where(spread > 0.0, 0.5 * spread, 1.0)
+                yield form("joint_periodic_in_time", (number,), {"period": span / cycles}), turning
 
 
 def _over_position(observed: Observed, axes: Array, few: float) -> Iterator[tuple[Candidate, Array]]:
-    place = _scaled_position(observed)
+    place = scaled_position(observed)
     width = place.shape[1]
     linear = [place[:, i] for i in range(width)]
     squares = [place[:, i] * place[:, j] for i in range(width) for j in range(i, width)]
-    yield _form("field_over_position", shapes={"order": 2.0}), _times_axes([*linear, *squares], axes)
+    yield form("field_over_position", shapes={"order": 2.0}), _times_axes([*linear, *squares], axes)
     if width == 2 and observed.rows > 60:
         cubes = [place[:, 0] ** a * place[:, 1] ** (3 - a) for a in range(4)]
-        yield _form("field_over_position", shapes={"order": 3.0}), _times_axes([*linear, *squares, *cubes], axes)
+        yield form("field_over_position", shapes={"order": 3.0}), _times_axes([*linear, *squares, *cubes], axes)
     for center in _spread_out(place, int(_REGIONS * few)):
         for size in (0.35, 0.7):
             bump = np.exp(-0.5 * np.sum((place - place[center]) ** 2, axis=1) / size**2)
             shape = {f"center_{axis}": float(value) for axis, value in zip("xyz", place[center], strict=False)}
-            yield _form("region", shapes={"size": size, **shape}), _times_axes([bump], axes)
+            yield form("region", shapes={"size": size, **shape}), _times_axes([bump], axes)
 
 
 def _spread_out(points: Array, count: int) -> list[int]:
@@ -171,73 +166,22 @@ def _spread_out(points: Array, count: int) -> list[int]:
     return chosen
 
 
-def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
-    """Forces at the tip through the arm's own flexibility, for one newton each."""
-    width = observed.components
-    tip = [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()]
-    zero = np.zeros(observed.rows)
-
-    def response(force: tuple[Array, Array, Array]) -> Array:
-        loaded = under_other_loads(observed.state, tip_force=force, weightless=True)
-        moved = carried_to_tip(loaded, elastic_twists(loaded))
-        columns = np.zeros((observed.rows, observed.residual.shape[1]))
-        for axis in range(width):
-            columns[:, axis] = moved[axis]
-        return columns
-
-    def along(axis: int, size: Array) -> Array:
-        force = [zero, zero, zero]
-        force[axis] = size
-        return response((force[0], force[1], force[2]))
-
-    one = np.ones(observed.rows)
-    constant = [along(axis, one) for axis in range(width)]
-    if not any(each.any() for each in constant):
-        return
-    yield _form("constant_force"), np.stack(constant, axis=2)
-    pull = response((tip[0], tip[1], tip[2] if width == 3 else zero))
-    yield _form("spring_to_a_point"), np.stack([*constant, -pull], axis=2)
-    for point, power in itertools.product(_points_around(tip, width), (1.0, 3.0)):
-        away = [tip[axis] - point[axis] if axis < width else zero for axis in range(3)]
-        distance = np.sqrt(away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
-        weakening = 1.0 / (distance**2 + _CORE**2) ** (0.5 * power)
-        drawn = response((-away[0] * weakening, -away[1] * weakening, -away[2] * weakening))
-        shape = {f"at_{axis}": value for axis, value in zip("xyz", point, strict=False)}
-        yield _form("pull_of_a_point", shapes={**shape, "power": power}), drawn[:, :, None]
-    place = _scaled_position(observed)
-    field = [along(axis, place[:, other]) for axis in range(width) for other in range(width)]
-    yield _form("force_field", shapes={"order": 1.0}), np.stack([*constant, *field], axis=2)
-    if width == 2 and observed.rows > 60:
-        curved = [along(a, place[:, i] * place[:, j]) for a in range(2) for i in range(2) for j in range(i, 2)]
-        yield _form("force_field", shapes={"order": 2.0}), np.stack([*constant, *field, *curved], axis=2)
-
-
-def _points_around(tip: Sequence[Array], width: int) -> list[tuple[float, ...]]:
-    """A coarse grid of points in and around the recorded part of the workspace, m."""
-    spans: list[list[float]] = []
-    for axis in range(width):
-        low, high = float(tip[axis].min()), float(tip[axis].max())
-        margin = 0.15 * (high - low)
-        spans.append(np.linspace(low - margin, high + margin, 6 if width == 2 else 4).tolist())
-    return list(itertools.product(*spans))
-
-
 def _with_covariates(observed: Observed, axes: Array) -> Iterator[tuple[Candidate, Array]]:
     recording = observed.recording
-    place = list(_scaled_position(observed).T)
+    place = list(scaled_position(observed).T)
     if recording.temperature is not None and np.ptp(recording.temperature) > 0.0:
         warm = (recording.temperature - recording.temperature.mean()) / np.ptp(recording.temperature)
-        yield _form("temperature"), _times_axes([warm, warm * warm], axes)
+        yield form("temperature"), _times_axes([warm, warm * warm], axes)
     if recording.payload_mass is not None and np.ptp(recording.payload_mass) > 0.0:
         load = (recording.payload_mass - recording.payload_mass.mean()) / np.ptp(recording.payload_mass)
-        yield _form("payload_and_position"), _times_axes([load, *(load * p for p in place)], axes)
+        yield form("payload_and_position"), _times_axes([load, *(load * p for p in place)], axes)
     for name, columns in (("side_of_approach", recording.sides), ("velocity", recording.velocity)):
         for number in range(observed.arm.size if columns is not None else 0):
             values = columns[:, number] if columns is not None else np.zeros(observed.rows)
             if np.ptp(values) > 0.0:
                 scaled = values / np.abs(values).max()
-                yield _form(name, (number,)), _times_axes([scaled, *(scaled * p for p in place)], axes)
+                yield form(name, (number,)), _times_axes([scaled, *(scaled * p for p in place)], axes)
     for name, values in recording.other.items():
         if np.isfinite(values).all() and np.ptp(values) > 0.0:
             scaled = (values - values.mean()) / np.ptp(values)
-            yield _form("other_column", shapes={name: 0.0}), _times_axes([scaled], axes)
+            yield form("other_column", shapes={name: 0.0}), _times_axes([scaled], axes)

@@ -10,25 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .calibrate import Calibrated, Given, given_model, one_more
-from .candidates import PLAUSIBLE, STANDS, columns_of
-from .fit import Fit, fit, impossible, typical
+from .candidates import Candidate, columns_of
+from .fit import fit, impossible
+from .forces import pull_found
 from .pool import Pool, with_group
 from .prepare import Prepared, limits
 from .refit import refined_shapes
-from .search import Subset, best_subsets, gains, gains_beside, own_blocks, products
+from .search import Subset, best_subsets, gains_beside, own_blocks, products
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-ALIKE = 0.98
-"""Patterns whose correlation is above this are one class."""
-CONFIDENT = 6.0
-"""Names whose criterion is worse by no more than this (odds of 20 to 1) stay in the confidence set."""
 FALSE_ALARM = 0.003
 """The level of each test; a null meets two of them (library and forms)."""
-REFUTED = 20.0
-"""Of one class or not: a name whose criterion is worse by this is refuted by the data (odds of 20,000 to 1)."""
-_TIED = 2.0
 _MARGIN = 10.0
 """How much better a form's criterion must be than the library's before the library's answer is given up."""
 _BESIDE = 6.0
@@ -92,19 +86,27 @@ class Namer:
         found: list[int] = []
         for member, candidate in zip(members, refined_shapes(self.prepared, members, fitted), strict=True):
             columns = None if candidate is None else columns_of(self.prepared.observed, candidate)
-            if candidate is None or columns is None:
-                found.append(member)
-                continue
-            white = self.prepared.observed.whitened(columns)
-            pool = with_group(self.pool, candidate, white, limits(candidate, columns))
-            if len(pool.groups) == len(self.pool.groups):
-                found.append(member)
-                continue
-            self.prepared = replace(self.prepared, pool=pool, columns=(*self.prepared.columns, columns))
-            found.append(len(pool.groups) - 1)
-        self.library, self.criterion = self.prepared.library(), self.prepared.criterion
+            taken = None if candidate is None or columns is None else self._take_in(candidate, columns)
+            found.append(member if taken is None else taken)
         better = self.criterion_of(found) < self.criterion_of(members) and self.possible(found)
         return tuple(found) if better else tuple(members)
+
+    def seek_pull(self, members: Sequence[int]) -> None:
+        """Take in the pull towards a point that explains most beside some groups, wherever that is: on a coarse grid a
+        magnet between two points is several small errors of the joints."""
+        found = pull_found(self.prepared.observed, self.pool, self.prepared.vector, members)
+        if found is not None:
+            self._take_in(*found)
+
+    def _take_in(self, candidate: Candidate, columns: Array) -> int | None:
+        """The number of a new group of these columns (N, C, d); None where nothing is seen of it."""
+        white = self.prepared.observed.whitened(columns)
+        pool = with_group(self.pool, candidate, white, limits(candidate, columns))
+        if len(pool.groups) == len(self.pool.groups):
+            return None
+        self.prepared = replace(self.prepared, pool=pool, columns=(*self.prepared.columns, columns))
+        self.library, self.criterion = self.prepared.library(), self.prepared.criterion
+        return len(pool.groups) - 1
 
     @property
     def pool(self) -> Pool:
@@ -267,6 +269,9 @@ def _against_forms(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """Whether something outside the library is at work, instead of what was named or beside it."""
+    namer.seek_pull(())
+    if members:
+        namer.seek_pull(members)
     everything = np.ones(len(namer.library), dtype=bool)
     own = namer.criterion_of(members)
     rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
@@ -313,68 +318,3 @@ def _still_there(
             return members, outside, p_values
         members = tuple(m for k, m in enumerate(members) if k != worst)
     return (), outside, ()
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A group that could stand in a member's place: how alike the patterns are, how much worse its criterion."""
-
-    member: int
-    likeness: float
-    worse: float
-
-
-def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
-    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
-    pool = namer.pool
-    others = [m for m in members if m != member]
-    start = products(pool, namer.prepared.vector).beside(pool.columns(others))
-    gained = gains(pool, start)
-    own_criterion = namer.criterion_of(members)
-    group = pool.groups[member]
-    own = slice(group.start, group.stop)
-    pattern = np.linalg.pinv(start.gram[own, own], rcond=1e-9) @ start.against[own]
-    mixed = start.gram[:, own] @ pattern
-    signal = float(pattern @ start.gram[own, own] @ pattern)
-    taken = {pool.groups[m].candidate.family for m in members}
-    found: dict[object, Rival] = {}
-    for number, other in enumerate(pool.groups):
-        family = other.candidate.family
-        if family in taken or not namer.library[number]:
-            continue
-        part = slice(other.start, other.stop)
-        block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
-        alike = float(np.sqrt(max(mixed[part] @ block @ mixed[part], 0.0) / max(signal, 1e-300)))
-        trial = [number if m == member else m for m in members]
-        if alike < ALIKE and gained[number] < 0.5 * gained[member]:
-            continue
-        worse = namer.criterion_of(trial) - own_criterion
-        if worse <= (REFUTED if alike >= ALIKE else CONFIDENT) and namer.possible(trial):
-            rival = Rival(number, min(alike, 1.0), worse)
-            if family not in found or found[family].worse > worse:
-                found[family] = rival
-    return sorted(found.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))
-
-
-def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequence[Rival]) -> int:
-    """Which name of an alias class goes first: among those that fit equally well, one at a joint that moves before one
-    that only shares its pattern, then the one with fewest coefficients, of a usual size, and the commonest cause."""
-
-    travel = namer.prepared.observed.recording.q
-
-    def order(number: int) -> tuple[bool, int, bool, int]:
-        candidate = namer.pool.groups[number].candidate
-        trial = [number if m == member else m for m in members]
-        fitted: Fit = fit(namer.prepared, trial)
-        sizes = fitted.sizes[trial.index(number)]
-        rank = PLAUSIBLE.index(candidate.effect) if candidate.effect in PLAUSIBLE else len(PLAUSIBLE)
-        still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < STANDS
-        # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
-        unknown = len(sizes) != len(candidate.sizes)
-        coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
-        return (still, coefficients, not (unknown or typical(candidate, sizes)), rank)
-
-    # A joint that never moves is not accused while one that does would do nearly as well.
-    limit = REFUTED if order(member)[0] else _TIED
-    tied = [member, *(rival.member for rival in others if rival.worse <= limit)]
-    return min(tied, key=order)

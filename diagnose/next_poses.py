@@ -18,10 +18,11 @@ from arm.effects import Settings
 
 from .candidates import columns_of
 from .fit import fit
-from .naming import Namer, Rival
+from .naming import Namer
 from .observed import Observed, observe
 from .recording import Recording
 from .result import NextPose
+from .rivals import Rival
 from .sentences import name_of
 
 Array = NDArray[np.float64]

@@ -262,7 +262,8 @@ def _worth_a_triple(
 ) -> list[int]:
     """Of each family the variants that explain most alone, beside the best single, and beside the best pair."""
     beside = [(), found[1][0].members, found[2][0].members]
-    gained = [gains(pool, start.beside(pool.columns(members)) if members else start) for members in beside]
+    blocks = own_blocks(pool, start)
+    gained = [gains_beside(pool, start, pool.columns(members), blocks)[0] for members in beside]
     taken: set[int] = set()
     for members in families(pool):
         able = [m for m in members if usable[m]]

@@ -34,9 +34,11 @@ _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "joint_periodic_in_time": ("time",),
         "trend_in_time": ("time",),
         "smooth_in_time": ("time",),
+        "force_in_time": ("time",),
         "spring_to_a_point": ("position",),
         "constant_force": ("position",),
         "force_field": ("position",),
+        "pull_of_a_point": ("position",),
         "field_over_position": ("position",),
         "region": ("position",),
         "temperature": ("temperature_degC",),
@@ -70,7 +72,7 @@ def describe(
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
-        shape=SENTENCES.get(leading, leading.replace("_", " ")) + _which_joint(namer, outside),
+        shape=SENTENCES.get(leading, leading.replace("_", " ")) + _which_joint(namer, outside) + _where(namer, outside),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
@@ -98,6 +100,15 @@ def _which_joint(namer: Namer, outside: Sequence[int]) -> str:
     return f" (joint {at.pop()})" if len(at) == 1 else ""
 
 
+def _where(namer: Namer, outside: Sequence[int]) -> str:
+    """Where a force is drawn to, as words; nothing where no such form won."""
+    shapes = [namer.pool.groups[m].candidate.shapes for m in outside]
+    places = [[each[name] for name in ("at_x", "at_y", "at_z") if name in each] for each in shapes if "at_x" in each]
+    if len(places) != 1:
+        return ""
+    return f"; it is near ({', '.join(f'{x:.2f}' for x in places[0])}) m"
+
+
 def since(namer: Namer, outside: Sequence[int]) -> float | None:
     """Since when (s, or the number of the reading where no time was recorded: None then) a step is seen."""
     if namer.prepared.observed.recording.time is None:
@@ -113,7 +124,7 @@ def _depends(namer: Namer, outside: Sequence[int], dependences: Sequence[Depende
     found: list[str] = []
     for member in outside:
         candidate = namer.pool.groups[member].candidate
-        if candidate.effect == "smooth_function_of_joint":
+        if candidate.effect in ("smooth_function_of_joint", "joint_in_part_of_travel"):
             found.append(f"q{candidate.at[0] + 1}")
         elif candidate.effect == "other_column":
             found += list(candidate.shapes)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..statics import PoseState
 from ..vectors import plus, scale, times
-from .effect import Effect, Parameter, Settings, Twist
+from .effect import Effect, Parameter, Settings, Twist, drive_motion
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -16,12 +16,15 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, link in enumerate(state.links):
         if settings.acts_at(index):
             yield Twist("link", index, scale(plus(length, times(stretch, link.beam.length)), link.along))
+            joint = state.joints[index]
+            if stretch != 0.0 and not joint.revolute:
+                yield from drive_motion(state, index, times(stretch, joint.coordinate))
 
 
 LINK_LENGTH = Effect(
     id="link_length",
     title="true lengths of the links",
-    formula="sum u_i (dL_i + e L_i)",
+    formula="sum u_i (dL_i + e L_i) + e sum a_i q_i of slides",
     place="link",
     cause="geometry",
     automatic=False,
@@ -42,7 +45,7 @@ LINK_LENGTH = Effect(
         Parameter(
             "stretch",
             "dimensionless",
-            "the same as a share of each link's length: all in proportion, as one wrong gauge makes them",
+            "the same as a share of each link's length and each slide's travel: all in proportion, by one wrong gauge",
             -0.1,
             0.1,
             (2e-5, 1e-3),

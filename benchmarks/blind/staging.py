@@ -95,10 +95,15 @@ def dosed_to(
 
 
 def alike(effects: list[Effect], scene: Scene, response: Response) -> bool:
-    """Whether two effects are nearly one on this recording: no tool could name both."""
+    """Whether one of two effects is nearly a case of the other on this recording, whatever the other's sizes: no tool
+    could name both."""
     plain = not any(effect.effect in GEOMETRIC for effect in effects)
     hidden = nuisance(scene, response, not plain)
-    columns = [aliases.flat(aliases.signature(e, scene, response), scene.arm.planar)[:, None] for e in effects]
-    one, two = (aliases.without(column, hidden)[:, 0] for column in columns)
-    size = float(np.linalg.norm(one) * np.linalg.norm(two))
-    return size == 0.0 or abs(float(one @ two)) > 0.9 * size
+    spans = {(c.effect, c.at): c for c in aliases.candidates(scene, response, effects)}
+    for one, two in (effects, effects[::-1]):
+        columns = [aliases.flat(aliases.signature(e, scene, response), scene.arm.planar) for e in (one, two)]
+        own = aliases.Candidate(two.effect, two.at, (columns[1][:, None],))
+        found = aliases.correlations(columns[0], [own, spans.get((two.effect, two.at), own)], hidden)
+        if not found or found[0][0] > 0.9:
+            return True
+    return False

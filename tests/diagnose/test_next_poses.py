@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from diagnose.naming import Namer, Rival
+from diagnose.naming import Namer
 from diagnose.next_poses import _greedy, _noncentrality, _pair, _tried, next_poses  # pyright: ignore[reportPrivateUsage]
 from diagnose.observed import observe
 from diagnose.options import Options
 from diagnose.prepare import prepare
+from diagnose.rivals import Rival
 from tests.diagnose.core_cases import group_of, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

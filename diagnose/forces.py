@@ -1,0 +1,158 @@
+"""Forces at the tip that no entry of the library describes, through the arm's own flexibility: steady, wandering with
+time, springs, pulls towards a point, fields over the workspace."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from arm.effects.elastic import elastic_twists, under_other_loads
+from arm.error import carried_to_tip
+
+from .candidates import Candidate
+from .form import clock_of, form, run_of, scaled_position, tip_of
+from .observed import Observed, blocks_of
+from .pool import Pool
+from .search import gains, products
+
+Array = NDArray[np.float64]
+
+FORCES = frozenset({"constant_force", "force_in_time", "spring_to_a_point", "pull_of_a_point", "force_field"})
+"""Forms that act through what bends."""
+
+_WANDERS = (6, 12)
+"""Half waves over the recording that a force which wanders is made of."""
+_VISITS_FOR_EACH = 3
+"""Visits for each half wave, at least."""
+_CORE = 0.15
+"""m; nearer than about this a pull grows no further, since what pulls has a size."""
+_CORES = (math.log(0.02), math.log(3.0))
+"""Logarithms of the least and the widest core, m."""
+_STARTS = 2
+"""Points of the grid from which a pull is moved to where it fits best."""
+_STEPS = 150
+_MAGNET = 3.0
+"""The power of the distance in a pull that is moved off the grid; how wide its core is tells the rest."""
+
+
+def _give(observed: Observed) -> Array:
+    """What one newton at the tip along each axis moves in every column, (N, C, D): the arm's compliance at each
+    reading, by which any other force moves it in proportion."""
+    zero, one = np.zeros(observed.rows), np.ones(observed.rows)
+    columns = np.zeros((*observed.residual.shape, observed.components))
+    for axis in range(observed.components):
+        force = [zero, zero, zero]
+        force[axis] = one
+        loaded = under_other_loads(observed.state, tip_force=(force[0], force[1], force[2]), weightless=True)
+        moved = carried_to_tip(loaded, elastic_twists(loaded))
+        for other in range(observed.components):
+            columns[:, other, axis] = moved[other]
+    return columns
+
+
+def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
+    """The forms that are forces, with their columns (N, C, d) for one newton each (a spring: for one N/m)."""
+    width = observed.components
+    tip = tip_of(observed)[:, :width]
+    steady = _give(observed)
+    if not steady.any():
+        return
+    yield form("constant_force"), steady
+    for waves in _wanderings(observed):
+        yield form("force_in_time", shapes={"half_waves": len(waves) - 1.0}), _times(waves, steady)
+    yield form("spring_to_a_point"), np.concatenate([steady, -_moved_by(steady, tip)], axis=2)
+    for point, power in itertools.product(_points_around(tip), (1.0, _MAGNET)):
+        shapes = {**_named(point), "core": _CORE, "power": power}
+        yield form("pull_of_a_point", shapes=shapes), _moved_by(steady, pull(tip, shapes))
+    place = scaled_position(observed)
+    field = _times(place.T, steady)
+    yield form("force_field", shapes={"order": 1.0}), np.concatenate([steady, field], axis=2)
+    if width == 2 and observed.rows > 60:
+        squares = np.stack([place[:, i] * place[:, j] for i in range(2) for j in range(i, 2)])
+        curved = np.concatenate([steady, field, _times(squares, steady)], axis=2)
+        yield form("force_field", shapes={"order": 2.0}), curved
+
+
+def _moved_by(give: Array, force: Array) -> Array:
+    """What a force (N, D), N, moves in every column (N, C, 1), by the arm's compliance (see `_give`)."""
+    return np.einsum("nca,na->nc", give, force)[:, :, None]
+
+
+def _times(functions: Array, columns: Array) -> Array:
+    """Functions of the readings (F, N) times each of some columns (N, C, d), (N, C, F d)."""
+    made = functions.T[:, None, :, None] * columns[:, :, None, :]
+    return made.reshape(*columns.shape[:2], -1)
+
+
+def _wanderings(observed: Observed) -> Iterator[Array]:
+    """Half waves over the recording, from none (a constant) up to as many as its visits can tell, (1 + K, N)."""
+    clock = clock_of(observed)
+    if np.ptp(clock) <= 0.0:
+        return
+    for count in _WANDERS:
+        if count * _VISITS_FOR_EACH <= len(blocks_of(observed.block)):
+            yield np.cos(np.pi * np.arange(count + 1)[:, None] * run_of(clock))
+
+
+def _named(point: Sequence[float]) -> dict[str, float]:
+    return {f"at_{axis}": float(value) for axis, value in zip("xyz", point, strict=False)}
+
+
+def pull(tip: Array, shapes: Mapping[str, float]) -> Array:
+    """A pull towards a point on tips (N, D), N: r/(r^2 + core^2)^(power/2)."""
+    away = tip - np.array([shapes[f"at_{axis}"] for axis in "xyz"[: tip.shape[1]]])
+    return -away * ((np.sum(away**2, axis=1) + shapes["core"] ** 2) ** (-0.5 * shapes["power"]))[:, None]
+
+
+def _points_around(tip: Array) -> list[tuple[float, ...]]:
+    """A coarse grid of points in and around the recorded part of the workspace (tips (N, D)), m."""
+    spans: list[list[float]] = []
+    for low, high in zip(tip.min(axis=0).tolist(), tip.max(axis=0).tolist(), strict=True):
+        margin = 0.15 * (high - low)
+        spans.append(np.linspace(low - margin, high + margin, 6 if tip.shape[1] == 2 else 4).tolist())
+    return list(itertools.product(*spans))
+
+
+def pull_found(
+    observed: Observed, pool: Pool, vector: Array, known: Sequence[int]
+) -> tuple[Candidate, Array] | None:
+    """The pull that explains most of what the `known` groups leave of the whitened residual (n,), moved off the grid to
+    where it does; with its columns (N, C, 1), None where the arm does not bend."""
+    given = products(pool, vector).beside(pool.columns(list(known))) if known else products(pool, vector)
+    gained = gains(pool, given)
+    pulls = [k for k, group in enumerate(pool.groups) if group.candidate.effect == "pull_of_a_point"]
+    if not pulls:
+        return None
+    taken = np.concatenate([pool.nuisance, np.linalg.qr(pool.basis[:, pool.columns(list(known))])[0]], axis=1)
+    left = vector - taken @ (taken.T @ vector)
+    names = tuple(_named([0.0] * observed.components))
+    give, tip = _give(observed), tip_of(observed)[:, : observed.components]
+
+    def shapes(at: Array) -> dict[str, float]:
+        return {**dict(zip(names, at.tolist(), strict=False)), "core": math.exp(at[-1]), "power": _MAGNET}
+
+    def missed(at: Array) -> float:
+        own = observed.whitened(_moved_by(give, pull(tip, shapes(at)))[:, :, 0])
+        own = own - taken @ (taken.T @ own)
+        size = float(own @ own)
+        return -(float(own @ left) ** 2) / size if size > 0.0 else 0.0
+
+    span = np.ptp(tip, axis=0)
+    bounds = [*zip(tip.min(axis=0) - span, tip.max(axis=0) + span, strict=True), _CORES]
+    best: tuple[float, dict[str, float]] | None = None
+    for number in sorted(pulls, key=lambda k: -float(gained[k]))[:_STARTS]:
+        start = pool.groups[number].candidate.shapes
+        at = np.array([*(start[name] for name in names), math.log(start["core"])])
+        options = {"maxiter": _STEPS, "xatol": 1e-3, "fatol": 1e-3 * float(left @ left)}
+        found = minimize(missed, at, method="Nelder-Mead", bounds=bounds, options=options)
+        if best is None or float(found.fun) < best[0]:
+            best = float(found.fun), shapes(found.x)
+    if best is None:
+        return None
+    return form("pull_of_a_point", shapes=MappingProxyType(best[1])), _moved_by(give, pull(tip, best[1]))

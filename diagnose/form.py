@@ -1,0 +1,44 @@
+"""What a form outside the library is made of: readings' clock, their place, and the candidate that carries a form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidates import Candidate
+from .observed import Observed
+
+Array = NDArray[np.float64]
+
+
+def form(name: str, at: tuple[int, ...] = (), shapes: Mapping[str, float] = MappingProxyType({})) -> Candidate:
+    """The candidate of a form."""
+    return Candidate(name, at, (), shapes, outside=True)
+
+
+def clock_of(observed: Observed) -> Array:
+    """The time of each reading, or its number where no time was recorded."""
+    time = observed.recording.time
+    return np.arange(observed.rows, dtype=float) if time is None else time
+
+
+def run_of(clock: Array) -> Array:
+    """The time of each reading from 0 at the first to 1 at the last."""
+    return (clock - clock.min()) / np.ptp(clock)
+
+
+def tip_of(observed: Observed) -> Array:
+    """Where the arm file's tip stands at each reading, (N, 3), m."""
+    return np.stack(
+        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
+    )
+
+
+def scaled_position(observed: Observed) -> Array:
+    """Where the tip stands, (N, D), each axis from -1 to 1 or so over the recording."""
+    tip = tip_of(observed)[:, : observed.components]
+    spread = np.ptp(tip, axis=0)
+    return (tip - tip.mean(axis=0)) / np.where(spread > 0.0, 0.5 * spread, 1.0)
