@@ -199,7 +199,7 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     # unless it is far above what repeats differ by, which no memory makes it.
     mismatch = rms_length(observed.tip_residual())
     may_wander = noise_floor is not None and mismatch > FAR_ABOVE * noise_floor
-    names = () if may_wander else ("smooth_in_time", "trend_in_time")
+    names = () if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
     wanders = np.array([group.candidate.effect in names for group in pool.groups], dtype=bool)
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)
