@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .effects import Effect, Settings, Twist
 from .error import ActiveEffect, carried_to_tip
+from .finite import beyond_first_order
 from .statics import PoseState
 from .vectors import Scalar, Vector, add, cross, dot
 
@@ -63,20 +64,32 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
 
 
 def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Channels:
-    """What a whole model moves in every channel."""
+    """What a whole model moves in every channel; the tip by finite motions where an arm's `effects` have such."""
     found = [seen(state, active.effect, active.settings, asked) for active in effects]
     size = len(state.joints)
 
     def total(parts: Iterable[Array | None], columns: int, wanted: bool) -> Array | None:
         return sum((part for part in parts if part is not None), np.zeros((asked.rows, columns))) if wanted else None
 
-    tip = sum((each.tip for each in found), np.zeros((asked.rows, 3)))
+    tip = sum((each.tip for each in found), beyond(state, effects, asked))
     return Channels(
         tip,
         total((each.joint_side for each in found), size, asked.joint_side),
         total((each.base for each in found), 3, asked.base_target is not None),
         total((each.command for each in found), size, asked.command),
     )
+
+
+def beyond(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Array:
+    """What the `effects` that an arm's file lists move the tip by beyond first order, (N, 3), m: a zero may be off by
+    degrees. What the model has of itself is small."""
+    listed = [a for a in effects if not a.effect.automatic and not (a.effect.before_encoder and asked.command)]
+    twists = [
+        twist
+        for each in listed
+        for twist in (*each.effect.twists(state, each.settings), *each.effect.seated(state, each.settings))
+    ]
+    return beyond_first_order(state, twists, asked.rows) if twists else np.zeros((asked.rows, 3))
 
 
 def _columns(vector: Sequence[Scalar], rows: int) -> Array:

@@ -21,7 +21,7 @@ from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .naming import FALSE_ALARM
 from .next_poses import next_poses
-from .observed import rms_length
+from .observed import beyond_first_order, rms_length
 from .recording import Recording
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from .rivals import Rival
@@ -247,6 +247,13 @@ class Conclusion(Confirmed):
             f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
             for each in self.unconfirmed
         ]
+        further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
+        if further > 0.0:
+            found.append(
+                f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
+                "allowed for here. Commands that add effects up to first order (evaluate, optimize, compensate) miss "
+                "it; put such a zero, length or tool into the arm file itself."
+            )
         if self.scattered:
             found.append(
                 "What is left is more than readings of one visit differ by, but it is not there again when a pose is "

@@ -100,7 +100,7 @@ class Confirmed:
         near = searched.observed
         rejected = {each.row for each in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
-        observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation)
+        observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation, about=near.about)
         observed = observed.softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
         prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)

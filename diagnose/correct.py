@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 from arm.chain import Arm, EffectEntry
 
+from .candidates import Candidate
 from .refit import Refit
 
 _WHOLE = 0.25
@@ -51,9 +53,14 @@ def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
                 "sags under the links' own weight it cannot say while their masses are unknown."
             )
             continue
-        values = {name: float(size) for name, size in zip(candidate.sizes, term.sizes.tolist(), strict=True)}
-        # A shape of nought is what the file means anyway, but for creep that does not begin anew.
-        shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or name == "anew"}
-        at = tuple(index + 1 for index in candidate.at)
-        entries.append(EffectEntry(candidate.effect, at, MappingProxyType({**values, **shapes})))
+        entries.append(as_entry(candidate, term.sizes.tolist()))
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
+
+
+def as_entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry:
+    """A candidate of the library at some sizes as an entry of an arm's `effects`."""
+    values = dict(zip(candidate.sizes, sizes, strict=True))
+    # A shape of nought is what the file means anyway, but for creep that does not begin anew.
+    shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or name == "anew"}
+    at = tuple(index + 1 for index in candidate.at)
+    return EffectEntry(candidate.effect, at, MappingProxyType({**values, **shapes}))

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain import Arm
+from arm.chain import Arm, EffectEntry
 
 from .conclusion import Conclusion
 from .confirmed import ENOUGH_REPEATS
 from .coupling import coupled
-from .naming import Named, Namer, name_missing
+from .large import about_large
+from .naming import FALSE_ALARM, Named, Namer, name_missing
 from .noise import NoiseFloor, noise_floor
 from .observed import kept, observe, visits
 from .options import Options, Progress
@@ -50,11 +51,20 @@ def diagnose(
     prepared = prepare(observe(arm, searched), asked, known)
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
+
+    def about(found: tuple[EffectEntry, ...]) -> tuple[Namer, Named]:
+        tell("searching again about what was found", 0.6)
+        anew = prepare(observe(arm, searched, about=found), asked, known)
+        other = Namer(anew, thorough=asked.thorough, seed=asked.seed)
+        return other, name_missing(other, lambda _: None)
+
     too_few = int(prepared.visits[-1]) + 1 < _LEAST_VISITS or prepared.criterion.count < _LEAST
     if not prepared.pool.groups or too_few:
         named = None
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.3 * share))
+        if min(test.p_value for test in named.gate) <= FALSE_ALARM:
+            namer, named = about_large(namer, named, about)
         if named.members:
             again = coupled(namer, asked.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
             if again is not namer:

@@ -17,7 +17,7 @@ from arm.chain import Arm, EffectEntry, FloatVector
 from arm.effects import EFFECTS, Settings
 from arm.error import active_effects
 from arm.model import beams_of
-from arm.recorded import Asked, Channels, seen, seen_of_model
+from arm.recorded import Asked, Channels, beyond, seen, seen_of_model
 from arm.statics import PoseState, solve
 
 from .alignment import Alignment, aligned
@@ -37,7 +37,8 @@ class Observed:
     """N readings against the model. `residual` (N, C) holds measured less modelled, m and rad, the tip's D components
     first; `scale` (C,) what each column is divided by; `block` (N,) numbers visits: consecutive readings at one pose.
 
-    `correlation` is that of each reading's noise with the one before, taken out by `whitened`.
+    `correlation` is that of each reading's noise with the one before, taken out by `whitened`. `about` is what was
+    found so large that first order is taken about it: the residual is less by what that moves beyond first order.
     """
 
     arm: Arm
@@ -50,6 +51,7 @@ class Observed:
     scale: Array
     block: NDArray[np.int64]
     correlation: float = 0.0
+    about: tuple[EffectEntry, ...] = ()
 
     @property
     def components(self) -> int:
@@ -119,11 +121,19 @@ def kept(recording: Recording, keep: NDArray[np.bool_] | NDArray[np.int64]) -> R
     return replace(recording, **changed)  # pyright: ignore[reportArgumentType]
 
 
-def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, correlation: float = 0.0) -> Observed:
+def observe(
+    arm: Arm,
+    recording: Recording,
+    *,
+    scale: Array | None = None,
+    correlation: float = 0.0,
+    about: Sequence[EffectEntry] = (),
+) -> Observed:
     """Set a recording against an arm's model.
 
     Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
-    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels.
+    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels. `about`
+    what else is known to be at work, still to be fitted: see `Observed`.
     Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
@@ -137,12 +147,12 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
     )
-    state, modelled, alignment = _placed(known, recording, asked)
+    state, modelled, alignment = _placed(known, recording, asked, about)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))
-        state, modelled, further = _placed(known, recording, asked)
+        state, modelled, further = _placed(known, recording, asked, about)
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
@@ -167,10 +177,13 @@ def observe(arm: Arm, recording: Recording, *, scale: Array | None = None, corre
         np.ones(residual.shape[1]) if scale is None else scale,
         visits(recording, arm),
         correlation,
+        tuple(about),
     )
 
 
-def _placed(arm: Arm, recording: Recording, asked: Asked) -> tuple[PoseState, Channels, Alignment]:
+def _placed(
+    arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry]
+) -> tuple[PoseState, Channels, Alignment]:
     """The arm at the readings, what its model moves in every channel, and measured set against modelled tips."""
     state = solve(
         arm,
@@ -181,8 +194,27 @@ def _placed(arm: Arm, recording: Recording, asked: Asked) -> tuple[PoseState, Ch
         tip_force=None if recording.force is None else _columns(recording.force),
     )
     modelled = seen_of_model(state, active_effects(arm), asked)
+    width = recording.tip.shape[1]
+    further, first = _about(state, arm, about, asked)
     nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
-    return state, modelled, aligned(recording, state, (nominal + modelled.tip)[:, : recording.tip.shape[1]])
+    # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
+    alignment = aligned(recording, state, (nominal + modelled.tip + further + first)[:, :width])
+    return state, modelled, replace(alignment, residual=alignment.residual + first[:, :width])
+
+
+def _about(state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked) -> tuple[Array, Array]:
+    """What entries beside the arm's own move the tip by beyond first order, and to first order, (N, 3), m."""
+    if not about:
+        return np.zeros((asked.rows, 3)), np.zeros((asked.rows, 3))
+    own = active_effects(arm)
+    whole = active_effects(replace(arm, effects=(*arm.effects, *about)))
+    first = sum((seen(state, each.effect, each.settings, asked).tip for each in whole[len(own) :]), np.zeros(1))
+    return beyond(state, whole, asked) - beyond(state, own, asked), first
+
+
+def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Array:
+    """What entries beside the arm's own move the tip by beyond first order, (N, D), m."""
+    return _about(observed.state, observed.arm, about, observed.asked)[0][:, : observed.components]
 
 
 def _moved(tool: FloatVector, by: Array) -> FloatVector:

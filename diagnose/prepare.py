@@ -151,7 +151,9 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
         RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
         for row in np.flatnonzero(outlying).tolist()
     )
-    again = observe(observed.arm_given, kept(observed.recording, keep), scale=_scatter(left[keep], rough))
+    again = observe(
+        observed.arm_given, kept(observed.recording, keep), scale=_scatter(left[keep], rough), about=observed.about
+    )
     # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
     patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
     return _with_memory(again, patterns, left[keep], noise_floor, rejected)

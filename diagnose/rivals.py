@@ -33,33 +33,39 @@ class Rival:
     worse: float
 
 
-def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
-    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
+def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array, Array]:
+    """How alike each group's pattern is to a member's, as fitted beside the other members (0 to 1), and what each
+    explains beside them, in sum of squares; both (G,)."""
     pool = namer.pool
     others = [m for m in members if m != member]
     start = products(pool, namer.prepared.vector).beside(pool.columns(others))
-    gained = gains(pool, start)
-    own_criterion = namer.criterion_of(members)
     group = pool.groups[member]
     own = slice(group.start, group.stop)
     pattern = np.linalg.pinv(start.gram[own, own], rcond=1e-9) @ start.against[own]
     mixed = start.gram[:, own] @ pattern
-    signal = float(pattern @ start.gram[own, own] @ pattern)
-    taken = {pool.groups[m].candidate.family for m in members}
-    found: dict[object, Rival] = {}
-    for number, other in enumerate(pool.groups):
-        family = other.candidate.family
-        if family in taken or not namer.library[number]:
-            continue
-        part = slice(other.start, other.stop)
+    signal = max(float(pattern @ start.gram[own, own] @ pattern), 1e-300)
+    shared = np.zeros(len(pool.groups))
+    for number in np.flatnonzero(namer.library).tolist():
+        part = slice(pool.groups[number].start, pool.groups[number].stop)
         block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
-        alike = float(np.sqrt(max(mixed[part] @ block @ mixed[part], 0.0) / max(signal, 1e-300)))
-        trial = [number if m == member else m for m in members]
-        if alike < ALIKE and gained[number] < 0.5 * gained[member]:
+        shared[number] = np.sqrt(max(float(mixed[part] @ block @ mixed[part]), 0.0) / signal)
+    return np.minimum(shared, 1.0), gains(pool, start)
+
+
+def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
+    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
+    shared, gained = likenesses(namer, members, member)
+    own_criterion = namer.criterion_of(members)
+    taken = {namer.pool.groups[m].candidate.family for m in members}
+    found: dict[object, Rival] = {}
+    for number in np.flatnonzero(namer.library & ((shared >= ALIKE) | (gained >= 0.5 * gained[member]))).tolist():
+        family = namer.pool.groups[number].candidate.family
+        if family in taken:
             continue
+        trial = [number if m == member else m for m in members]
         worse = namer.criterion_of(trial) - own_criterion
-        if worse <= (REFUTED if alike >= ALIKE else CONFIDENT) and namer.possible(trial):
-            rival = Rival(number, min(alike, 1.0), worse)
+        if worse <= (REFUTED if shared[number] >= ALIKE else CONFIDENT) and namer.possible(trial):
+            rival = Rival(number, float(shared[number]), worse)
             if family not in found or found[family].worse > worse:
                 found[family] = rival
     return sorted(found.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))

@@ -1,0 +1,122 @@
+"""Findings so large that first order does not hold about the arm file: a zero off by degrees, a tool by centimetres.
+
+What they move beyond first order would be named for something else. So it is worked out by finite motions, taken off
+the residual (`observe(..., about=...)`), and the search is made again until that no longer changes: Gauss-Newton, with
+the search as its step. What is one to first order need not be one beyond it: the search is made about each of those
+names, and the best answer counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import EffectEntry
+from arm.effects import EFFECTS
+
+from .correct import as_entry
+from .fit import beyond_nuisances, fit
+from .form import tip_of
+from .naming import Named, Namer
+from .observed import Observed, beyond_first_order, rms_length
+from .rivals import ALIKE, likenesses
+
+Array = NDArray[np.float64]
+Entries = tuple[EffectEntry, ...]
+Search = Callable[[Entries], tuple[Namer, Named]]
+
+_ROUNDS = 4
+_MATTERS = 0.1
+"""Of the readings' scatter: what a change in what lies beyond first order must reach (RMS) to be looked at again."""
+_MOTIONS = frozenset({"geometry", "angle errors", "measurement"})
+"""Causes that move the chain as it stands, by whatever amount."""
+_NAMES = 4
+"""Names of one pattern that a search is made about, at most."""
+
+
+def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
+    """The search made again about what it found, by `search`, where that is so large that it matters; else as it is."""
+    members = _members(namer, named)
+    if not _may_matter(namer, members):
+        return namer, named
+    beginnings = list(_beginnings(namer, members))
+    if not any(_matters(namer, entries) for entries in beginnings):
+        return namer, named
+    trials = [_settled(*search(entries), search) for entries in beginnings]
+    return min(trials, key=lambda trial: _criterion(*trial))
+
+
+def _criterion(namer: Namer, named: Named) -> float:
+    """The criterion of what was named for the readings as they are, not by the scatter that each search has found."""
+    observed = namer.prepared.observed
+    return namer.criterion_of(named.everything) + 2.0 * observed.rows * float(np.sum(np.log(observed.scale)))
+
+
+def _settled(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
+    for _ in range(_ROUNDS):
+        found = _motions(namer, _members(namer, named))
+        if not _matters(namer, found):
+            break
+        namer, named = search(found)
+    return namer, named
+
+
+def _members(namer: Namer, named: Named) -> Sequence[int]:
+    """What was named; the library's best answer where nothing of it was."""
+    return named.members or min(namer.best_of_library().values(), key=lambda subset: subset.criterion).members
+
+
+def _may_matter(namer: Namer, members: Sequence[int]) -> bool:
+    """Whether anything moves the tip so far that its square over the tip's distance is near what matters."""
+    observed = namer.prepared.observed
+    reach = rms_length(tip_of(observed))
+    furthest = max((rms_length(move) for move in _moves(namer, members)), default=0.0)
+    return reach > 0.0 and furthest**2 / reach > 0.1 * _MATTERS * _scatter(observed)
+
+
+def _scatter(observed: Observed) -> float:
+    return float(np.sqrt(np.sum(observed.scale[: observed.components] ** 2)))
+
+
+def _moves(namer: Namer, members: Sequence[int]) -> list[Array]:
+    """What each of some groups moves the tip by, as fitted, (N, D), m."""
+    fitted = fit(namer.prepared, members)
+    width = namer.prepared.observed.components
+    return [(namer.prepared.columns[m] @ fitted.sizes[fitted.members.index(m)])[:, :width] for m in members]
+
+
+def _matters(namer: Namer, found: Entries) -> bool:
+    """Whether what lies beyond first order is another than that allowed for, by more than the nuisances take up."""
+    observed = namer.prepared.observed
+    width = observed.components
+    change = np.zeros(observed.residual.shape)
+    change[:, :width] = beyond_first_order(observed, found) - beyond_first_order(observed, observed.about)
+    return rms_length(beyond_nuisances(namer.prepared, change)[:, :width]) > _MATTERS * _scatter(observed)
+
+
+def _motions(namer: Namer, members: Sequence[int]) -> Entries:
+    """Those of some groups that move the chain as it stands, as fitted."""
+    fitted = fit(namer.prepared, members)
+    pairs = [(namer.pool.groups[m].candidate, s.tolist()) for m, s in zip(fitted.members, fitted.sizes, strict=True)]
+    return tuple(
+        as_entry(candidate, sizes)
+        for candidate, sizes in pairs
+        if not candidate.share and len(sizes) == len(candidate.sizes) and EFFECTS[candidate.effect].cause in _MOTIONS
+    )
+
+
+def _beginnings(namer: Namer, members: Sequence[int]) -> Iterator[Entries]:
+    """What was found, and the same with the one that moves most under each of its other names."""
+    yield _motions(namer, members)
+    largest = members[int(np.argmax([rms_length(move) for move in _moves(namer, members)]))]
+    shared, _ = likenesses(namer, members, largest)
+    families = {namer.pool.groups[m].candidate.family for m in members}
+    for number in np.argsort(-shared).tolist():
+        family = namer.pool.groups[number].candidate.family
+        if shared[number] < ALIKE or len(families) - len(members) >= _NAMES:
+            break
+        if family not in families:
+            families.add(family)
+            yield _motions(namer, [number if m == largest else m for m in members])

@@ -1,0 +1,49 @@
+"""What one joint does that the library has no name for: off within a part of its travel, or to and fro with time."""
+
+import numpy as np
+import pytest
+
+from diagnose.diagnosis import diagnose
+from tests.diagnose.arm_of_drives import arm_of_drives, read, visited
+from tests.diagnose.recorded import planar_tip
+
+ARM = arm_of_drives()
+
+
+def with_joint_errors(q, errors, rng):
+    """A recording by an arm whose joints stand off what their encoders say by `errors` (N, 3), rad."""
+    return read(q, planar_tip(q + errors) - planar_tip(q), rng)
+
+
+@pytest.mark.parametrize(("seed", "low", "high"), [(0, 0.32, 0.96), (1, 0.32, 0.96), (2, -0.3, 0.0)])
+def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
+    """A worn stretch of a gear, say: joint 2 is off by 0.15 mrad in there, and nowhere else."""
+    rng = np.random.default_rng(seed)
+    q = visited(rng, 120, 2)
+    errors = np.zeros_like(q)
+    errors[:, 1] = np.where((q[:, 1] >= low) & (q[:, 1] < high), 1.5e-4, 0.0)
+    found = diagnose(ARM, with_joint_errors(q, errors, rng))
+    assert found.verdict == "unknown"
+    assert "q2" in found.unknown.depends_on
+    assert "part of its travel" in found.unknown.shape
+    assert "joint 2" in found.unknown.shape
+    assert found.where.joint == 2
+    assert found.unknown.amplitude == pytest.approx(found.rms_before, rel=0.35)
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3])
+def test_a_joint_that_goes_to_and_fro_with_time(joint):
+    """0.1 mrad with a period of 9 visits, in 150 visits to random poses."""
+    rng = np.random.default_rng(joint)
+    q = visited(rng, 150, 2)
+    time = 20.0 * np.arange(300)
+    errors = np.zeros_like(q)
+    errors[:, joint - 1] = 1e-4 * np.sin(2.0 * np.pi * time / 352.0 + joint)
+    found = diagnose(ARM, with_joint_errors(q, errors, rng))
+    assert found.verdict == "unknown"
+    assert "time" in found.unknown.depends_on
+    assert "motion of one joint that is periodic in time" in found.unknown.shape
+    assert found.unknown.forms[0].name == "joint_periodic_in_time"
+    assert found.unknown.forms[0].share_held_out > 0.4
+    assert found.where.joint == joint
+    assert found.rms_after < 1.2 * found.noise_floor
