@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from .effects import Twist
-from .error import carried_to_tip
+from .error import carried_to_tip, rotation_at_tip
 from .statics import PoseState
 from .vectors import Vector
 
 Array = NDArray[np.float64]
 
 
-def beyond_first_order(state: PoseState, twists: Iterable[Twist], rows: int) -> Array:
-    """What finite motions move the tip by beyond the first-order sum of the twists, (rows, 3), m.
+def beyond_first_order(state: PoseState, twists: Iterable[Twist], rows: int) -> tuple[Array, Array]:
+    """What finite motions move and turn the tip by beyond the first-order sum of the twists, (rows, 3), m and rad.
 
     Twists at one node are added up first. `state` holds numbers or arrays of `rows` of them, not symbols.
     """
@@ -54,7 +54,9 @@ def beyond_first_order(state: PoseState, twists: Iterable[Twist], rows: int) -> 
         passed(("link", index))
     along(state.tool)
     passed(("tip", 0))
-    return place - _columns(carried_to_tip(state, given), rows)
+    turn = Rotation.from_matrix(turned).as_rotvec()
+    first = carried_to_tip(state, given), rotation_at_tip(state, given)
+    return place - _columns(first[0], rows), turn - _columns(first[1], rows)
 
 
 def _columns(vector: Vector, rows: int) -> Array:

@@ -2,7 +2,8 @@
 
 The tip's position is the first channel. Others show more physics: an encoder on the joint's own side sees what the
 drive does between motor and joint, a target on the base sees the base and the measuring frame move, and where commands
-are logged beside encoders their difference shows what the servo lets go.
+are logged beside encoders their difference shows what the servo lets go. A target that shows how the tool is turned
+tells turns from shifts.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects import Effect, Settings, Twist
-from .error import ActiveEffect, carried_to_tip
+from .error import ActiveEffect, carried_to_tip, rotation_at_tip
 from .finite import beyond_first_order
 from .statics import PoseState
 from .vectors import Scalar, Vector, add, cross, dot
@@ -27,23 +28,26 @@ class Channels:
     """Displacements that instruments see at N readings, in m and rad.
 
     `tip` (N, 3); `joint_side` (N, n) how far each joint stands from its encoder's reading; `base` (N, 3) a target on
-    the base; `command` (N, n) how far each encoder stands from its command. The last three are None where nobody asked.
+    the base; `command` (N, n) how far each encoder stands from its command; `turn` (N, 3) how the tool is turned, about
+    the base's axes. All but the first are None where nobody asked.
     """
 
     tip: Array
     joint_side: Array | None = None
     base: Array | None = None
     command: Array | None = None
+    turn: Array | None = None
 
 
 @dataclass(frozen=True)
 class Asked:
-    """Which channels a recording has beside the tip. `base_target` is the target's position (m)."""
+    """Which channels a recording has beside the tip's place. `base_target` is the target's position (m)."""
 
     rows: int
     joint_side: bool = False
     base_target: Vector | None = None
     command: bool = False
+    turn: bool = False
 
 
 def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> Channels:
@@ -53,13 +57,18 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
         # The encoder reads this motion, so a tip computed from its readings lacks nothing.
         nothing = np.zeros((asked.rows, 3))
         return Channels(
-            nothing, _none(asked, asked.joint_side, len(state.joints)), _base((), asked), _drives(state, twists, asked)
+            nothing,
+            _none(asked, asked.joint_side, len(state.joints)),
+            _base((), asked),
+            _drives(state, twists, asked),
+            _none(asked, asked.turn, 3),
         )
     return Channels(
         _columns(carried_to_tip(state, twists), asked.rows),
         _drives(state, twists, asked) if asked.joint_side else None,
         _base(twists, asked),
         _none(asked, asked.command, len(state.joints)),
+        _columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
     )
 
 
@@ -71,25 +80,29 @@ def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Aske
     def total(parts: Iterable[Array | None], columns: int, wanted: bool) -> Array | None:
         return sum((part for part in parts if part is not None), np.zeros((asked.rows, columns))) if wanted else None
 
-    tip = sum((each.tip for each in found), beyond(state, effects, asked))
+    further, turned = beyond(state, effects, asked)
+    tip = sum((each.tip for each in found), further)
+    turn = sum((each.turn for each in found if each.turn is not None), turned)
     return Channels(
         tip,
         total((each.joint_side for each in found), size, asked.joint_side),
         total((each.base for each in found), 3, asked.base_target is not None),
         total((each.command for each in found), size, asked.command),
+        turn if asked.turn else None,
     )
 
 
-def beyond(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Array:
-    """What the `effects` that an arm's file lists move the tip by beyond first order, (N, 3), m: a zero may be off by
-    degrees. What the model has of itself is small."""
+def beyond(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> tuple[Array, Array]:
+    """What the `effects` that an arm's file lists move and turn the tip by beyond first order, (N, 3), m and rad: a
+    zero may be off by degrees. What the model has of itself is small."""
     listed = [a for a in effects if not a.effect.automatic and not (a.effect.before_encoder and asked.command)]
     twists = [
         twist
         for each in listed
         for twist in (*each.effect.twists(state, each.settings), *each.effect.seated(state, each.settings))
     ]
-    return beyond_first_order(state, twists, asked.rows) if twists else np.zeros((asked.rows, 3))
+    nothing = np.zeros((asked.rows, 3))
+    return beyond_first_order(state, twists, asked.rows) if twists else (nothing, nothing)
 
 
 def _columns(vector: Sequence[Scalar], rows: int) -> Array:

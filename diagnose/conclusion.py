@@ -26,7 +26,7 @@ from .recording import Recording
 from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from .rivals import Rival
 from .sentences import null_vectors, reading_of, verdict_sentence
-from .unknown import describe, rejected_forms
+from .unknown import describe, largest_first, rejected_forms
 
 Array = NDArray[np.float64]
 
@@ -166,7 +166,7 @@ class Conclusion(Confirmed):
         return Alternative(candidate.effect, at, rival.likeness, rival.worse)
 
     def _joint_of_forms(self) -> int | None:
-        for member in self.outside:
+        for member in largest_first(self.prepared, self.fitted, self.outside):
             at = self.prepared.pool.groups[member].candidate.at
             if len(at) == 1:
                 return at[0] + 1

@@ -84,9 +84,9 @@ class Confirmed:
 
     def _refuted(self) -> int | None:
         """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
-        was fitted to, and no others."""
-        whole = hardest(self.held_out).rms()
-        without = [self._rms_held_out([*_less(self.members, k), *self.outside]) for k in range(len(self.members))]
+        was fitted to, and no others. What forms make of readings that they have not seen is no finding's fault."""
+        whole = self._rms_held_out(self.members)
+        without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
         if not without or min(without) >= (1.0 - _REFUTED) * whole:
             return None
         return int(np.argmin(without))

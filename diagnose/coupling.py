@@ -49,7 +49,8 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     kept = [(group.candidate, columns) for group, columns in held if not through_flexibility(group.candidate)]
     again = set_up(observed, [*kept, *loads], prepared.rejected)
     invisible = [candidate for candidate in prepared.pool.invisible if not through_flexibility(candidate)]
-    return replace(again, pool=replace(again.pool, invisible=(*invisible, *again.pool.invisible)))
+    pool = replace(again.pool, invisible=(*invisible, *again.pool.invisible))
+    return replace(again, pool=pool, independent=prepared.independent)
 
 
 def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]) -> Namer:

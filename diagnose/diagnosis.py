@@ -17,6 +17,7 @@ from .naming import FALSE_ALARM, Named, Namer, name_missing
 from .noise import NoiseFloor, noise_floor
 from .observed import kept, observe, visits
 from .options import Options, Progress
+from .orientation import with_sound_orientation
 from .prepare import prepare
 from .recording import Recording
 from .result import Diagnosis
@@ -43,6 +44,7 @@ def diagnose(
     began = time.perf_counter()
     asked, tell = options or Options(), progress or _silent
     tell("noise floor", 0.0)
+    recording = with_sound_orientation(arm, recording)
     noise = noise_floor(recording, arm)
     cleaned = _without(recording, noise)
     tell("setting the recording against the model", 0.05)

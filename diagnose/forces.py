@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from arm.effects.elastic import elastic_twists, under_other_loads
-from arm.error import carried_to_tip
+from arm.error import carried_to_tip, rotation_at_tip
 
 from .candidates import Candidate
 from .form import clock_of, form, run_of, scaled_position, tip_of
@@ -32,6 +32,8 @@ _VISITS_FOR_EACH = 3
 """Visits for each half wave, at least."""
 _CORE = 0.15
 """m; nearer than about this a pull grows no further, since what pulls has a size."""
+_GRID = MappingProxyType({2: 6, 3: 4})
+"""Points along each axis of the grid that pulls begin from, in the plane and in space."""
 _CORES = (math.log(0.02), math.log(3.0))
 """Logarithms of the least and the widest core, m."""
 _STARTS = 2
@@ -50,9 +52,13 @@ def _give(observed: Observed) -> Array:
         force = [zero, zero, zero]
         force[axis] = one
         loaded = under_other_loads(observed.state, tip_force=(force[0], force[1], force[2]), weightless=True)
-        moved = carried_to_tip(loaded, elastic_twists(loaded))
+        twists = tuple(elastic_twists(loaded))
+        moved = carried_to_tip(loaded, twists)
         for other in range(observed.components):
             columns[:, other, axis] = moved[other]
+        if observed.asked.turn:
+            turned = np.stack([part + zero for part in rotation_at_tip(loaded, twists)], axis=1)
+            columns[:, observed.turn_columns, axis] = observed.turns(turned)
     return columns
 
 
@@ -115,7 +121,7 @@ def _points_around(tip: Array) -> list[tuple[float, ...]]:
     spans: list[list[float]] = []
     for low, high in zip(tip.min(axis=0).tolist(), tip.max(axis=0).tolist(), strict=True):
         margin = 0.15 * (high - low)
-        spans.append(np.linspace(low - margin, high + margin, 6 if tip.shape[1] == 2 else 4).tolist())
+        spans.append(np.linspace(low - margin, high + margin, _GRID[tip.shape[1]]).tolist())
     return list(itertools.product(*spans))
 
 
@@ -149,7 +155,14 @@ def pull_found(
     for number in sorted(pulls, key=lambda k: -float(gained[k]))[:_STARTS]:
         start = pool.groups[number].candidate.shapes
         at = np.array([*(start[name] for name in names), math.log(start["core"])])
-        options = {"maxiter": _STEPS, "xatol": 1e-3, "fatol": 1e-3 * float(left @ left)}
+        # Half a step of the grid to begin with, whatever the coordinates are.
+        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _GRID[observed.components]), 0.7])])
+        options = {
+            "maxiter": _STEPS,
+            "xatol": 1e-3,
+            "fatol": 1e-3 * float(left @ left),
+            "initial_simplex": simplex,
+        }
         found = minimize(missed, at, method="Nelder-Mead", bounds=bounds, options=options)
         if best is None or float(found.fun) < best[0]:
             best = float(found.fun), shapes(found.x)

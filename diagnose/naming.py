@@ -155,6 +155,8 @@ class Namer:
 
 def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
     """Gate, name and test; `tell` hears the share of the work done."""
+    # What is drawn to one point may hide between the points of a grid: it is sought before anything is tested.
+    namer.seek_pull(())
     gate = namer.test(())
     tell(0.2)
     if min(gate[0].p_value, gate[1].p_value) > FALSE_ALARM:
@@ -269,7 +271,6 @@ def _against_forms(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """Whether something outside the library is at work, instead of what was named or beside it."""
-    namer.seek_pull(())
     if members:
         namer.seek_pull(members)
     everything = np.ones(len(namer.library), dtype=bool)

@@ -20,6 +20,7 @@ from .candidates import columns_of
 from .fit import fit
 from .naming import Namer
 from .observed import Observed, observe
+from .orientation import tool_turns
 from .recording import Recording
 from .result import NextPose
 from .rivals import Rival
@@ -135,6 +136,7 @@ def _tried(observed: Observed, seed: int) -> Observed:
         joint_side=None if recording.joint_side is None else q.copy(),
         commanded=None if recording.commanded is None else q.copy(),
         base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (_TRIED, 1)),
+        orientation=np.tile(np.eye(3), (_TRIED, 1, 1)) if observed.asked.turn else None,
     )
     # A free tool stands where it was found.
     arm = replace(arm, tool=observed.arm.tool)
@@ -171,9 +173,14 @@ def _nuisance(names: Sequence[str], tried: Observed) -> Array:
     parts: list[Array] = []
     for name in names:
         effect, _, size = name.partition(" ")
+        column = np.zeros(tried.residual.shape)
         if effect == "base":
-            column = np.zeros(tried.residual.shape)
-            column[:, -3 - (tried.arm.size if tried.asked.command else 0) + "xyz".index(size[-1])] = 1.0
+            end = tried.turn_columns.start - (tried.arm.size if tried.asked.command else 0)
+            column[:, end - 3 + "xyz".index(size[-1])] = 1.0
+            parts.append(column)
+        elif effect == "seat":
+            turns = tool_turns(tried.recording, tried.state, tried.components)
+            column[:, tried.turn_columns] = tried.turns(turns[:, :, "xyz".index(size[-1]) - 3])
             parts.append(column)
         else:
             parts.append(tried.signature(effect, Settings((), MappingProxyType({size: 1.0}))))

@@ -22,6 +22,7 @@ from arm.statics import PoseState, solve
 
 from .alignment import Alignment, aligned
 from .conditions import conditions_of
+from .orientation import has_orientation, turn_left
 from .recording import SAME_ANGLE, SAME_LENGTH, Recording
 
 Array = NDArray[np.float64]
@@ -71,7 +72,20 @@ class Observed:
         """Channels as (N, C), in the order of `residual`."""
         parts = [channels.tip[:, : self.components]]
         parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
+        if channels.turn is not None:
+            parts.append(self.turns(channels.turn))
         return np.concatenate(parts, axis=1)
+
+    @property
+    def turn_columns(self) -> slice:
+        """Where in a row the turns of the tool stand; nowhere if there are none."""
+        count = self.residual.shape[1]
+        return slice(count - (turns_measured(self.components) if self.asked.turn else 0), count)
+
+    def turns(self, turn: Array) -> Array:
+        """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3): nought where a row has none."""
+        shown = turn[:, -turns_measured(self.components) :]
+        return shown * has_orientation(self.recording)[:, None]
 
     def signature(self, effect: str, settings: Settings) -> Array:
         """What an effect moves in every column (N, C), m and rad."""
@@ -146,13 +160,14 @@ def observe(
         joint_side=recording.joint_side is not None,
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
+        turn=bool(has_orientation(recording).any()),
     )
-    state, modelled, alignment = _placed(known, recording, asked, about)
+    state, modelled, alignment, first = _placed(known, recording, asked, about)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))
-        state, modelled, further = _placed(known, recording, asked, about)
+        state, modelled, further, first = _placed(known, recording, asked, about)
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
@@ -165,6 +180,9 @@ def observe(
         parts.append(target - target.mean(axis=0) - modelled.base)
     if recording.commanded is not None and modelled.command is not None:
         parts.append(recording.q - recording.commanded - modelled.command)
+    if modelled.turn is not None:
+        left = turn_left(recording, state, modelled.turn + first[1], alignment.rotation) + first[2]
+        parts.append(left[:, -turns_measured(recording.tip.shape[1]) :])
     residual = np.concatenate(parts, axis=1)
     return Observed(
         known,
@@ -183,8 +201,9 @@ def observe(
 
 def _placed(
     arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry]
-) -> tuple[PoseState, Channels, Alignment]:
-    """The arm at the readings, what its model moves in every channel, and measured set against modelled tips."""
+) -> tuple[PoseState, Channels, Alignment, tuple[Array, Array, Array]]:
+    """The arm at the readings, what its model moves in every channel, and measured set against modelled tips; of what
+    else is known to be at work, the shift to first order, the turn and the turn to first order, (N, 3)."""
     state = solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
@@ -195,21 +214,29 @@ def _placed(
     )
     modelled = seen_of_model(state, active_effects(arm), asked)
     width = recording.tip.shape[1]
-    further, first = _about(state, arm, about, asked)
+    further, turned, first, turn = _about(state, arm, about, asked)
     nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
     alignment = aligned(recording, state, (nominal + modelled.tip + further + first)[:, :width])
-    return state, modelled, replace(alignment, residual=alignment.residual + first[:, :width])
+    placed = replace(alignment, residual=alignment.residual + first[:, :width])
+    return state, modelled, placed, (first, turned + turn, turn)
 
 
-def _about(state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked) -> tuple[Array, Array]:
-    """What entries beside the arm's own move the tip by beyond first order, and to first order, (N, 3), m."""
+def _about(
+    state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked
+) -> tuple[Array, Array, Array, Array]:
+    """What entries beside the arm's own move and turn the tip by beyond first order, and to first order; (N, 3) each,
+    m, rad, m and rad."""
+    nothing = np.zeros((asked.rows, 3))
     if not about:
-        return np.zeros((asked.rows, 3)), np.zeros((asked.rows, 3))
+        return nothing, nothing, nothing, nothing
     own = active_effects(arm)
     whole = active_effects(replace(arm, effects=(*arm.effects, *about)))
-    first = sum((seen(state, each.effect, each.settings, asked).tip for each in whole[len(own) :]), np.zeros(1))
-    return beyond(state, whole, asked) - beyond(state, own, asked), first
+    found = [seen(state, each.effect, each.settings, asked) for each in whole[len(own) :]]
+    first = sum((each.tip for each in found), nothing)
+    turn = sum((each.turn for each in found if each.turn is not None), nothing)
+    (shift, turned), (own_shift, own_turned) = beyond(state, whole, asked), beyond(state, own, asked)
+    return shift - own_shift, turned - own_turned, first, turn
 
 
 def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Array:
@@ -263,6 +290,11 @@ def poses(observed: Observed) -> NDArray[np.int64]:
     same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in observed.arm.joints])
     rounded = np.round(observed.recording.q / (4.0 * same)).astype(np.int64)
     return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+
+def turns_measured(components: int) -> int:
+    """About how many axes the tool can be turned: one in the plane."""
+    return 1 if components == 2 else 3
 
 
 def _mean(points: Array) -> tuple[float, float, float]:

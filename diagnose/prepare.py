@@ -17,8 +17,9 @@ from arm.effects import EFFECTS, Settings
 
 from .candidates import Candidate, candidates, parameter_of
 from .forms import forms
-from .observed import Observed, kept, observe, rms_length, without_memory
+from .observed import Observed, blocks_of, kept, looks_quieter, observe, rms_length, without_memory
 from .options import Options
+from .orientation import tool_turns
 from .pool import Pool, make_pool
 from .recording import RejectedRow
 from .search import Criterion, criterion_for, gains, products
@@ -50,7 +51,10 @@ _ROUGH = 4
 @dataclass(frozen=True)
 class Prepared:
     """A recording ready to be searched: `vector` (n,) is the whitened residual without nuisances, `columns` holds each
-    group's displacements (N, C, d) in m and rad, `beside` the nuisances' (N, C, b). `rejected` are rows set aside."""
+    group's displacements (N, C, d) in m and rad, `beside` the nuisances' (N, C, b). `rejected` are rows set aside.
+
+    `independent` is the share of observations that tell something each: readings of one visit share how exactly the arm
+    came there."""
 
     observed: Observed
     vector: Array
@@ -59,11 +63,12 @@ class Prepared:
     beside: Array
     beside_names: tuple[str, ...]
     rejected: tuple[RejectedRow, ...]
+    independent: float = 1.0
 
     @property
     def criterion(self) -> Criterion:
         """The criterion for subsets of this pool."""
-        count = len(self.vector) - self.pool.nuisance.shape[1]
+        count = int(self.independent * len(self.vector)) - self.pool.nuisance.shape[1]
         return criterion_for(self.pool, max(count, 2))
 
     def library(self) -> NDArray[np.bool_]:
@@ -77,7 +82,8 @@ class Prepared:
 
 
 def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
-    """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base."""
+    """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base, how that on
+    the tool is turned."""
     parts: list[Array] = []
     names: list[str] = []
     wanted: list[tuple[str, tuple[str, ...]]] = []
@@ -98,6 +104,13 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
             column[:, first + axis] = 1.0
             parts.append(column)
             names.append(f"base target {'xyz'[axis]}")
+    if observed.asked.turn:
+        turns = tool_turns(observed.recording, observed.state, width)
+        for k in range(turns.shape[2]):
+            column = np.zeros(observed.residual.shape)
+            column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
+            parts.append(column)
+            names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
     shape = (*observed.residual.shape, 0)
     return (np.stack(parts, axis=2) if parts else np.zeros(shape)), tuple(names)
 
@@ -179,7 +192,19 @@ def _with_memory(
         if found <= prepared.observed.correlation + 0.02:
             break
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
-    return prepared
+    return replace(prepared, independent=_independent(prepared.observed, left, noise_floor))
+
+
+def _independent(observed: Observed, left: Array, noise_floor: float | None) -> float:
+    """One over the design effect of L. Kish, Survey Sampling (Wiley, 1965), 8.2, of visits as clusters, where a rough
+    model leaves (N, C) far more than repeats of a pose differ by; else 1."""
+    if noise_floor is None:
+        return 1.0
+    floor, remains = noise_floor * looks_quieter(observed), rms_length(left[:, : observed.components])
+    if remains <= FAR_ABOVE * floor:
+        return 1.0
+    size = observed.rows / len(blocks_of(observed.block))
+    return 1.0 / (1.0 + (size - 1.0) * (1.0 - (floor / remains) ** 2))
 
 
 def _first_scale(observed: Observed) -> Array:

@@ -22,6 +22,7 @@ from arm.recorded import Asked, Channels, seen, seen_of_model
 from arm.statics import PoseState, solve
 
 from .conditions import conditions_of
+from .orientation import modelled_orientation
 from .recording import Recording
 
 Array = NDArray[np.float64]
@@ -43,7 +44,8 @@ class Plan:
     joint the second time from the other side; one: all joints upwards; random. `temperature` (K, from and to) wanders
     between the two; `hours` is how long it all takes. `free_frame` measures in a frame that stands anywhere.
     `outliers` is the share of readings that are off by 10 to 50 standard deviations. `joint_side` and `commands` add
-    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands.
+    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool is
+    turned (with `turn_noise`, rad about each axis).
     """
 
     poses: int
@@ -60,6 +62,8 @@ class Plan:
     commands: bool = False
     base_target: bool = False
     encoder_noise: float = 2e-6
+    orientation: bool = False
+    turn_noise: float = 20e-6
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         joint_side=plan.joint_side,
         base_target=_BASE_TARGET if plan.base_target else None,
         command=plan.commands,
+        turn=plan.orientation,
     )
     moved = seen_of_model(state, active_effects(arm), asked)
     width = 2 if arm.planar() else 3
@@ -98,11 +103,16 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     base = None
     if moved.base is not None:
         base = np.array(_BASE_TARGET) + moved.base + plan.noise * random.standard_normal((bare.size, 3))
+    orientation = None
+    if moved.turn is not None:
+        turn = moved.turn + plan.turn_noise * random.standard_normal((bare.size, 3)) * ([0, 0, 1] if width == 2 else 1)
+        orientation = Rotation.from_rotvec(turn).as_matrix() @ modelled_orientation(state, bare.size)
     if plan.free_frame:
-        tip, base = _elsewhere(random, tip, base)
+        tip, base, orientation = _elsewhere(random, tip, base, orientation)
     recording = replace(
         bare,
         tip=tip,
+        orientation=orientation,
         joint_side=_encoders(bare.q, moved.joint_side, plan, random, 1.0),
         commanded=_encoders(bare.q, moved.command, plan, random, -1.0, noisy=False),
         base_target=base,
@@ -190,8 +200,10 @@ def _encoders(
     return q + sign * moved + (plan.encoder_noise * random.standard_normal(q.shape) if noisy else 0.0)
 
 
-def _elsewhere(random: np.random.Generator, tip: Array, base: Array | None) -> tuple[Array, Array | None]:
-    """The measured points from an instrument that stands some metres away, turned anyhow."""
+def _elsewhere(
+    random: np.random.Generator, tip: Array, base: Array | None, orientation: Array | None
+) -> tuple[Array, Array | None, Array | None]:
+    """What was measured from an instrument that stands some metres away, turned anyhow."""
     width = tip.shape[1]
     if width == 2:
         turn = Rotation.from_euler("z", random.uniform(-math.pi, math.pi)).as_matrix()
@@ -199,7 +211,7 @@ def _elsewhere(random: np.random.Generator, tip: Array, base: Array | None) -> t
         turn = Rotation.from_quat(random.standard_normal(4)).as_matrix()
     shift = random.uniform(-2.0, 2.0, 3)
     moved = tip @ turn[:width, :width].T + shift[:width]
-    return moved, None if base is None else base @ turn.T + shift
+    return moved, None if base is None else base @ turn.T + shift, None if orientation is None else turn @ orientation
 
 
 def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
@@ -207,7 +219,9 @@ def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
     added = active_effects(arm)[len(active_effects(arm)) - len(arm.effects) :]
 
     def silent(channels: Channels) -> bool:
-        parts: Sequence[Array | None] = (channels.tip, channels.joint_side, channels.base, channels.command)
+        parts: Sequence[Array | None] = (
+            channels.tip, channels.joint_side, channels.base, channels.command, channels.turn
+        )  # fmt: skip
         return all(part is None or not np.any(part) for part in parts)
 
     return tuple(

@@ -8,13 +8,15 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from .fit import displacement, fit, impossible, remaining
+from .candidates import Candidate
+from .fit import Fit, displacement, fit, impossible, remaining
 from .forms import SENTENCES
 from .gaussian_process import SmoothModel, smooth_model
 from .held_out import residual_held_out
 from .locate import depends_on
 from .naming import Namer
 from .observed import rms_length
+from .prepare import Prepared
 from .result import Dependence, Form, RejectedForm, Unknown
 from .search import gains, products
 
@@ -59,10 +61,11 @@ def describe(
     if not outside:
         moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
-    won = {namer.pool.groups[m].candidate.effect for m in outside}
     # A form that predicts nothing describes nothing, however well it can be bent to the readings fitted.
-    telling = sorted((form for form in ranked if form.share_held_out > _TELLING), key=lambda form: form.name not in won)
-    leading = telling[0].name if telling else "nothing simple"
+    telling = [form.name for form in ranked if form.share_held_out > _TELLING]
+    own = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
+    won = next((candidate for candidate in own if candidate.effect in telling), None)
+    leading = won.effect if won is not None else telling[0] if telling else "nothing simple"
     on = _depends(namer, outside, dependences)
     left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
     inputs = _inputs(namer)
@@ -72,7 +75,7 @@ def describe(
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
-        shape=SENTENCES.get(leading, leading.replace("_", " ")) + _which_joint(namer, outside) + _where(namer, outside),
+        shape=SENTENCES.get(leading, leading.replace("_", " ")) + ("" if won is None else _place_of(won)),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
@@ -94,19 +97,18 @@ def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:
     return max([share, *forms])
 
 
-def _which_joint(namer: Namer, outside: Sequence[int]) -> str:
-    """Which joint the leading form belongs to, as words; nothing where it belongs to none."""
-    at = {index + 1 for m in outside for index in namer.pool.groups[m].candidate.at}
-    return f" (joint {at.pop()})" if len(at) == 1 else ""
+def largest_first(prepared: Prepared, fitted: Fit, forms: Sequence[int]) -> list[int]:
+    """Forms by what they move the tip by, the largest first."""
+    width = prepared.observed.components
+    return sorted(forms, key=lambda m: -rms_length(displacement(prepared, fitted, (m,))[:, :width]))
 
 
-def _where(namer: Namer, outside: Sequence[int]) -> str:
-    """Where a force is drawn to, as words; nothing where no such form won."""
-    shapes = [namer.pool.groups[m].candidate.shapes for m in outside]
-    places = [[each[name] for name in ("at_x", "at_y", "at_z") if name in each] for each in shapes if "at_x" in each]
-    if len(places) != 1:
-        return ""
-    return f"; it is near ({', '.join(f'{x:.2f}' for x in places[0])}) m"
+def _place_of(candidate: Candidate) -> str:
+    """Which joint a form belongs to, or where it is drawn to, as words; nothing where it has no place."""
+    point = [f"{candidate.shapes[name]:.2f}" for name in ("at_x", "at_y", "at_z") if name in candidate.shapes]
+    if point:
+        return f"; it is near ({', '.join(point)}) m"
+    return f" (joint {candidate.at[0] + 1})" if len(candidate.at) == 1 else ""
 
 
 def since(namer: Namer, outside: Sequence[int]) -> float | None:

@@ -58,6 +58,7 @@ def simulate(
     joint_side: Annotated[bool, typer.Option("--joint-side", help="Encoders on the joints' own side too.")] = False,
     commands: Annotated[bool, typer.Option("--commands", help="Commanded coordinates too.")] = False,
     base_target: Annotated[bool, typer.Option("--base-target", help="A target on the base too.")] = False,
+    orientation: Annotated[bool, typer.Option("--orientation", help="How the tool is turned too.")] = False,
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
     ] = False,
@@ -79,7 +80,7 @@ def simulate(
         given = arm_with(arm, effects or [], catalogue_with(catalogue))
         plan = _plan(
             poses, noise, repeats, payloads, sides, temperature, hours, seed, frame_free, outliers,
-            joint_side, commands, base_target,
+            joint_side, commands, base_target, orientation,
         )  # fmt: skip
         with asked_of(arm):
             simulation = simulated(given, plan)
@@ -139,6 +140,7 @@ def _plan(
     joint_side: bool,
     commands: bool,
     base_target: bool,
+    orientation: bool,
 ) -> Plan:
     from diagnose.simulate import Plan
 
@@ -176,6 +178,7 @@ def _plan(
         joint_side=joint_side,
         commands=commands,
         base_target=base_target,
+        orientation=orientation,
     )
 
 

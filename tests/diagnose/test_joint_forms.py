@@ -4,15 +4,9 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from tests.diagnose.arm_of_drives import arm_of_drives, read, visited
-from tests.diagnose.recorded import planar_tip
+from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by, visited
 
 ARM = arm_of_drives()
-
-
-def with_joint_errors(q, errors, rng):
-    """A recording by an arm whose joints stand off what their encoders say by `errors` (N, 3), rad."""
-    return read(q, planar_tip(q + errors) - planar_tip(q), rng)
 
 
 @pytest.mark.parametrize(("seed", "low", "high"), [(0, 0.32, 0.96), (1, 0.32, 0.96), (2, -0.3, 0.0)])
@@ -22,7 +16,7 @@ def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
     q = visited(rng, 120, 2)
     errors = np.zeros_like(q)
     errors[:, 1] = np.where((q[:, 1] >= low) & (q[:, 1] < high), 1.5e-4, 0.0)
-    found = diagnose(ARM, with_joint_errors(q, errors, rng))
+    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
     assert found.verdict == "unknown"
     assert "q2" in found.unknown.depends_on
     assert "part of its travel" in found.unknown.shape
@@ -39,7 +33,7 @@ def test_a_joint_that_goes_to_and_fro_with_time(joint):
     time = 20.0 * np.arange(300)
     errors = np.zeros_like(q)
     errors[:, joint - 1] = 1e-4 * np.sin(2.0 * np.pi * time / 352.0 + joint)
-    found = diagnose(ARM, with_joint_errors(q, errors, rng))
+    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
     assert found.verdict == "unknown"
     assert "time" in found.unknown.depends_on
     assert "motion of one joint that is periodic in time" in found.unknown.shape

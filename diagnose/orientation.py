@@ -1,0 +1,101 @@
+"""How the tool is turned, where a recording says so: set against the model, as a further channel.
+
+How the target sits on the tool nobody knows, and the measuring frame may stand anywhere; so a constant turn on either
+side is free. What is left is a small turn about the base's axes at each reading.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain import Arm
+from arm.model import beams_of
+from arm.statics import PoseState, solve
+
+from .recording import Recording
+
+Array = NDArray[np.float64]
+
+_TURNED = 0.1
+"""rad; poses that differ by no more tell nothing of how orientations are written."""
+_DISAGREE = 0.1
+"""rad; measured and modelled turns between poses that differ by more (median) are not of one convention."""
+
+
+def modelled_orientation(state: PoseState, rows: int) -> Array:
+    """The last link's orientation at each reading, (N, 3, 3)."""
+    matrix = state.frames.orientation
+    rows_of = [[np.broadcast_to(np.asarray(matrix[i][j], dtype=float), (rows,)) for j in range(3)] for i in range(3)]
+    return np.stack([np.stack(row, axis=1) for row in rows_of], axis=1)
+
+
+def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation: Array) -> Array:
+    """How the tool is turned beyond the model, (N, 3), rad, about the base's axes; nought where a row has none.
+
+    `modelled` (N, 3), rad, is what the model's effects turn it by, `rotation` (D, D) that from the measuring frame to
+    the base's.
+    """
+    frame = np.eye(3)
+    frame[: len(rotation), : len(rotation)] = rotation
+    measured, sound = _measured(recording), has_orientation(recording)
+    model = Rotation.from_rotvec(modelled) * Rotation.from_matrix(modelled_orientation(state, recording.size))
+    placed = Rotation.from_matrix(frame) * measured
+    sits = Rotation.from_matrix((model.inv() * placed).as_matrix()[sound]).mean()
+    left = (placed * (model * sits).inv()).as_rotvec()
+    left[~sound] = 0.0
+    return left
+
+
+def tool_turns(recording: Recording, state: PoseState, width: int) -> Array:
+    """How a small turn of the target on the tool shows, (N, 3, k): about the last link's axes, or the one of the
+    plane."""
+    columns = modelled_orientation(state, recording.size)[:, :, 2 if width == 2 else 0 :]
+    return columns * has_orientation(recording)[:, None, None]
+
+
+def has_orientation(recording: Recording) -> NDArray[np.bool_]:
+    """Which readings say how the tool is turned, (N,)."""
+    if recording.orientation is None:
+        return np.zeros(recording.size, dtype=bool)
+    return np.asarray(np.isfinite(recording.orientation).all(axis=(1, 2)), dtype=np.bool_)
+
+
+def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
+    """The recording without orientations that are written in another way than the model's, and a warning of it.
+
+    Turns from one reading to the next have the same angle in any frame and for any seat of the target.
+    """
+    sound = has_orientation(recording)
+    if sound.sum() < 2:
+        return replace(recording, orientation=None)
+    q = recording.q[sound]
+    state = solve(
+        arm.with_links(tuple(replace(link, mass=0.0) if link.mass is None else link for link in arm.links)),
+        [q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+    )
+    model = Rotation.from_matrix(modelled_orientation(state, len(q)))
+    measured = Rotation.from_matrix(_measured(recording).as_matrix()[sound])
+    apart = [(each[:-1].inv() * each[1:]).magnitude() for each in (model, measured)]
+    turned = np.maximum(*apart) > _TURNED
+    if turned.any() and float(np.median(np.abs(apart[0] - apart[1])[turned])) > _DISAGREE:
+        off = np.degrees(float(np.median(np.abs(apart[0] - apart[1])[turned])))
+        warning = (
+            f"How the tool is turned from reading to reading differs from the model by {off:.0f} deg (median): the "
+            "orientations are left out. Check the order of the angles or of the quaternion (qw first or last)."
+        )
+        return replace(recording, orientation=None, warnings=(*recording.warnings, warning))
+    return recording
+
+
+def _measured(recording: Recording) -> Rotation:
+    """The measured orientations; none at all where a row lacks it."""
+    sound = has_orientation(recording)
+    matrices = np.broadcast_to(np.eye(3), (recording.size, 3, 3)).copy()
+    if recording.orientation is not None:
+        matrices[sound] = recording.orientation[sound]
+    return Rotation.from_matrix(matrices)

@@ -1,0 +1,37 @@
+"""Which entries of the library a recording can be asked about at all."""
+
+import numpy as np
+import pytest
+
+from diagnose.candidates import candidates
+from diagnose.observed import observe
+from tests.diagnose.arm_of_drives import arm_of_drives, read
+
+STILL = 0.3
+"""rad; where a joint stands, or the middle of its travel."""
+
+
+def sought(effect, travel):
+    """The joints (from 1) at which an effect is sought where joint 2 travels so far (rad), the others 3 rad."""
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-1.5, 1.5, (60, 3))
+    q[:, 1] = STILL + travel * np.linspace(-0.5, 0.5, 60)
+    recording = read(q, np.zeros((60, 2)), rng)
+    observed = observe(arm_of_drives(), recording)
+    return {each.at[0] + 1 for each, _ in candidates(observed) if each.effect == effect}
+
+
+@pytest.mark.parametrize(
+    ("effect", "least"), [("encoder_eccentricity", 1.0), ("counterbalance", 0.05)], ids=["eccentricity", "balance"]
+)
+def test_what_asks_for_travel_is_sought_where_there_is_some(effect, least):
+    """Over less than a radian a wave of one turn is a straight line; where a joint stands, its balancing spring only
+    repeats what the joints before it do."""
+    assert sought(effect, 0.98 * least) == {1, 3}
+    assert sought(effect, 1.02 * least) == {1, 2, 3}
+    assert sought(effect, 0.0) == {1, 3}
+
+
+def test_what_asks_for_no_travel_is_sought_at_a_joint_that_stands():
+    """An offset is an offset, and a drive gives, wherever the joint is."""
+    assert sought("encoder_offset", 0.0) == {1, 2, 3}
