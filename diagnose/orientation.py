@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 _TURNED = 0.1
 """rad; poses that differ by no more tell nothing of how orientations are written."""
+_HALF_TURN = 2.5
 _DISAGREE = 0.1
 """rad; measured and modelled turns between poses that differ by more (median) are not of one convention."""
 
@@ -67,7 +68,8 @@ def has_orientation(recording: Recording) -> NDArray[np.bool_]:
 def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
     """The recording without orientations that are written in another way than the model's, and a warning of it.
 
-    Turns from one reading to the next have the same angle in any frame and for any seat of the target.
+    Seen from the tool, its turns from one reading to the next are the same in any frame, and but for one constant turn
+    the same however the target sits on it.
     """
     sound = has_orientation(recording)
     if sound.sum() < 2:
@@ -80,16 +82,22 @@ def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
     )
     model = Rotation.from_matrix(modelled_orientation(state, len(q)))
     measured = Rotation.from_matrix(_measured(recording).as_matrix()[sound])
-    apart = [(each[:-1].inv() * each[1:]).magnitude() for each in (model, measured)]
-    turned = np.maximum(*apart) > _TURNED
-    if turned.any() and float(np.median(np.abs(apart[0] - apart[1])[turned])) > _DISAGREE:
-        off = np.degrees(float(np.median(np.abs(apart[0] - apart[1])[turned])))
-        warning = (
-            f"How the tool is turned from reading to reading differs from the model by {off:.0f} deg (median): the "
-            "orientations are left out. Check the order of the angles or of the quaternion (qw first or last)."
-        )
-        return replace(recording, orientation=None, warnings=(*recording.warnings, warning))
-    return recording
+    turns, seen = ((each[:-1].inv() * each[1:]).as_rotvec() for each in (model, measured))
+    size = np.linalg.norm(turns, axis=1)
+    # Half a turn has no sign.
+    telling = (size > _TURNED) & (size < _HALF_TURN)
+    if not telling.any():
+        return recording
+    if recording.tip.shape[1] == 3:
+        turns = Rotation.align_vectors(seen[telling], turns[telling])[0].apply(turns)
+    off = float(np.median(np.linalg.norm(seen - turns, axis=1)[telling]))
+    if off <= _DISAGREE:
+        return recording
+    warning = (
+        f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median): "
+        "the orientations are left out. Check the order of the angles or of the quaternion (qw first or last)."
+    )
+    return replace(recording, orientation=None, warnings=(*recording.warnings, warning))
 
 
 def _measured(recording: Recording) -> Rotation:
