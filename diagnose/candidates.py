@@ -179,6 +179,9 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
             continue
         own = common if shared else alone
         yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
+        needed = tuple(name for name in own if not parameter_of(effect, name).optional)
+        if 0 < len(needed) < len(own):
+            yield Candidate(effect.id, at, needed, MappingProxyType(shapes), shared=shared)
 
 
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:

@@ -68,7 +68,7 @@ class Parameter:
     `role` says how a fit treats it (see `Role`), `grid` the values at which a search tries a shape; where the pattern
     depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load. What moves a
     joint `across` its motion is of the same kind on slides. What is `of_all` is tried only where the effect acts
-    everywhere together, and then instead of the other sizes.
+    everywhere together, and then instead of the other sizes. An `optional` size is tried as nought too.
     """
 
     name: str
@@ -83,6 +83,7 @@ class Parameter:
     relative_to_load: bool = False
     across: bool = False
     of_all: bool = False
+    optional: bool = False
 
 
 @dataclass(frozen=True)

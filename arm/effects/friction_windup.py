@@ -70,6 +70,7 @@ FRICTION_WINDUP = Effect(
             (1e-8, 1e-5),
             "a tenth of the drive's compliance",
             role="size",
+            optional=True,
         ),
     ),
     play=_play,

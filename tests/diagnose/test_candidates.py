@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from diagnose.candidates import candidates
+from diagnose.diagnosis import diagnose
 from diagnose.observed import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, read
+from tests.diagnose.core_cases import recorded, with_effects
+from tests.diagnose.made_diagnosis import made_arm
 
 STILL = 0.3
 """rad; where a joint stands, or the middle of its travel."""
@@ -35,3 +38,22 @@ def test_what_asks_for_travel_is_sought_where_there_is_some(effect, least):
 def test_what_asks_for_no_travel_is_sought_at_a_joint_that_stands():
     """An offset is an offset, and a drive gives, wherever the joint is."""
     assert sought("encoder_offset", 0.0) == {1, 2, 3}
+
+
+def test_windup_is_tried_with_and_without_growth_by_the_load():
+    """Coulomb friction alone is the exact alias of backlash that friction holds; with a growth of its own it is none."""
+    observed = observe(made_arm(), recorded(made_arm(), poses=20, sides="both"))
+    sizes = {each.sizes for each, _ in candidates(observed) if each.effect == "friction_windup" and each.at == (1,)}
+    assert sizes == {("windup", "windup_per_load"), ("windup",)}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_friction_holds_is_declared_to_be_either(seed):
+    """Whatever growth with the load chance would fit, a negative one as well."""
+    arm = made_arm()
+    true = with_effects(arm, ("friction_windup", (2,), {"windup": 1e-4}))
+    found = diagnose(arm, recorded(true, poses=20, sides="both", seed=seed))
+    assert found.verdict == "alias_class"
+    first = found.findings[0]
+    names = {(first.effect, first.at), *((each.effect, each.at) for each in first.alternatives)}
+    assert {("friction_windup", (2,)), ("backlash", (2,))} <= names
