@@ -41,7 +41,7 @@ def test_what_asks_for_no_travel_is_sought_at_a_joint_that_stands():
 
 
 def test_windup_is_tried_with_and_without_growth_by_the_load():
-    """Coulomb friction alone is the exact alias of backlash that friction holds; with a growth of its own it is none."""
+    """Coulomb friction alone is the exact alias of backlash that friction holds; with growth it is none."""
     observed = observe(made_arm(), recorded(made_arm(), poses=20, sides="both"))
     sizes = {each.sizes for each, _ in candidates(observed) if each.effect == "friction_windup" and each.at == (1,)}
     assert sizes == {("windup", "windup_per_load"), ("windup",)}
