@@ -137,6 +137,7 @@ def _tried(observed: Observed, seed: int) -> Observed:
         commanded=None if recording.commanded is None else q.copy(),
         base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (_TRIED, 1)),
         orientation=np.tile(np.eye(3), (_TRIED, 1, 1)) if observed.asked.turn else None,
+        seat="free" if observed.asked.turn else "unused",
     )
     # A free tool stands where it was found.
     arm = replace(arm, tool=observed.arm.tool)

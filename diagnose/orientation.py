@@ -1,7 +1,8 @@
 """How the tool is turned, where a recording says so: set against the model, as a further channel.
 
 How the target sits on the tool nobody knows, and the measuring frame may stand anywhere; so a constant turn on either
-side is free. What is left is a small turn about the base's axes at each reading.
+side is free. What is left is a small turn about the base's axes at each reading. Only where the settings ask for it:
+targets of few markers turn by more than the tool does, and nothing tells that from the arm.
 """
 
 from __future__ import annotations
@@ -59,8 +60,8 @@ def tool_turns(recording: Recording, state: PoseState, width: int) -> Array:
 
 
 def has_orientation(recording: Recording) -> NDArray[np.bool_]:
-    """Which readings say how the tool is turned, (N,)."""
-    if recording.orientation is None:
+    """Which readings say how the tool is turned, (N,); none where that is not to be used."""
+    if recording.orientation is None or recording.seat == "unused":
         return np.zeros(recording.size, dtype=bool)
     return np.asarray(np.isfinite(recording.orientation).all(axis=(1, 2)), dtype=np.bool_)
 
@@ -73,13 +74,11 @@ def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
     """
     sound = has_orientation(recording)
     if sound.sum() < 2:
-        return replace(recording, orientation=None)
+        return recording
     q = recording.q[sound]
-    state = solve(
-        arm.with_links(tuple(replace(link, mass=0.0) if link.mass is None else link for link in arm.links)),
-        [q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-    )
+    # What links weigh turns nothing to speak of.
+    weightless = arm.with_links(tuple(replace(link, mass=0.0) if link.mass is None else link for link in arm.links))
+    state = solve(weightless, [q[:, index] for index in range(arm.size)], beams_of(weightless))
     model = Rotation.from_matrix(modelled_orientation(state, len(q)))
     measured = Rotation.from_matrix(_measured(recording).as_matrix()[sound])
     turns, seen = ((each[:-1].inv() * each[1:]).as_rotvec() for each in (model, measured))
@@ -97,7 +96,7 @@ def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
         f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median): "
         "the orientations are left out. Check the order of the angles or of the quaternion (qw first or last)."
     )
-    return replace(recording, orientation=None, warnings=(*recording.warnings, warning))
+    return replace(recording, seat="unused", warnings=(*recording.warnings, warning))
 
 
 def _measured(recording: Recording) -> Rotation:

@@ -99,6 +99,7 @@ def assembled(
         sigma=held.sigma,
         frame=held.frame,
         tool=held.tool,
+        seat=held.seat,
         warnings=tuple(warnings),
         other=MappingProxyType(strangers),
         settings=held.file,

@@ -28,7 +28,8 @@ class ReadingSettings:
     taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
     `sigma` (m) is the standard deviation of each component of the tip. `sides` tells whence the sides of approach are
-    known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row.
+    known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row. `seat` is
+    the key `orientation`: free uses orientations, how the target is turned on the tool being free.
     """
 
     file: str = ""
@@ -39,6 +40,7 @@ class ReadingSettings:
     sigma: float | None = None
     frame: Literal["known", "free"] = "known"
     tool: Literal["known", "free"] = "known"
+    seat: Literal["unused", "free"] = "unused"
     sides: Sides = "columns"
     layout: Layout = field(default_factory=Layout)
 
@@ -78,6 +80,9 @@ def read_settings(path: Path | None) -> ReadingSettings:
             sigma=sigma,
             frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
             tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
+            seat=cast(
+                Literal["unused", "free"], mapping.choice("orientation", ("unused", "free"), "unused")
+            ),
             sides=cast(Sides, mapping.choice("sides", ("columns", "from_order"), "columns")),
             layout=_layout(mapping),
         )

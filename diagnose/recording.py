@@ -34,7 +34,8 @@ class Recording:
     (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `commanded` (N, n) and `joint_side`
     (N, n) like q; `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
     `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
-    `tool` say what is a nuisance; `other` holds further numeric columns as they are, by name. `warnings` are sentences
+    `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
+    left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
     for the report. `settings` is the recording.yaml that was used.
     """
 
@@ -58,6 +59,7 @@ class Recording:
     sigma: float | None = None
     frame: Literal["known", "free"] = "known"
     tool: Literal["known", "free"] = "known"
+    seat: Literal["unused", "free"] = "unused"
     rejected: tuple[RejectedRow, ...] = ()
     warnings: tuple[str, ...] = ()
     other: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))

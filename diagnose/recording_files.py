@@ -31,6 +31,8 @@ def recording_text(recording: Recording, arm: Arm) -> str:
 def settings_text(recording: Recording) -> str:
     """The recording.yaml that says what the header cannot: sigma where it is declared, frame and tool."""
     lines = [f"frame: {recording.frame}\n", f"tool: {recording.tool}\n"]
+    if recording.orientation is not None:
+        lines.append(f"orientation: {recording.seat}\n")
     if recording.sigma is not None:
         lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
     return "".join(lines)

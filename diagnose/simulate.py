@@ -113,6 +113,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         bare,
         tip=tip,
         orientation=orientation,
+        seat="unused" if orientation is None else "free",
         joint_side=_encoders(bare.q, moved.joint_side, plan, random, 1.0),
         commanded=_encoders(bare.q, moved.command, plan, random, -1.0, noisy=False),
         base_target=base,

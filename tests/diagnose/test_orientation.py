@@ -10,6 +10,7 @@ from diagnose.observed import observe
 from diagnose.orientation import with_sound_orientation
 from diagnose.reading import read_recording
 from diagnose.simulate import Plan, simulate
+from materials.quantities import InputError
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
@@ -35,6 +36,7 @@ def scaled(tmp_path, seat=0.4):
     columns = table(q, tip)
     for name, values in turned(angle).items():
         columns[name] = [f"{x:.9f}" for x in values]
+    (tmp_path / "recording.yaml").write_text("orientation: free\n", encoding="utf-8")
     return q, read_recording(written(tmp_path / "recording.csv", columns), planar_arm())
 
 
@@ -75,14 +77,25 @@ def test_turns_tell_more_of_the_same(tmp_path):
     assert widths[0] < 0.8 * widths[1]
 
 
+def test_orientations_are_used_only_where_the_settings_say_so(tmp_path):
+    """The default leaves them: what a target's few markers make of a turn is not the arm's."""
+    _, recording = scaled(tmp_path)
+    unused = replace(recording, seat="unused")
+    without = diagnose(planar_arm(), replace(recording, orientation=None))
+    assert diagnose(planar_arm(), unused).findings == without.findings
+    (tmp_path / "recording.yaml").write_text("orientation: yes please\n", encoding="utf-8")
+    with pytest.raises(InputError, match="orientation"):
+        read_recording(tmp_path / "recording.csv", planar_arm())
+
+
 def test_orientations_of_another_convention_are_left_out(tmp_path):
     """Angles with the wrong sign: said once, and the places are used as if there were no orientations."""
     q, recording = scaled(tmp_path)
     mirrored = replace(recording, orientation=np.transpose(recording.orientation, (0, 2, 1)))
     left_out = with_sound_orientation(planar_arm(), mirrored)
-    assert left_out.orientation is None
+    assert left_out.seat == "unused"
     assert "Check the order" in left_out.warnings[-1]
-    assert with_sound_orientation(planar_arm(), recording).orientation is not None
+    assert with_sound_orientation(planar_arm(), recording) is recording
     found = diagnose(planar_arm(), mirrored)
     assert any("Check the order" in note for note in found.notes)
     assert found.rms_after == diagnose(planar_arm(), replace(recording, orientation=None)).rms_after
@@ -94,7 +107,7 @@ def test_in_space_too_transposed_matrices_are_left_out():
     recording = simulate(made_arm(space=True), plan).recording
     assert with_sound_orientation(made_arm(space=True), recording) is recording
     transposed = replace(recording, orientation=np.transpose(recording.orientation, (0, 2, 1)))
-    assert with_sound_orientation(made_arm(space=True), transposed).orientation is None
+    assert with_sound_orientation(made_arm(space=True), transposed).seat == "unused"
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
