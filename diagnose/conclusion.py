@@ -241,7 +241,7 @@ class Conclusion(Confirmed):
     def _notes(self) -> tuple[str, ...]:
         found: list[str] = []
         if self.observed.recording.orientation is not None and self.observed.recording.seat == "unused":
-            found.append("Orientations are recorded and left alone; `orientation: free` in recording.yaml fits them too.")
+            found.append("Orientations are left alone; `orientation: free` in recording.yaml has them fitted too.")
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
