@@ -203,8 +203,18 @@ def _independent(observed: Observed, left: Array, noise_floor: float | None) -> 
     floor, remains = noise_floor * looks_quieter(observed), rms_length(left[:, : observed.components])
     if remains <= FAR_ABOVE * floor:
         return 1.0
+    if not _comes_anew(observed):
+        return 1.0
     size = observed.rows / len(blocks_of(observed.block))
     return 1.0 / (1.0 + (size - 1.0) * (1.0 - (floor / remains) ** 2))
+
+
+def _comes_anew(observed: Observed) -> bool:
+    """Whether the arm moved before most visits: a long stay that is cut into visits shares nothing within each."""
+    new = np.flatnonzero(np.diff(observed.block) != 0)
+    told = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]
+    moved = np.any([(part[new + 1] != part[new]).any(axis=1) for part in told], axis=0)
+    return len(new) > 0 and float(np.mean(moved)) > 0.5
 
 
 def _first_scale(observed: Observed) -> Array:
