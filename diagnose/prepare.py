@@ -233,10 +233,11 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
     given, members = products(pool, prepared.vector), list[int]()
     # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for,
-    # unless it is far above what repeats differ by, which no memory makes it.
+    # unless it is far above what repeats differ by, which no memory makes it. A force that wanders at will takes memory
+    # in any case.
     mismatch = rms_length(observed.tip_residual())
     may_wander = noise_floor is not None and mismatch > FAR_ABOVE * noise_floor
-    names = () if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
+    names = ("force_in_time",) if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
     wanders = np.array([group.candidate.effect in names for group in pool.groups], dtype=bool)
     for _ in range(_ROUGH if pool.groups else 0):
         gained = gains(pool, given)

@@ -15,8 +15,6 @@ FILES = {
     "2021-06-13": ("frame_exp_quant_v3_2021-06-13_05-41-53.csv", "recording-2021-06-13"),
 }
 EXPANSION = "thermal_expansion"
-HEIGHT = 0.530
-"""m, of the frame."""
 
 
 def warmed(day: str, *, expansion_only: bool = False) -> Diagnosis:
