@@ -18,11 +18,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
 
-from materials.material import REFERENCE_TEMPERATURE, Material, PropertyName, property_kinds
-from materials.quantities import InputError, format_quantity, read_quantity
-from materials.reading import parse_yaml, read_text
-from materials.written import Entry
-from materials.yaml_text import flow_text
+from catalogues.materials_as_text import Entry
+from materials.material import Material, PropertyName, property_kinds
+from units.quantities import InputError, format_quantity, read_quantity
+from units.reading import parse_yaml, read_text, yaml_line
+from units.temperature import REFERENCE_TEMPERATURE
 
 CardFormat = Literal["yaml", "ini"]
 
@@ -115,12 +115,7 @@ def _ini_section(title: str, entries: MappingLike[str, str]) -> str:
 
 
 def _yaml_lines(entries: MappingLike[str, str], indent: int) -> list[str]:
-    return [" " * indent + f"{key}: {_quoted(text)}" for key, text in entries.items()]
-
-
-def _quoted(text: str) -> str:
-    written = flow_text(text)
-    return written if written.startswith('"') else f'"{written}"'
+    return [" " * indent + f"{key}: {yaml_line(text, quoted=True)}" for key, text in entries.items()]
 
 
 def _card_values(text: str, path: Path | str) -> dict[str, str]:

@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from collections.abc import Mapping as MappingLike
 from dataclasses import dataclass, field
-from importlib.resources import files
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
+from catalogues.yaml_edit import YamlText
 from materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
-from materials.reading import load_yaml, parse_yaml, read_text
-from materials.yaml_text import YamlText, block_lines, flow_text
+from units.reading import load_yaml, read_text, shipped_files
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\nreferences: {{}}\nmaterials: {{}}\n"
 """What a catalogue file begins as."""
@@ -31,16 +31,9 @@ class Entry:
 
 def entries_text(entries: Iterable[Entry]) -> str:
     """Return the entries as the text of a catalogue file of their own."""
-    references: dict[str, str] = {}
-    materials: list[str] = []
-    for entry in entries:
-        renamed = {key: _free_key(references, key, text) for key, text in entry.references.items()}
-        references |= {renamed[key]: text for key, text in entry.references.items()}
-        materials.append(f"  {flow_text(entry.name, key=True)}:")
-        materials += block_lines(_with_sources(dict(entry.content), renamed), 4)
-    head = [f"format_version: {FORMAT_VERSION}", "references:" if references else "references: {}"]
-    body = ["materials:" if materials else "materials: {}", *materials]
-    return "\n".join([*head, *block_lines(references, 2), *body, ""])
+    document = YamlText(NEW_FILE, file="")
+    put(document, *entries)
+    return document.text
 
 
 def find_entry(catalogue: Catalogue, name: str) -> Entry:
@@ -145,11 +138,7 @@ def _sources_of(content: MappingLike[str, Any]) -> dict[str, None]:
     return found
 
 
+@cache
 def _shipped() -> list[tuple[str, dict[str, Any]]]:
-    folder = files("materials").joinpath("catalogue")
-    found: list[tuple[str, dict[str, Any]]] = []
-    for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
-        if item.name.endswith(".yaml"):
-            data = cast(dict[str, Any], parse_yaml(item.read_text(encoding="utf-8"), file=item.name))
-            found.append((str(data.get("family", item.name.removesuffix(".yaml"))), data))
-    return found
+    found = shipped_files("materials", "catalogue")
+    return [(each.text("family", Path(str(each.file)).stem), each.content) for each in found]

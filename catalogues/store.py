@@ -1,32 +1,25 @@
 """A text file that several people and programs change at once: locked, whole at every instant, with undo.
 
-Beside `NAME` stand `.NAME.lock` (an advisory lock that the operating system gives up when its holder ends, however it
-ends; the file stays, for removing it would let two writers in), `.NAME.new` (the next content, only while an edit
+Beside `NAME` stand `.NAME.lock` (`units.files.locked`), `.NAME.new` (the next content, only while an edit
 runs) and the folder `.NAME.undo` (the journal, one file an edit with the text before it). The order of an edit is:
 lock, read, change, check, journal, write the neighbour, flush it to the disk, rename it over the file. A process killed
 at any instant leaves the old or the new file, and at worst a journal entry for an edit that never landed, which
-`undo` recognises by its checksums. The lock needs a file system that honours `flock` (`msvcrt.locking` on Windows).
+`undo` recognises by its checksums.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
-import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import Any, cast
 
-from materials.quantities import InputError
-from materials.reading import read_text
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
+from units.files import locked, write_whole
+from units.quantities import InputError
+from units.reading import read_text
 
 MOST_UNDO = 100
 """How many edits the journal keeps; older ones are dropped."""
@@ -57,7 +50,7 @@ def edit_text(path: Path | str, change: Callable[[str | None], tuple[str, str]])
         if after != before:
             with _os_errors(path):
                 _remember(target, what, before, after)
-                write_whole(target, after)
+                write_whole(target, after, flush=True, ending="new")
         return what
 
 
@@ -81,7 +74,7 @@ def undo(path: Path | str) -> str:
             if last.before is None:
                 target.unlink()
             else:
-                write_whole(target, last.before)
+                write_whole(target, last.before, flush=True, ending="new")
             _entry_path(target, last.number).unlink()
         return last.what
 
@@ -97,55 +90,6 @@ def journal(path: Path | str) -> tuple[JournalEntry, ...]:
         except (ValueError, KeyError, TypeError, OSError):
             continue
     return tuple(entries)
-
-
-def write_whole(target: Path, text: str, *, flush: bool = True) -> None:
-    """Write a file whole or not at all, keeping its permissions; the caller holds its lock.
-
-    With `flush` it is on the disk before this returns, so that it outlives a power cut as well as a kill.
-    """
-    neighbour = _beside(target, "new")
-    with neighbour.open("w", encoding="utf-8", newline="") as stream:
-        stream.write(text)
-        if flush:
-            stream.flush()
-            os.fsync(stream.fileno())
-    if target.exists():
-        neighbour.chmod(target.stat().st_mode & 0o7777)
-    neighbour.replace(target)
-    if flush:
-        _flush_folder(target.parent)
-
-
-@contextmanager
-def locked(target: Path) -> Generator[None]:
-    """Hold the lock of a file, waiting for it; its folder is made where it is not there. Raises `InputError`."""
-    with _os_errors(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        stream = _beside(target, "lock").open("a+b")
-    with stream:
-        with _os_errors(target):
-            _lock(stream)
-        try:
-            yield
-        finally:
-            _unlock(stream)
-
-
-def _lock(stream: IO[bytes]) -> None:
-    if sys.platform == "win32":
-        stream.seek(0)
-        msvcrt.locking(stream.fileno(), msvcrt.LK_LOCK, 1)
-    else:
-        fcntl.flock(stream.fileno(), fcntl.LOCK_EX)
-
-
-def _unlock(stream: IO[bytes]) -> None:
-    if sys.platform == "win32":
-        stream.seek(0)
-        msvcrt.locking(stream.fileno(), msvcrt.LK_UNLCK, 1)
-    else:
-        fcntl.flock(stream.fileno(), fcntl.LOCK_UN)
 
 
 @contextmanager
@@ -192,16 +136,6 @@ def _remember(target: Path, what: str, before: str | None, after: str) -> None:
     folder.mkdir(exist_ok=True)
     numbers = _numbers(folder)
     entry = JournalEntry(numbers[-1] + 1 if numbers else 1, what, before, _checksum(after))
-    write_whole(_entry_path(target, entry.number), json.dumps(asdict(entry), ensure_ascii=False), flush=False)
+    write_whole(_entry_path(target, entry.number), json.dumps(asdict(entry), ensure_ascii=False), ending="new")
     for number in numbers[: max(0, len(numbers) + 1 - MOST_UNDO)]:
         _entry_path(target, number).unlink(missing_ok=True)
-
-
-def _flush_folder(folder: Path) -> None:
-    if sys.platform == "win32":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

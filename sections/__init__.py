@@ -34,8 +34,8 @@ from sections.shapes import (
     TSection,
     Tube,
 )
-from sections.stock import Stock, StockSize, load_stock, section_from_name
-from sections.walls import Wall, WallLimit, local_buckling, walls
+from sections.stock.tables import Stock, StockSize, load_stock, section_from_name
+from sections.walls import Wall, WallLimit, is_solid, local_buckling, walls
 
 __all__ = [
     "SHAPES",
@@ -69,6 +69,7 @@ __all__ = [
     "Wall",
     "WallLimit",
     "build",
+    "is_solid",
     "load_stock",
     "local_buckling",
     "section_from_name",

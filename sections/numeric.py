@@ -1,57 +1,66 @@
 """The few functions that floats, NumPy arrays and CasADi symbols have to share.
 
-Everything else in the formulas is ``+ - * / **``, which the three kinds already have in common.
+Everything else in the formulas is ``+ - * / **``, which the three kinds already have in common. CasADi is never
+imported here: where a value is one of its symbols, somebody has imported it.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 Number: TypeAlias = Any
 """A float, a NumPy array of floats or a CasADi ``SX``/``MX``. CasADi ships no types, hence ``Any``."""
 
+Array: TypeAlias = NDArray[np.float64]
+"""Floats of any shape."""
+
 
 def is_symbol(value: Number) -> bool:
     """Whether the value is a CasADi expression (``SX``, ``MX``), whose size cannot be compared."""
-    return isinstance(value, (ca.SX, ca.MX))
+    casadi = sys.modules.get("casadi")
+    return casadi is not None and isinstance(value, (casadi.SX, casadi.MX))
+
+
+def _library(first: Number, second: Number = 0.0) -> Any:
+    """Whose functions take these values: CasADi's where one is a symbol, NumPy's else; both spell them alike."""
+    return sys.modules["casadi"] if is_symbol(first) or is_symbol(second) else np
 
 
 def sqrt(value: Number) -> Number:
     """Square root."""
-    return ca.sqrt(value) if is_symbol(value) else np.sqrt(value)
+    return _library(value).sqrt(value)
 
 
 def maximum(first: Number, second: Number) -> Number:
     """The larger of two, element by element."""
-    if is_symbol(first) or is_symbol(second):
-        return ca.fmax(first, second)
-    return np.maximum(first, second)
+    library = _library(first, second)
+    return np.maximum(first, second) if library is np else library.fmax(first, second)
 
 
 def minimum(first: Number, second: Number) -> Number:
     """The smaller of two, element by element."""
-    if is_symbol(first) or is_symbol(second):
-        return ca.fmin(first, second)
-    return np.minimum(first, second)
+    library = _library(first, second)
+    return np.minimum(first, second) if library is np else library.fmin(first, second)
 
 
 def exp(value: Number) -> Number:
     """Exponential."""
-    return ca.exp(value) if is_symbol(value) else np.exp(value)
+    return _library(value).exp(value)
 
 
 def log(value: Number) -> Number:
     """Natural logarithm."""
-    return ca.log(value) if is_symbol(value) else np.log(value)
+    return _library(value).log(value)
 
 
 def atan(value: Number) -> Number:
     """Arc tangent."""
-    return ca.atan(value) if is_symbol(value) else np.arctan(value)
+    return _library(value).arctan(value)
 
 
 def polynomial(coefficients: Sequence[Any], variables: Sequence[Number]) -> Number:
@@ -70,15 +79,24 @@ def polynomial(coefficients: Sequence[Any], variables: Sequence[Number]) -> Numb
 
 def sin(value: Number) -> Number:
     """Sine of an angle in radians."""
-    return ca.sin(value) if is_symbol(value) else np.sin(value)
+    return _library(value).sin(value)
+
+
+def cos(value: Number) -> Number:
+    """Cosine of an angle in radians."""
+    return _library(value).cos(value)
+
+
+def tanh(value: Number) -> Number:
+    """Hyperbolic tangent."""
+    return _library(value).tanh(value)
 
 
 def absolute(value: Number) -> Number:
     """Absolute value."""
-    return ca.fabs(value) if is_symbol(value) else np.abs(value)
+    return sys.modules["casadi"].fabs(value) if is_symbol(value) else np.abs(value)
 
 
 def atan2(opposite: Number, adjacent: Number) -> Number:
     """Angle of a point, in radians from -pi to pi."""
-    symbolic = is_symbol(opposite) or is_symbol(adjacent)
-    return ca.atan2(opposite, adjacent) if symbolic else np.arctan2(opposite, adjacent)
+    return _library(opposite, adjacent).arctan2(opposite, adjacent)

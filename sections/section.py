@@ -79,6 +79,13 @@ class DesignVariable:
     logarithmic: bool = True
 
 
+def design_variables(dimensions: Sequence[Dimension], *names: str) -> tuple[DesignVariable, ...]:
+    """The lengths among the dimensions that have these names, as design variables."""
+    kinds = {each.name: each for each in dimensions}
+    found = ((kinds[name], kinds[name].kind) for name in names)
+    return tuple(DesignVariable(each.name, each.meaning, kind) for each, kind in found if kind in ("outer", "wall"))
+
+
 @dataclass(frozen=True)
 class Constraint:
     """A dimensionless inequality; the section is allowed where ``value <= 0``.
@@ -106,9 +113,15 @@ class Section(ABC):
     dimensions: ClassVar[tuple[Dimension, ...]]
     """What describes the shape."""
     variables: ClassVar[tuple[DesignVariable, ...]]
-    """What an optimiser chooses; empty where the shape is fixed."""
+    """What an optimiser chooses; empty where the shape is fixed. By default the dimensions that have to be given."""
     most_wall: ClassVar[float] = 0.5
     """The wall at which nothing is left open, as a fraction of the outer size where all outer sizes are equal."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "dimensions" in vars(cls) and "variables" not in vars(cls):
+            needed = [each.name for each in cls.dimensions if each.kind in ("outer", "wall") and not each.optional]
+            cls.variables = design_variables(cls.dimensions, *needed)
 
     @abstractmethod
     def properties(self, poisson_ratio: Number) -> SectionProperties:
@@ -233,8 +246,19 @@ def closed(points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
     return np.vstack((array, array[:1]))
 
 
+def opening(name: str, part: str, whole: str, ratio: Number) -> Constraint:
+    """That ``part`` over ``whole``, which is ``ratio``, stays so far below one that something is left open."""
+    return Constraint(name, f"{part} must stay below {1.0 - LEAST_OPENING:.0%} of {whole}", ratio - 1.0 + LEAST_OPENING)
+
+
 def common_properties(*, shear: tuple[Number, Number], **values: Number) -> SectionProperties:
-    """Properties with the section moduli filled in and shear areas from (A / A_sy, A / A_sz)."""
+    """Properties with the section moduli filled in and shear areas from (A / A_sy, A / A_sz).
+
+    Centroid and extreme fibres that are not given are those of a section in the middle of its height and width.
+    """
+    half_width, half_height = 0.5 * values["width"], 0.5 * values["height"]
+    middle = {"centroid_y": half_width, "centroid_z": half_height}
+    values = {**middle, "extreme_fibre_y": half_height, "extreme_fibre_z": half_width, **values}
     return SectionProperties(
         section_modulus_y=values["second_moment_y"] / values["extreme_fibre_y"],
         section_modulus_z=values["second_moment_z"] / values["extreme_fibre_z"],

@@ -20,8 +20,8 @@ from sections.shapes import SHAPES
 class Tapered(Section):
     """A section whose dimensions change linearly along the link; `properties` and `outline` are those at the joint.
 
-    Make one with `build_tapered`. It is evaluated as it is (`arm.taper` integrates along the link), and an optimiser
-    does not choose its dimensions. Plain numbers only.
+    Make one with `build_tapered`. It is evaluated as it is (`arm.chain.taper` integrates along the link), and an
+    optimiser does not choose its dimensions. Plain numbers only.
 
     Attributes:
         near: the section at the joint.

@@ -10,19 +10,25 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
-from sections.numeric import Number, maximum, sqrt
+from sections.numeric import Number, sqrt
 from sections.section import Constraint, Section
 from sections.shapes import (
     Angle,
     Channel,
+    Circle,
+    Ellipse,
     EllipticalTube,
     ISection,
+    Octagon,
     OctagonalTube,
+    Rectangle,
     RectangularTube,
+    Triangle,
     TriangularTube,
     TSection,
     Tube,
 )
+from sections.shapes.regular_polygon import half_side
 
 WallKind: TypeAlias = Literal["internal", "bent", "outstand", "angle", "legs", "round"]
 
@@ -83,8 +89,9 @@ class WallLimit:
 
 def local_buckling(
     section: Section, yield_strength: Number, elastic_modulus: Number, *, bending_only: bool = False
-) -> tuple[WallLimit, ...]:
-    """The walls of a section with their limits, for strength and modulus in Pa; empty for a solid section.
+) -> tuple[WallLimit, ...] | None:
+    """The walls of a section with their limits, for strength and modulus in Pa; empty for a solid section, None for
+    one whose walls are not known.
 
     With ``bending_only`` the walls along the height of rectangular tubes and I-sections count as bent about the
     middle (c / t up to 124 epsilon), as in a link without axial force bent in the plane; otherwise every wall counts
@@ -92,20 +99,28 @@ def local_buckling(
     EN 1993-1-4 has it: buckling stresses are proportional to E.
     """
     square = 235e6 / yield_strength * (elastic_modulus / 210e9)
+    known = walls(section, bending_only=bending_only)
+    if known is None:
+        return None
     found: list[WallLimit] = []
-    for wall in walls(section, bending_only=bending_only):
+    for wall in known:
         factor, power = LIMITS[wall.kind]
         found.append(WallLimit(wall, factor * (square if power == 2 else sqrt(square))))
     return tuple(found)
 
 
-def walls(section: Section, *, bending_only: bool = False) -> tuple[Wall, ...]:
-    """The walls of a section; none for a solid one. A polygon's are not known, and it has none here either."""
+def is_solid(shape: type[Section]) -> bool:
+    """Whether a shape is known to have no walls that could buckle."""
+    return issubclass(shape, _SOLID)
+
+
+def walls(section: Section, *, bending_only: bool = False) -> tuple[Wall, ...] | None:
+    """The walls of a section; none for a solid one, None where they are not known (a polygon's, say)."""
     web: WallKind = "bent" if bending_only else "internal"
     for kind, make in _MAKERS.items():
         if isinstance(section, kind):
             return make(section, web)
-    return ()
+    return () if is_solid(type(section)) else None
 
 
 def _tube(section: Tube, web: WallKind) -> tuple[Wall, ...]:
@@ -114,11 +129,14 @@ def _tube(section: Tube, web: WallKind) -> tuple[Wall, ...]:
 
 
 def _elliptical(section: EllipticalTube, web: WallKind) -> tuple[Wall, ...]:
-    """As a round tube of the greatest curvature radius, the long axis squared over the short one."""
+    """As a round tube of the curvature radius there: one axis squared over the other. The flatter part counts; both
+    are told, so that an optimiser meets no kink."""
     del web
     b, h = section.width, section.height
-    diameter = maximum(b**2 / h, h**2 / b)
-    return (Wall("wall", "the flattest part of the wall", "round", diameter / section.thickness),)
+    return (
+        Wall("flange", "top and bottom of the wall", "round", b**2 / h / section.thickness),
+        Wall("web", "the sides of the wall", "round", h**2 / b / section.thickness),
+    )
 
 
 def _rectangular(section: RectangularTube, web: WallKind) -> tuple[Wall, ...]:
@@ -180,7 +198,7 @@ def _t_section(section: TSection, web: WallKind) -> tuple[Wall, ...]:
 
 def _octagonal(section: OctagonalTube, web: WallKind) -> tuple[Wall, ...]:
     del web
-    side = (section.width - 2.0 * section.thickness) * 0.41421356237309503
+    side = (section.width - 2.0 * section.thickness) * half_side(section.sides)
     return (Wall("wall", "each side", "internal", side / section.thickness),)
 
 
@@ -193,6 +211,9 @@ def _triangular(section: TriangularTube, web: WallKind) -> tuple[Wall, ...]:
         Wall("legs", "the legs", "internal", inner * leg / section.thickness),
     )
 
+
+_SOLID = (Circle, Ellipse, Rectangle, Triangle, Octagon)
+"""Shapes that are solid. One that is neither here nor below has walls that nobody knows."""
 
 _MAKERS: Mapping[type[Section], Callable[[Any, WallKind], tuple[Wall, ...]]] = MappingProxyType(
     {

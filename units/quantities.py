@@ -14,11 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import lru_cache
-from typing import Literal, cast
+from typing import TYPE_CHECKING, Literal, cast
 
-import pint
+from units.units import Kind, kinds, registry
 
-from materials.units import Kind, kinds, registry
+if TYPE_CHECKING:
+    import pint
 
 Relation = Literal["<=", "==", ">="]
 
@@ -58,6 +59,18 @@ class InputError(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the three fields when an error crosses between processes."""
         return InputError, (self.file, self.key, self.message)
+
+
+class NoAnswer(Exception):
+    """A well-formed question without an answer (exit status 1); the message says what stands in the way."""
+
+
+class SIFloat(float):
+    """A float that stands for a quantity in SI, as a program gives it; a file's bare number is never one."""
+
+
+class SIInt(int):
+    """The same of a whole number; where a count is due it is that count."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +120,8 @@ def _unit(text: str) -> pint.Unit | None:
     compact = re.sub(r"\s*([*/()^])\s*", r"\1", text.strip()).replace(" ", "*")
     if not _UNIT.fullmatch(compact):
         return None
+    import pint
+
     try:
         return registry().parse_units(compact)
     except (pint.PintError, ValueError, AttributeError, TypeError):
@@ -161,13 +176,16 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     """Return the quantity `value` in SI.
 
     `value` is what YAML gave: a string `NUMBER UNIT` (`400 mm`, `12 kN*m/rad`, `30 EUR/kg`), or a bare number
-    where `kind` is `dimensionless`. Temperatures are absolute (`20 degC` is 293.15). `kind` is a name in
+    where `kind` is `dimensionless`; or an `SIFloat` or `SIInt` that a program gave. Temperatures are absolute
+    (`20 degC` is 293.15). `kind` is a name in
     `units.kinds()`. Raises `InputError` for a missing or unknown unit, a wrong dimension, nan or infinity, or
     anything else.
     """
     due = kind_of(kind)
     if not due.si:
         return _read_pure(value, due, file, key)
+    if isinstance(value, SIFloat | SIInt):
+        return _si_number(float(value), due, file, key)
     would_do = _what_would_do(due)
     if isinstance(value, bool) or value is None or not isinstance(value, str | int | float):
         raise InputError(file, key, f"needs a quantity with its unit, {would_do}, not {shown(value)}")
@@ -190,7 +208,15 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     return _finite(_to_si(found[1], unit, due, value, file, key), file, key)
 
 
+def _si_number(value: float, due: Kind, file: object, key: str) -> float:
+    if due.name == "temperature" and value < 0.0:
+        raise InputError(file, key, f"{value:g} K is below absolute zero")
+    return _finite(value, file, key)
+
+
 def _to_si(number: str, unit: pint.Unit, due: Kind, given: str, file: object, key: str) -> float:
+    import pint
+
     _finite(float(number), file, key)
     offset = unit in (registry().degC, registry().degF)
     if due.name == "temperature_difference" and offset:

@@ -8,23 +8,15 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, cast
 
 import yaml
 
-from materials.quantities import (
-    Bound,
-    InputError,
-    kind_of,
-    read_bound,
-    read_number,
-    read_quantity,
-    read_range,
-    shown,
-)
+from units.quantities import Bound, InputError, kind_of, read_bound, read_number, read_quantity, read_range, shown
 
 _LARGEST_FILE = 64 * 1024 * 1024
 _DEEPEST = 60
@@ -80,6 +72,35 @@ for _tag, _pattern, _first in (
     _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
 
 
+class _Dumper(yaml.SafeDumper):
+    """Quotes what the loader would not read as the same text, and keeps it on one line."""
+
+    yaml_implicit_resolvers = _Loader.yaml_implicit_resolvers
+
+    def represent_str(self, data: str) -> yaml.ScalarNode:
+        """What cannot be printed is written by its number."""
+        return self.represent_scalar("tag:yaml.org,2002:str", data, None if data.isprintable() else '"')
+
+
+_Dumper.add_representer(str, _Dumper.represent_str)
+
+
+def yaml_line(value: object, *, quoted: bool = False) -> str:
+    """Return a value as one line of YAML that reads back as it; text is `quoted`, or only where it must be."""
+    style = '"' if quoted else None
+    lines = yaml.dump(
+        [value],
+        None,
+        _Dumper,
+        default_flow_style=True,
+        default_style=style,
+        width=10**9,
+        allow_unicode=True,
+        sort_keys=False,
+    )
+    return lines[1:-2]
+
+
 def _refusal(problem: str, mark: yaml.Mark) -> yaml.MarkedYAMLError:
     return yaml.MarkedYAMLError(problem=problem, problem_mark=mark)
 
@@ -126,6 +147,14 @@ def load_yaml(path: Path | str) -> Mapping:
     if content is None:
         raise InputError(path, "", "is empty")
     return Mapping(content, file=path)
+
+
+def shipped_files(package: str, folder: str = "") -> Iterator[Mapping]:
+    """The mappings that the YAML files of a package hold, or those of a folder in it, in the order of their names."""
+    for item in sorted(files(package).joinpath(folder).iterdir(), key=lambda entry: entry.name):
+        if item.name.endswith(".yaml"):
+            name = f"{folder or package.rpartition('.')[2]}/{item.name}"
+            yield Mapping(parse_yaml(item.read_text(encoding="utf-8"), file=name), file=name)
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -180,6 +209,13 @@ class Mapping:
             raise self.error(name, f"is missing; write {would_do}{hint}")
         return self.content[name]
 
+    def version(self, known: int) -> None:
+        """Refuse another `format_version` than the one that is known."""
+        version = self.raw("format_version", f"format_version: {known}")
+        if isinstance(version, bool) or version != known:
+            message = f"{shown(version)} is not known here; this program reads {known}"
+            raise self.error("format_version", message)
+
     def quantity(self, name: str, kind: str, default: float | None = None) -> float:
         """Return a quantity in SI."""
         if default is not None and not self.has(name):
@@ -203,7 +239,7 @@ class Mapping:
         value = self.raw(name, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
             raise self.error(name, f"needs a whole number, not {shown(value)}")
-        return value
+        return int(value)
 
     def text(self, name: str, default: str | None = None) -> str:
         """Return a text that is not empty; a number or a date in its place is refused (quote it)."""

@@ -12,9 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-import pint
+if TYPE_CHECKING:
+    import pint
 
 _PI = "3.14159265358979323846264338327950288"
 
@@ -77,6 +78,8 @@ liter = 1e-3 * meter ** 3 = L = l = litre
 @cache
 def registry() -> pint.UnitRegistry[Any]:
     """Return the project's pint registry: decimal factors, angle as a dimension, EUR as the only currency."""
+    import pint  # here, for importing it takes longer than a command that reads no quantity
+
     # pint's annotations know neither an empty registry nor decimal factors; both are documented features.
     units = pint.UnitRegistry[Any](cast(str, None), non_int_type=cast(type[float], Decimal))
     units.load_definitions(_DEFINITIONS.strip().splitlines())

@@ -2,19 +2,12 @@
 
 The exact series of the rectangle converge badly on one side of the square or the other, so smooth fits in
 variables
-that stay bounded for every aspect ratio stand in for them; `benchmarks/section_fits.py` makes them.
+that stay bounded for every aspect ratio stand in for them; `benchmarks/section_fits` makes them.
 """
 
 from __future__ import annotations
 
-from sections.coefficients import (
-    RECTANGLE_SHEAR,
-    RECTANGLE_TORSION,
-    TRIANGLE_SHEAR_Y,
-    TRIANGLE_SHEAR_Z,
-    TRIANGLE_TORSION,
-    TRIANGLE_TORSION_MODULUS,
-)
+from sections.fits.fit import fitted
 from sections.numeric import Number, maximum, minimum, polynomial
 from sections.section import poisson_square
 
@@ -28,7 +21,7 @@ def rectangle_torsion_constant(width: Number, height: Number) -> Number:
     """
     square = width**2 + height**2
     thin = (width * height) ** 3 / (3.0 * square)
-    return thin * polynomial(RECTANGLE_TORSION, (width * height / square,))
+    return thin * fitted("rectangle_torsion", (width * height / square,))
 
 
 def rectangle_torsion_modulus(width: Number, height: Number) -> Number:
@@ -52,20 +45,20 @@ def rectangle_shear_factor(across: Number, along: Number, poisson_ratio: Number)
     (1991)).
     """
     ratio = across / along
-    factor = ratio**4 / (5.0 + ratio**2) * polynomial(RECTANGLE_SHEAR, (across / (across + along),))
+    factor = ratio**4 / (5.0 + ratio**2) * fitted("rectangle_shear", (across / (across + along),))
     return 1.2 + poisson_square(poisson_ratio) * factor
 
 
 def triangle_torsion_constant(width: Number, height: Number) -> Number:
     """J of an isosceles triangle, m^4; within 1e-4 for width / height from 0.1 to 10."""
     thin = (width * height) ** 3 / (12.0 * (width**2 + height**2))
-    return thin * polynomial(TRIANGLE_TORSION, (width / (width + height),))
+    return thin * fitted("triangle_torsion", (width / (width + height),))
 
 
 def triangle_torsion_modulus(width: Number, height: Number) -> Number:
     """W_t of an isosceles triangle, m^3; within 0.5 % for width / height from 0.1 to 10."""
     thin = (width * height) ** 2 / (width + height)
-    return thin * polynomial(TRIANGLE_TORSION_MODULUS, (width / (width + height),))
+    return thin * fitted("triangle_torsion_modulus", (width / (width + height),))
 
 
 def triangle_shear_factors(width: Number, height: Number, poisson_ratio: Number) -> tuple[Number, Number]:
@@ -73,10 +66,10 @@ def triangle_shear_factors(width: Number, height: Number, poisson_ratio: Number)
     ratio = width / height
     share = (width / (width + height),)
     poisson = poisson_square(poisson_ratio)
-    along_y = polynomial(TRIANGLE_SHEAR_Y[0], share) + poisson * polynomial(TRIANGLE_SHEAR_Y[1], share) / (
+    along_y = fitted("triangle_shear_y", share) + poisson * fitted("triangle_poisson_y", share) / (
         ratio**2 * (1.0 + ratio**2)
     )
-    along_z = polynomial(TRIANGLE_SHEAR_Z[0], share) * (1.0 + ratio**2 / 14.0) + poisson * polynomial(
-        TRIANGLE_SHEAR_Z[1], share
+    along_z = fitted("triangle_shear_z", share) * (1.0 + ratio**2 / 14.0) + poisson * fitted(
+        "triangle_poisson_z", share
     ) * ratio**4 / (1.0 + ratio**2)
     return along_y, along_z

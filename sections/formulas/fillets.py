@@ -7,13 +7,12 @@ one, a rounded corner takes one away. Its area and moments are exact.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.coefficients_open import FILLET_CROSS_SHEAR, FILLET_POISSON, FILLET_SHEAR, FILLET_TORSION
+from sections.fits.fit import coefficients, fitted
 from sections.numeric import Number, exp, maximum, minimum, polynomial, sin
 
 SPANDREL_AREA = 1.0 - math.pi / 4.0
@@ -127,11 +126,9 @@ def rounded_box(width: float, height: float, radius: float) -> NDArray[np.float6
 # ---- I-section with root fillets
 
 
-def _fillet_factor(
-    table: Sequence[Sequence[object]], width: Number, height: Number, flange: Number, web: Number, radius: Number
-) -> Number:
+def _fillet_factor(name: str, width: Number, height: Number, flange: Number, web: Number, radius: Number) -> Number:
     features = (4.0 * web / width, 4.0 * flange / height, web / flange)
-    by_width, by_height, square = (polynomial(part, features) for part in table)
+    by_width, by_height, square = (polynomial(part, features) for part in coefficients(name))
     return exp(radius / width * by_width + radius / height * by_height + (radius / width) ** 2 * square)
 
 
@@ -151,7 +148,7 @@ def fillet_torsion(width: Number, flange: Number, web: Number, radius: Number, s
     """J of an I-section with root fillets, m^4, from that without; within 1.2 % in the range of `fillet_factors`."""
     base = sharp + 2.0 * (fillet_junctions(flange, web, radius) - fillet_junctions(flange, web, 0.0))
     features = (web / flange, radius / flange, 4.0 * flange / width)
-    return base * exp(radius / flange * polynomial(FILLET_TORSION, features))
+    return base * exp(radius / flange * fitted("fillet_torsion", features))
 
 
 def fillet_factors(
@@ -159,12 +156,12 @@ def fillet_factors(
 ) -> tuple[Number, Number, Number]:
     """How root fillets change an equal-flanged I-section: A / A_sz, and both parts of A / A_sy (nu = 0, Poisson's).
 
-    Fits to boundary element solutions (`benchmarks/open_section_fits.py`), within 0.7 % over the range of rolled
+    Fits to boundary element solutions (`benchmarks/section_fits`), within 0.7 % over the range of rolled
     sections: width / height from 0.33 to 1.08, flange / height 0.028 to 0.18, web / flange 0.42 to 0.85,
     radius / flange 0.6 to 2.2; they tend to one as the radius tends to zero.
     """
     z, y, c = (
-        _fillet_factor(table, width, height, flange, web, radius)
-        for table in (FILLET_SHEAR, FILLET_CROSS_SHEAR, FILLET_POISSON)
+        _fillet_factor(name, width, height, flange, web, radius)
+        for name in ("fillet_shear", "fillet_cross_shear", "fillet_poisson")
     )
     return z, y, c

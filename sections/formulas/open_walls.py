@@ -2,7 +2,7 @@
 
 Torsion is the sum over walls as whole rectangles and over junctions, whose share is that of the junction of two (or
 three) long strips, a polynomial fitted to boundary element solutions; it needs no correction beyond that. Shear areas
-are thin-wall formulas times the exponential of such a polynomial (`benchmarks/channel_fits.py`).
+are thin-wall formulas times the exponential of such a polynomial (`benchmarks/section_fits`).
 
 Three of the four shear problems at Poisson's ratio zero are those of other sections, exactly, because a plane of
 symmetry and a free surface ask the same of the shear stress (none across it):
@@ -14,20 +14,11 @@ symmetry and a free surface ask the same of the shear stress (none across it):
 
 from __future__ import annotations
 
-from sections.closed_forms import rectangle_torsion_constant
-from sections.coefficients_channel import (
-    CHANNEL_POISSON_Y,
-    CHANNEL_POISSON_Z,
-    HALF_SHEAR,
-    L_JUNCTION,
-    T_JUNCTION,
-    T_POISSON_Y,
-    T_POISSON_Z,
-    T_SHEAR_Y,
-)
-from sections.numeric import Number, exp, polynomial
+from sections.fits.fit import fitted
+from sections.formulas.closed_forms import rectangle_torsion_constant
+from sections.formulas.thin_walls import corner_excess, i_section_bending_shear, i_section_cross_base
+from sections.numeric import Number, exp
 from sections.section import poisson_square
-from sections.thin_walls import corner_excess, i_section_bending_shear, i_section_cross_base
 
 FREE_END = 0.10504
 """What a free end takes from the J of a long strip, in thicknesses^4 (Timoshenko and Goodier, section 109)."""
@@ -38,12 +29,12 @@ def l_junction(first: Number, second: Number) -> Number:
 
     The arms are measured from the inner corner. Within 1e-5 of (first + second)^4.
     """
-    return (first + second) ** 4 * polynomial(L_JUNCTION, (first / (first + second),))
+    return (first + second) ** 4 * fitted("l_junction", (first / (first + second),))
 
 
 def t_junction(web: Number, flange: Number) -> Number:
     """The same of a web that meets a flange: arms are measured from both inner corners; within 5e-5."""
-    return (web + flange) ** 4 * polynomial(T_JUNCTION, (web / (web + flange),))
+    return (web + flange) ** 4 * fitted("t_junction", (web / (web + flange),))
 
 
 def overlap(length: Number, thickness: Number) -> Number:
@@ -95,9 +86,9 @@ def channel_shear_factors(
     poisson = poisson_square(poisson_ratio) * area
     bending_y = half_shear(0.5 * height, web, flange, width, centroid, 0.5 * area, 0.5 * moments[1])
     _, bending_z = i_section_bending_shear(2.0 * width, height, flange, 2.0 * web)
-    twisted_y = channel_poisson_base_y(height, width, flange, web) * exp(polynomial(CHANNEL_POISSON_Y, features))
+    twisted_y = channel_poisson_base_y(height, width, flange, web) * exp(fitted("channel_poisson_y", features))
     twisted_z = channel_poisson_base_z(height, width, flange, web, centroid)
-    twisted_z = twisted_z * exp(polynomial(CHANNEL_POISSON_Z, features))
+    twisted_z = twisted_z * exp(fitted("channel_poisson_z", features))
     return bending_y + poisson * twisted_y / moments[1] ** 2, bending_z + poisson * twisted_z / moments[0] ** 2
 
 
@@ -145,10 +136,10 @@ def t_shear_factors(
     features = t_features(width, height, flange, web)
     poisson = poisson_square(poisson_ratio) * area
     bending_y = i_section_cross_base(width, 2.0 * height, flange, web, 2.0 * area, 2.0 * moments[1])
-    bending_y = bending_y * exp(polynomial(T_SHEAR_Y, features))
+    bending_y = bending_y * exp(fitted("t_shear_y", features))
     bending_z = half_shear(0.5 * width, flange, 0.5 * web, height, centroid, 0.5 * area, 0.5 * moments[0])
-    twisted_y = t_poisson_base_y(width, height, flange, web, centroid) * exp(polynomial(T_POISSON_Y, features))
-    twisted_z = t_poisson_base_z(width, height, flange, web) * exp(polynomial(T_POISSON_Z, features))
+    twisted_y = t_poisson_base_y(width, height, flange, web, centroid) * exp(fitted("t_poisson_y", features))
+    twisted_z = t_poisson_base_z(width, height, flange, web) * exp(fitted("t_poisson_z", features))
     return bending_y + poisson * twisted_y / moments[1] ** 2, bending_z + poisson * twisted_z / moments[0] ** 2
 
 
@@ -189,4 +180,4 @@ def half_shear(
 ) -> Number:
     """A / A_s at nu = 0 of half a T-section along its web, or half a channel along its flanges."""
     found = half_shear_base(base, thickness, leg, height, centroid, area, second_moment)
-    return found * exp(polynomial(HALF_SHEAR, half_features(base, thickness, leg, height)))
+    return found * exp(fitted("half_shear", half_features(base, thickness, leg, height)))

@@ -19,13 +19,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
-Array: TypeAlias = NDArray[np.float64]
+from sections.numeric import Array
 
 GAUSS_POINTS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 9.0
@@ -101,9 +99,7 @@ def solve(loops: Sequence[Array], fineness: float = 1.0) -> SaintVenant:
     y, z, ny, nz, weight = boundary.y, boundary.z, boundary.ny, boundary.nz, boundary.weight
     # Normal derivatives of the five harmonic functions: torsion, y^3 and z^3 parts of phi_0, both parts of
     # phi_1.
-    flux = np.column_stack(
-        (z * ny - y * nz, 0.5 * y**2 * ny, 0.5 * z**2 * nz, -0.5 * z**2 * ny, -0.5 * y**2 * nz)
-    )
+    flux = np.column_stack((z * ny - y * nz, 0.5 * y**2 * ny, 0.5 * z**2 * nz, -0.5 * z**2 * ny, -0.5 * y**2 * nz))
     # phi_0 of y^3 has a net flux (its Laplacian is y, which integrates to zero about the centroid): none is
     # left.
     warping = boundary.harmonic(flux)
@@ -161,6 +157,8 @@ class _Boundary:
     def harmonic(self, flux: Array) -> Array:
         """Boundary values (mean zero) of the harmonic functions with these normal derivatives, one a
         column."""
+        from scipy.linalg import lu_factor, lu_solve  # here, for a list of sections needs none of it
+
         single, double = self._layers()
         matrix = double
         matrix[np.diag_indices_from(matrix)] += 0.5
@@ -246,11 +244,7 @@ def _elements(loops: Sequence[Array], fineness: float) -> tuple[Array, Array, ND
         while stack:
             low, high = stack.pop()
             middle = 0.5 * (low + high)
-            near = (
-                _distance(start[edge] + middle * vector[edge], start[others], vector[others])
-                if others.size
-                else 9.0
-            )
+            near = _distance(start[edge] + middle * vector[edge], start[others], vector[others]) if others.size else 9.0
             allowed = min(longest, max(1.2 * near / fineness, least))
             # Three elements on every true edge at least, so that both ends can bend on their own.
             if (high - low) * length > allowed or (length > longest / 3.0 and high - low > 0.34):
@@ -263,7 +257,5 @@ def _elements(loops: Sequence[Array], fineness: float) -> tuple[Array, Array, ND
 
 def _distance(point: Array, start: Array, vector: Array) -> float:
     """Least distance from a point to segments, m."""
-    along = np.clip(
-        np.einsum("ek,ek->e", point - start, vector) / np.einsum("ek,ek->e", vector, vector), 0.0, 1.0
-    )
+    along = np.clip(np.einsum("ek,ek->e", point - start, vector) / np.einsum("ek,ek->e", vector, vector), 0.0, 1.0)
     return float(np.min(np.hypot(*(start + along[:, None] * vector - point).T)))

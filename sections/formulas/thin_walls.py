@@ -1,7 +1,7 @@
 """Torsion and shear of rectangular tubes and I-sections, thin-walled or not.
 
 Each quantity is a thin-wall formula, improved by the exact resistance of an L-shaped corner, times the
-exponential of a polynomial fitted to a spectral element solution (`benchmarks/section_fits.py`). The
+exponential of a polynomial fitted to a spectral element solution (`benchmarks/section_fits`). The
 polynomial's variables are p = (b - h) / (b + h), and the web and flange thickness as fractions of the solid
 section; those of the I-section also include the ratio of both thicknesses.
 
@@ -20,17 +20,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sections.closed_forms import rectangle_torsion_constant
-from sections.coefficients import (
-    CORNER_SHEAR,
-    I_SECTION_CROSS_POISSON,
-    I_SECTION_CROSS_SHEAR,
-    I_SECTION_POISSON,
-    I_SECTION_TORSION,
-    TUBE_POISSON,
-    TUBE_TORSION,
-)
-from sections.numeric import Number, atan, exp, log, minimum, polynomial, sqrt
+from sections.fits.fit import fitted
+from sections.formulas.closed_forms import rectangle_torsion_constant
+from sections.numeric import Number, atan, exp, log, minimum, sqrt
 from sections.section import poisson_square
 
 
@@ -53,9 +45,7 @@ def corner_excess(first: Number, second: Number) -> Number:
     The arms are measured from the inner corner. By Schwarz-Christoffel mapping; 0.559 for equal widths.
     """
     ratio = first / second
-    return (2.0 / math.pi) * (
-        log((ratio + 1.0 / ratio) / 4.0) + ratio * atan(1.0 / ratio) + atan(ratio) / ratio
-    )
+    return (2.0 / math.pi) * (log((ratio + 1.0 / ratio) / 4.0) + ratio * atan(1.0 / ratio) + atan(ratio) / ratio)
 
 
 def _features(width: Number, height: Number, flange: Number, web: Number) -> tuple[Number, Number, Number]:
@@ -79,18 +69,14 @@ def tube_torsion_base(width: Number, height: Number, flange: Number, web: Number
     """
     inner_b, inner_h = width - 2.0 * web, height - 2.0 * flange
     conductance = 2.0 * inner_b / flange + 2.0 * inner_h / web + 4.0 * corner_excess(flange, web)
-    ramps = (
-        inner_b**2 * flange / (inner_b + 0.5 * flange)
-        + inner_h**2 * web / (inner_h + 0.5 * web)
-        + flange * web
-    )
+    ramps = inner_b**2 * flange / (inner_b + 0.5 * flange) + inner_h**2 * web / (inner_h + 0.5 * web) + flange * web
     bulges = rectangle_torsion_constant(inner_b, flange) + rectangle_torsion_constant(inner_h, web)
     return 4.0 * (inner_b * inner_h + ramps) ** 2 / conductance + 2.0 * bulges
 
 
 def tube_torsion_constant(width: Number, height: Number, flange: Number, web: Number) -> Number:
     """J of a rectangular tube, m^4; outer sizes and walls in m."""
-    correction = polynomial(TUBE_TORSION, _features(width, height, flange, web))
+    correction = fitted("tube_torsion", _features(width, height, flange, web))
     return tube_torsion_base(width, height, flange, web) * exp(correction)
 
 
@@ -115,7 +101,7 @@ def _corner_shear(
     across: Number, along: Number, flange: Number, web: Number, area: Number, second_moment: Number
 ) -> Number:
     base = corner_shear_base(across, along, flange, web, area, second_moment)
-    return base * exp(polynomial(CORNER_SHEAR, _features(across, along, flange, web)))
+    return base * exp(fitted("corner_shear", _features(across, along, flange, web)))
 
 
 def tube_poisson_base(
@@ -145,7 +131,7 @@ def tube_shear_factor(
     """
     bending = _corner_shear(across, along, flange, web, area, second_moment)
     poisson = tube_poisson_base(across, along, flange, web, area, second_moment)
-    correction = exp(polynomial(TUBE_POISSON, _features(across, along, flange, web)))
+    correction = exp(fitted("tube_poisson", _features(across, along, flange, web)))
     return bending + poisson_square(poisson_ratio) * poisson * correction
 
 
@@ -165,7 +151,7 @@ def _i_features(width: Number, height: Number, flange: Number, web: Number) -> t
 
 
 def _i_torsion(width: Number, height: Number, flange: Number, web: Number) -> Number:
-    correction = polynomial(I_SECTION_TORSION, _i_features(width, height, flange, web))
+    correction = fitted("i_section_torsion", _i_features(width, height, flange, web))
     return i_section_torsion_base(width, height, flange, web) * exp(correction)
 
 
@@ -234,7 +220,7 @@ def i_section_shear_factors(
 
     def along_y(width: Number, h: Number, flange: Number) -> Number:
         base = i_section_cross_base(width, h, flange, web, area, second_moment_z)
-        return base * exp(polynomial(I_SECTION_CROSS_SHEAR, _i_features(width, h, flange, web)))
+        return base * exp(fitted("i_section_cross_shear", _i_features(width, h, flange, web)))
 
     def along_z(width: Number, h: Number, flange: Number) -> tuple[Number, Number, Number]:
         # An I-section and a tube with half its web in each side share this problem: they are the same
@@ -246,8 +232,8 @@ def i_section_shear_factors(
         y_part = i_section_cross_poisson_base(width, h, flange, web, area, second_moment_z)
         return (
             bending,
-            z_part * exp(polynomial(I_SECTION_POISSON, features)),
-            y_part * exp(polynomial(I_SECTION_CROSS_POISSON, wide)),
+            z_part * exp(fitted("i_section_poisson", features)),
+            y_part * exp(fitted("i_section_cross_poisson", wide)),
         )
 
     if bottom is None:

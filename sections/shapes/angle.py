@@ -5,26 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.closed_forms import rectangle_torsion_constant
-from sections.coefficients_open import (
-    ANGLE_POISSON_Y,
-    ANGLE_POISSON_Z,
-    ANGLE_SHEAR_Y,
-    ANGLE_SHEAR_Z,
-    ANGLE_TORSION,
-)
-from sections.numeric import Number, exp, maximum, polynomial, sqrt
-from sections.plastic import layered_modulus
+from sections.fits.fit import fitted
+from sections.formulas.closed_forms import rectangle_torsion_constant
+from sections.formulas.plastic import layered_modulus
+from sections.numeric import Number, exp, maximum, sqrt
 from sections.properties import SectionProperties
 from sections.section import (
-    LEAST_OPENING,
     Constraint,
-    DesignVariable,
     Dimension,
     Outline,
     Section,
     closed,
     common_properties,
+    opening,
     poisson_square,
 )
 
@@ -54,11 +47,6 @@ class Angle(Section):
         Dimension("height", "length of the leg in the bending plane", "outer"),
         Dimension("thickness", "thickness of both legs", "wall"),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "length of the leg across the bending plane", "outer"),
-        DesignVariable("height", "length of the leg in the bending plane", "outer"),
-        DesignVariable("thickness", "thickness of both legs", "wall"),
-    )
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J and shear areas.
@@ -75,7 +63,7 @@ class Angle(Section):
         legs = ((b * t, 0.5 * b - y, 0.5 * t - z), (t * rise, 0.5 * t - y, t + 0.5 * rise - z))
         second_moment_y = (b * t**3 + t * rise**3) / 12.0 + sum(a * dz**2 for a, _, dz in legs)
         second_moment_z = (t * b**3 + rise * t**3) / 12.0 + sum(a * dy**2 for a, dy, _ in legs)
-        torsion = angle_torsion_base(b, h, t) * exp(polynomial(ANGLE_TORSION, _features(b, h, t)))
+        torsion = angle_torsion_base(b, h, t) * exp(fitted("angle_torsion", _features(b, h, t)))
         return common_properties(
             shear=angle_shear_factors(b, h, t, poisson_ratio),
             area=area,
@@ -103,18 +91,9 @@ class Angle(Section):
 
     def constraints(self) -> tuple[Constraint, ...]:
         """The thickness must stay below both legs."""
-        share = f"{1.0 - LEAST_OPENING:.0%}"
         return (
-            Constraint(
-                "leg_width",
-                f"the thickness must stay below {share} of the width",
-                self.thickness / self.width - 1.0 + LEAST_OPENING,
-            ),
-            Constraint(
-                "leg_height",
-                f"the thickness must stay below {share} of the height",
-                self.thickness / self.height - 1.0 + LEAST_OPENING,
-            ),
+            opening("leg_width", "the thickness", "the width", self.thickness / self.width),
+            opening("leg_height", "the thickness", "the height", self.thickness / self.height),
         )
 
 
@@ -136,6 +115,6 @@ def angle_shear_factors(
     """A / A_sy and A / A_sz of an angle."""
     features = _features(width, height, thickness)
     poisson = poisson_square(poisson_ratio) * (thickness / height) ** 2
-    along_y = exp(polynomial(ANGLE_SHEAR_Y, features)) + poisson * exp(polynomial(ANGLE_POISSON_Y, features))
-    along_z = exp(polynomial(ANGLE_SHEAR_Z, features)) + poisson * exp(polynomial(ANGLE_POISSON_Z, features))
+    along_y = exp(fitted("angle_shear_y", features)) + poisson * exp(fitted("angle_poisson_y", features))
+    along_z = exp(fitted("angle_shear_z", features)) + poisson * exp(fitted("angle_poisson_z", features))
     return along_y, along_z

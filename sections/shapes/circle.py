@@ -9,7 +9,6 @@ from typing import ClassVar
 from sections.numeric import Number
 from sections.properties import SectionProperties
 from sections.section import (
-    DesignVariable,
     Dimension,
     Outline,
     Section,
@@ -31,7 +30,6 @@ class Circle(Section):
 
     shape: ClassVar[str] = "circle"
     dimensions: ClassVar[tuple[Dimension, ...]] = (Dimension("diameter", "outer diameter", "outer"),)
-    variables: ClassVar[tuple[DesignVariable, ...]] = (DesignVariable("diameter", "outer diameter", "outer"),)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Exact properties (SI).
@@ -52,13 +50,9 @@ class Circle(Section):
             torsion_constant=2.0 * second_moment,
             plastic_modulus_y=d**3 / 6.0,
             plastic_modulus_z=d**3 / 6.0,
-            extreme_fibre_y=0.5 * d,
-            extreme_fibre_z=0.5 * d,
             torsion_modulus=math.pi / 16.0 * d**3,
             width=d,
             height=d,
-            centroid_y=0.5 * d,
-            centroid_z=0.5 * d,
         )
 
     def outline(self) -> Outline:

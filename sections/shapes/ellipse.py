@@ -9,7 +9,6 @@ from typing import ClassVar
 from sections.numeric import Number, minimum
 from sections.properties import SectionProperties
 from sections.section import (
-    DesignVariable,
     Dimension,
     Outline,
     Section,
@@ -36,10 +35,6 @@ class Ellipse(Section):
         Dimension("width", "full axis across the bending plane", "outer"),
         Dimension("height", "full axis in the bending plane", "outer"),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "full axis across the bending plane", "outer"),
-        DesignVariable("height", "full axis in the bending plane", "outer"),
-    )
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Exact properties (SI) for any aspect ratio.
@@ -57,13 +52,9 @@ class Ellipse(Section):
             torsion_constant=0.25 * area * b**2 * h**2 / (b**2 + h**2),
             plastic_modulus_y=b * h**2 / 6.0,
             plastic_modulus_z=h * b**2 / 6.0,
-            extreme_fibre_y=0.5 * h,
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=0.25 * area * minimum(b, h),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
-            centroid_z=0.5 * h,
         )
 
     def outline(self) -> Outline:

@@ -13,9 +13,7 @@ from sections.numeric import Number, sqrt
 from sections.properties import SectionProperties
 from sections.section import (
     CURVE_POINTS,
-    LEAST_OPENING,
     Constraint,
-    DesignVariable,
     Dimension,
     Outline,
     Section,
@@ -23,6 +21,7 @@ from sections.section import (
     common_properties,
     ellipse_points,
     hollow_torsion_modulus,
+    opening,
 )
 
 NODES = 12
@@ -75,11 +74,6 @@ class EllipticalTube(Section):
         Dimension("height", "outer axis in the bending plane", "outer"),
         Dimension("thickness", "wall thickness, the same everywhere", "wall"),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "outer axis across the bending plane", "outer"),
-        DesignVariable("height", "outer axis in the bending plane", "outer"),
-        DesignVariable("thickness", "wall thickness, the same everywhere", "wall"),
-    )
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); area, second and plastic moduli to 1e-6 for width / height from 0.3 to 3.
@@ -107,13 +101,9 @@ class EllipticalTube(Section):
             torsion_constant=torsion,
             plastic_modulus_y=4.0 * weighted(WHOLE, up.first),
             plastic_modulus_z=4.0 * weighted(WHOLE, right.first),
-            extreme_fibre_y=0.5 * h,
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=hollow_torsion_modulus(enclosed, t, torsion),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
-            centroid_z=0.5 * h,
         )
 
     def outline(self) -> Outline:
@@ -127,10 +117,9 @@ class EllipticalTube(Section):
 
     def constraints(self) -> tuple[Constraint, ...]:
         """The wall must stay below the radius of curvature at both ends of both axes."""
-        text = f"the wall must stay below {1.0 - LEAST_OPENING:.0%} of the least radius of curvature"
         sides = (("curvature_width", self.width, self.height), ("curvature_height", self.height, self.width))
         return tuple(
-            Constraint(name, text, 2.0 * self.thickness * one / other**2 - 1.0 + LEAST_OPENING)
+            opening(name, "the wall", "the least radius of curvature", 2.0 * self.thickness * one / other**2)
             for name, one, other in sides
         )
 

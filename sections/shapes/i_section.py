@@ -8,12 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from sections.formulas.fillets import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
+from sections.formulas.plastic import layered_modulus
+from sections.formulas.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
 from sections.numeric import Number, maximum
-from sections.plastic import layered_modulus
 from sections.properties import SectionProperties
-from sections.rounding import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
 from sections.section import (
-    LEAST_OPENING,
     Constraint,
     DesignVariable,
     Dimension,
@@ -22,8 +22,9 @@ from sections.section import (
     SectionError,
     closed,
     common_properties,
+    design_variables,
+    opening,
 )
-from sections.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,7 @@ class ISection(Section):
 
     shape: ClassVar[str] = "i_section"
     dimensions: ClassVar[tuple[Dimension, ...]] = (
-        Dimension(
-            "width", "width of both flanges", "outer", unless=("top_flange_width", "bottom_flange_width")
-        ),
+        Dimension("width", "width of both flanges", "outer", unless=("top_flange_width", "bottom_flange_width")),
         Dimension("height", "overall height, in the bending plane", "outer"),
         Dimension(
             "flange_thickness",
@@ -74,12 +73,6 @@ class ISection(Section):
         Dimension("top_flange_thickness", "thickness of the top flange", "wall", optional=True),
         Dimension("bottom_flange_thickness", "thickness of the bottom flange", "wall", optional=True),
         Dimension("root_radius", "radius of the fillets between web and flanges", "radius", optional=True),
-    )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "width of both flanges", "outer"),
-        DesignVariable("height", "overall height, in the bending plane", "outer"),
-        DesignVariable("flange_thickness", "thickness of both flanges", "wall"),
-        DesignVariable("web_thickness", "thickness of the web", "wall"),
     )
 
     def __post_init__(self) -> None:
@@ -125,11 +118,11 @@ class ISection(Section):
         return all(value is None for value in own)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
-        """Properties (SI); J and shear areas are fits, see `sections.thin_walls` for their range and error.
+        """Properties (SI); J and shear areas are fits, see `sections.formulas.thin_walls` for their range and error.
 
-        Root fillets enter area, second and plastic moduli exactly, J and shear areas as `sections.rounding` says.
-        The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the stress
-        concentration at the inner corners is left out, as design codes do.
+        Root fillets enter area, second and plastic moduli exactly, J and shear areas as `sections.formulas.fillets`
+        says. The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the
+        stress concentration at the inner corners is left out, as design codes do.
         """
         top, bottom, web = self.top, self.bottom, self.web_thickness
         height = self.height
@@ -174,11 +167,9 @@ class ISection(Section):
             plastic_modulus_y=plastic_y,
             plastic_modulus_z=plastic_z,
             extreme_fibre_y=fibre,
-            extreme_fibre_z=0.5 * width,
             torsion_modulus=torsion_constant / thickest,
             width=width,
             height=height,
-            centroid_y=0.5 * width,
             centroid_z=centroid,
         )
 
@@ -208,20 +199,18 @@ class ISection(Section):
     def constraints(self) -> tuple[Constraint, ...]:
         """Flanges must overhang the web and leave a web between them."""
         top, bottom = self.top, self.bottom
-        share = f"{1.0 - LEAST_OPENING:.0%}"
         overhangs = [("flange", top)] if self.symmetric else [("top flange", top), ("bottom flange", bottom)]
         return (
             *self._fillet_constraints(),
-            Constraint(
-                "web_height",
-                f"both flange thicknesses must stay below {share} of the height",
-                (top.thickness + bottom.thickness) / self.height - 1.0 + LEAST_OPENING,
+            opening(
+                "web_height", "both flange thicknesses", "the height", (top.thickness + bottom.thickness) / self.height
             ),
             *(
-                Constraint(
+                opening(
                     name.replace(" ", "_") + "_overhang",
-                    f"the web thickness must stay below {share} of the {name} width",
-                    self.web_thickness / flange.width - 1.0 + LEAST_OPENING,
+                    "the web thickness",
+                    f"the {name} width",
+                    self.web_thickness / flange.width,
                 )
                 for name, flange in overhangs
             ),
@@ -242,13 +231,14 @@ class ISection(Section):
 class FreeFlangeISection(ISection):
     """The same shape with six design variables: an optimiser may make the flanges differ."""
 
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("top_flange_width", "width of the top flange", "outer"),
-        DesignVariable("bottom_flange_width", "width of the bottom flange", "outer"),
-        DesignVariable("height", "overall height, in the bending plane", "outer"),
-        DesignVariable("top_flange_thickness", "thickness of the top flange", "wall"),
-        DesignVariable("bottom_flange_thickness", "thickness of the bottom flange", "wall"),
-        DesignVariable("web_thickness", "thickness of the web", "wall"),
+    variables: ClassVar[tuple[DesignVariable, ...]] = design_variables(
+        ISection.dimensions,
+        "top_flange_width",
+        "bottom_flange_width",
+        "height",
+        "top_flange_thickness",
+        "bottom_flange_thickness",
+        "web_thickness",
     )
 
     def variable_values(self) -> tuple[Number, ...]:

@@ -10,11 +10,11 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from sections.formulas.plastic import polygon_modulus
+from sections.formulas.saint_venant import SaintVenant, moments, solve
 from sections.numeric import Number
-from sections.plastic import polygon_modulus
 from sections.properties import SectionProperties
-from sections.saint_venant import SaintVenant, moments, solve
-from sections.section import DesignVariable, Dimension, Outline, Section, SectionError, closed, poisson_square
+from sections.section import Dimension, Outline, Section, SectionError, closed, poisson_square
 
 _THIN = 0.05
 """Share of the polar moment below which J is that of an open section with thin walls."""
@@ -44,7 +44,6 @@ class Polygon(Section):
         Dimension("points", "corners of the outer edge, [y, z] each", "points"),
         Dimension("holes", "corners of each hole", "points", optional=True),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", _as_points("points", self.points))
@@ -58,11 +57,7 @@ class Polygon(Section):
             if _crossing(outer, loop) is not None or not _inside(loop[0], outer):
                 raise SectionError("holes", f"hole {number} is not wholly inside the outer edge")
             for other, earlier in enumerate(seen, start=1):
-                if (
-                    _crossing(earlier, loop) is not None
-                    or _inside(loop[0], earlier)
-                    or _inside(earlier[0], loop)
-                ):
+                if _crossing(earlier, loop) is not None or _inside(loop[0], earlier) or _inside(earlier[0], loop):
                     raise SectionError("holes", f"hole {number} overlaps hole {other}")
             seen.append(loop)
 

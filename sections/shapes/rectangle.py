@@ -8,14 +8,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.closed_forms import (
-    rectangle_shear_factor,
-    rectangle_torsion_constant,
-    rectangle_torsion_modulus,
-)
+from sections.formulas.closed_forms import rectangle_shear_factor, rectangle_torsion_constant, rectangle_torsion_modulus
 from sections.numeric import Number
 from sections.properties import SectionProperties
-from sections.section import DesignVariable, Dimension, Outline, Section, closed, common_properties
+from sections.section import Dimension, Outline, Section, closed, common_properties
 
 
 @dataclass(frozen=True)
@@ -35,16 +31,12 @@ class Rectangle(Section):
         Dimension("width", "side across the bending plane", "outer"),
         Dimension("height", "side in the bending plane", "outer"),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "side across the bending plane", "outer"),
-        DesignVariable("height", "side in the bending plane", "outer"),
-    )
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J within 1e-6 and shear areas within 1e-4 of the exact series for any aspect
         ratio.
 
-        See `sections.closed_forms` for the series and their sources.
+        See `sections.formulas.closed_forms` for the series and their sources.
         """
         b, h = self.width, self.height
         return common_properties(
@@ -55,13 +47,9 @@ class Rectangle(Section):
             torsion_constant=rectangle_torsion_constant(b, h),
             plastic_modulus_y=0.25 * b * h**2,
             plastic_modulus_z=0.25 * h * b**2,
-            extreme_fibre_y=0.5 * h,
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=rectangle_torsion_modulus(b, h),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
-            centroid_z=0.5 * h,
         )
 
     def outline(self) -> Outline:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from sections.formulas.fillets import rounded_box, rounded_tube_shear, rounded_tube_torsion, spandrel
+from sections.formulas.thin_walls import tube_shear_factor, tube_torsion_constant
 from sections.numeric import Number, maximum, minimum
 from sections.properties import SectionProperties
-from sections.rounding import rounded_box, rounded_tube_shear, rounded_tube_torsion, spandrel
 from sections.section import (
-    LEAST_OPENING,
     Constraint,
     DesignVariable,
     Dimension,
@@ -17,9 +17,10 @@ from sections.section import (
     Section,
     SectionError,
     common_properties,
+    design_variables,
+    opening,
 )
 from sections.shapes.rectangle import box
-from sections.thin_walls import tube_shear_factor, tube_torsion_constant
 
 
 @dataclass(frozen=True)
@@ -50,19 +51,14 @@ class RectangularTube(Section):
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "outer width, across the bending plane", "outer"),
         Dimension("height", "outer height, in the bending plane", "outer"),
-        Dimension(
-            "thickness", "thickness of all walls", "wall", unless=("flange_thickness", "web_thickness")
-        ),
+        Dimension("thickness", "thickness of all walls", "wall", unless=("flange_thickness", "web_thickness")),
         Dimension("flange_thickness", "thickness of top and bottom", "wall", optional=True),
         Dimension("web_thickness", "thickness of both sides", "wall", optional=True),
         Dimension("corner_radius", "outer radius of the corners", "radius", optional=True),
         Dimension("inner_corner_radius", "inner radius of the corners", "radius", optional=True),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "outer width, across the bending plane", "outer"),
-        DesignVariable("height", "outer height, in the bending plane", "outer"),
-        DesignVariable("flange_thickness", "thickness of top and bottom", "wall"),
-        DesignVariable("web_thickness", "thickness of both sides", "wall"),
+    variables: ClassVar[tuple[DesignVariable, ...]] = design_variables(
+        dimensions, "width", "height", "flange_thickness", "web_thickness"
     )
 
     def __post_init__(self) -> None:
@@ -94,9 +90,10 @@ class RectangularTube(Section):
         return (self.width, self.height, *self.walls)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
-        """Properties (SI); J and shear areas are fits, see `sections.thin_walls` for their range and error.
+        """Properties (SI); J and shear areas are fits, see `sections.formulas.thin_walls` for their range and error.
 
-        Rounded corners enter area, second and plastic moduli exactly, J and shear areas as `sections.rounding` says.
+        Rounded corners enter area, second and plastic moduli exactly, J and shear areas as `sections.formulas.fillets`
+        says.
 
         The torsion modulus is Bredt's, twice the area within the wall's middle line times the thinner wall;
         the
@@ -107,12 +104,8 @@ class RectangularTube(Section):
         inner_b, inner_h = b - 2.0 * web, h - 2.0 * flange
         area = 2.0 * (b * flange + inner_h * web)
         # Sums of walls, not outer minus inner: no cancellation in thin walls.
-        second_moment_y = (
-            b * flange * (h**2 - 2.0 * h * flange + 4.0 / 3.0 * flange**2) / 2.0 + web * inner_h**3 / 6.0
-        )
-        second_moment_z = (
-            h * web * (b**2 - 2.0 * b * web + 4.0 / 3.0 * web**2) / 2.0 + flange * inner_b**3 / 6.0
-        )
+        second_moment_y = b * flange * (h**2 - 2.0 * h * flange + 4.0 / 3.0 * flange**2) / 2.0 + web * inner_h**3 / 6.0
+        second_moment_z = h * web * (b**2 - 2.0 * b * web + 4.0 / 3.0 * web**2) / 2.0 + flange * inner_b**3 / 6.0
         shear = (
             tube_shear_factor(h, b, web, flange, poisson_ratio, area, second_moment_z),
             tube_shear_factor(b, h, flange, web, poisson_ratio, area, second_moment_y),
@@ -142,13 +135,9 @@ class RectangularTube(Section):
             torsion_constant=torsion_constant,
             plastic_modulus_y=plastic_y,
             plastic_modulus_z=plastic_z,
-            extreme_fibre_y=0.5 * h,
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=2.0 * (b - web) * (h - flange) * minimum(flange, web),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
-            centroid_z=0.5 * h,
         )
 
     def outline(self) -> Outline:
@@ -163,19 +152,10 @@ class RectangularTube(Section):
     def constraints(self) -> tuple[Constraint, ...]:
         """The walls must leave a hollow."""
         flange, web = self.walls
-        share = f"{1.0 - LEAST_OPENING:.0%}"
         return (
             *self._radius_constraints(),
-            Constraint(
-                "hollow_width",
-                f"two web thicknesses must stay below {share} of the width",
-                2.0 * web / self.width - 1.0 + LEAST_OPENING,
-            ),
-            Constraint(
-                "hollow_height",
-                f"two flange thicknesses must stay below {share} of the height",
-                2.0 * flange / self.height - 1.0 + LEAST_OPENING,
-            ),
+            opening("hollow_width", "two web thicknesses", "the width", 2.0 * web / self.width),
+            opening("hollow_height", "two flange thicknesses", "the height", 2.0 * flange / self.height),
         )
 
     def _radius_constraints(self) -> tuple[Constraint, ...]:

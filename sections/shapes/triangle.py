@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.closed_forms import triangle_shear_factors, triangle_torsion_constant, triangle_torsion_modulus
+from sections.formulas.closed_forms import triangle_shear_factors, triangle_torsion_constant, triangle_torsion_modulus
 from sections.numeric import Number
 from sections.properties import SectionProperties
-from sections.section import DesignVariable, Dimension, Outline, Section, closed, common_properties
+from sections.section import Dimension, Outline, Section, closed, common_properties
 
 
 @dataclass(frozen=True)
@@ -29,15 +29,11 @@ class Triangle(Section):
         Dimension("width", "base, across the bending plane", "outer"),
         Dimension("height", "height, in the bending plane", "outer"),
     )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "base, across the bending plane", "outer"),
-        DesignVariable("height", "height, in the bending plane", "outer"),
-    )
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J and shear areas are fits, good to 0.05 % for width / height from 0.1 to 10.
 
-        The fits (`sections.closed_forms`) follow a boundary element solution that meets J = sqrt(3) a^4 /
+        The fits (`sections.formulas.closed_forms`) follow a boundary element solution that meets J = sqrt(3) a^4 /
         80 of
         the equilateral triangle (Timoshenko and Goodier, Theory of Elasticity, section 104) to 1e-8.
         """
@@ -51,11 +47,9 @@ class Triangle(Section):
             plastic_modulus_y=(2.0 - math.sqrt(2.0)) / 6.0 * b * h**2,
             plastic_modulus_z=h * b**2 / 12.0,
             extreme_fibre_y=2.0 / 3.0 * h,
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=triangle_torsion_modulus(b, h),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
             centroid_z=h / 3.0,
         )
 

@@ -6,26 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.closed_forms import triangle_torsion_constant
-from sections.coefficients_open import (
-    TRIANGULAR_TUBE_POISSON_Y,
-    TRIANGULAR_TUBE_POISSON_Z,
-    TRIANGULAR_TUBE_SHEAR_Y,
-    TRIANGULAR_TUBE_SHEAR_Z,
-    TRIANGULAR_TUBE_TORSION,
-)
-from sections.numeric import Number, absolute, exp, maximum, minimum, polynomial, sqrt
+from sections.fits.fit import fitted
+from sections.formulas.closed_forms import triangle_torsion_constant
+from sections.numeric import Number, absolute, exp, maximum, minimum, sqrt
 from sections.properties import SectionProperties
 from sections.section import (
-    LEAST_OPENING,
     Constraint,
-    DesignVariable,
     Dimension,
     Outline,
     Section,
     closed,
     common_properties,
     hollow_torsion_modulus,
+    opening,
     poisson_square,
 )
 
@@ -50,11 +43,6 @@ class TriangularTube(Section):
         Dimension("width", "outer base, across the bending plane", "outer"),
         Dimension("height", "outer height, in the bending plane", "outer"),
         Dimension("thickness", "wall thickness", "wall"),
-    )
-    variables: ClassVar[tuple[DesignVariable, ...]] = (
-        DesignVariable("width", "outer base, across the bending plane", "outer"),
-        DesignVariable("height", "outer height, in the bending plane", "outer"),
-        DesignVariable("thickness", "wall thickness", "wall"),
     )
 
     @property
@@ -82,7 +70,7 @@ class TriangularTube(Section):
         )
         features = (b / (b + h), inner)
         solid_torsion = triangle_torsion_constant(b, h)
-        torsion = solid_torsion * (1.0 - square**2) * exp(polynomial(TRIANGULAR_TUBE_TORSION, features))
+        torsion = solid_torsion * (1.0 - square**2) * exp(fitted("triangular_tube_torsion", features))
         return common_properties(
             shear=_shear_factors(features, poisson_ratio),
             area=outer_area * (1.0 - square),
@@ -92,11 +80,9 @@ class TriangularTube(Section):
             plastic_modulus_y=self._plastic_modulus_y(),
             plastic_modulus_z=h * b**2 / 12.0 * (1.0 - inner**3),
             extreme_fibre_y=maximum(h - centroid, centroid),
-            extreme_fibre_z=0.5 * b,
             torsion_modulus=hollow_torsion_modulus(outer_area * (1.0 - 0.5 * t / radius) ** 2, t, torsion),
             width=b,
             height=h,
-            centroid_y=0.5 * b,
             centroid_z=centroid,
         )
 
@@ -129,13 +115,7 @@ class TriangularTube(Section):
 
     def constraints(self) -> tuple[Constraint, ...]:
         """The wall must leave a hollow."""
-        return (
-            Constraint(
-                "hollow",
-                f"the wall must stay below {1.0 - LEAST_OPENING:.0%} of the inscribed circle's radius",
-                self.thickness / self.inscribed_radius - 1.0 + LEAST_OPENING,
-            ),
-        )
+        return (opening("hollow", "the wall", "the inscribed circle's radius", self.thickness / self.inscribed_radius),)
 
 
 def _distance_integral(base: Number, height: Number, floor: Number, line: Number) -> Number:
@@ -147,10 +127,10 @@ def _distance_integral(base: Number, height: Number, floor: Number, line: Number
 
 def _shear_factors(features: tuple[Number, Number], poisson_ratio: Number) -> tuple[Number, Number]:
     poisson = poisson_square(poisson_ratio) * (1.0 - features[1]) ** 2
-    along_y = exp(polynomial(TRIANGULAR_TUBE_SHEAR_Y, features)) + poisson * exp(
-        polynomial(TRIANGULAR_TUBE_POISSON_Y, features)
+    along_y = exp(fitted("triangular_tube_shear_y", features)) + poisson * exp(
+        fitted("triangular_tube_poisson_y", features)
     )
-    along_z = exp(polynomial(TRIANGULAR_TUBE_SHEAR_Z, features)) + poisson * exp(
-        polynomial(TRIANGULAR_TUBE_POISSON_Z, features)
+    along_z = exp(fitted("triangular_tube_shear_z", features)) + poisson * exp(
+        fitted("triangular_tube_poisson_z", features)
     )
     return along_y, along_z

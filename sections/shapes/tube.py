@@ -61,9 +61,7 @@ class Tube(Section):
 
     def scaled(self, factor: Number) -> Self:
         """The same tube with both dimensions multiplied by a factor."""
-        return type(self)(
-            self.diameter * factor, self.thickness * factor, bore_squared=self.bore_squared * factor**2
-        )
+        return type(self)(self.diameter * factor, self.thickness * factor, bore_squared=self.bore_squared * factor**2)
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Exact properties (SI) for any wall.
@@ -94,13 +92,9 @@ class Tube(Section):
             torsion_constant=2.0 * second_moment,
             plastic_modulus_y=plastic,
             plastic_modulus_z=plastic,
-            extreme_fibre_y=radius,
-            extreme_fibre_z=radius,
             torsion_modulus=2.0 * second_moment / radius,
             width=self.diameter,
             height=self.diameter,
-            centroid_y=radius,
-            centroid_z=radius,
         )
 
     def outline(self) -> Outline:
@@ -120,11 +114,7 @@ class Tube(Section):
 
     def check(self) -> tuple[str, ...]:
         """The conditions that the tube violates, as text; conditions on symbols are not judged."""
-        if (
-            is_symbol(self.diameter)
-            or is_symbol(self.thickness)
-            or np.all(2.0 * self.thickness < self.diameter)
-        ):
+        if is_symbol(self.diameter) or is_symbol(self.thickness) or np.all(2.0 * self.thickness < self.diameter):
             return super().check()
         return ("two walls must stay below the diameter",)
 

@@ -1,0 +1,56 @@
+"""Tables of comma-separated values, for spreadsheets: a row an entry, read whole or refused with the line."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from units.quantities import InputError
+from units.reading import nearest, read_text
+
+T = TypeVar("T")
+
+
+def table_text(columns: Sequence[str], rows: Iterable[Mapping[str, object]]) -> str:
+    """The rows as text, a column a key; what a row has not is an empty cell."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def read_rows(
+    path: Path | str, columns: Sequence[str], needed: Sequence[str], entry: Callable[[dict[str, str], str], T]
+) -> tuple[T, ...]:
+    """What `entry` makes of each row's cells by column, without the empty ones, and of the words for its line.
+
+    Columns may be in any order and missing, but for those `needed`, which every row must fill. Raises `InputError`.
+    """
+    reader = csv.DictReader(io.StringIO(read_text(path), newline=""), strict=True)
+    found: list[T] = []
+    try:
+        headings = list(reader.fieldnames or ())
+        for heading in headings:
+            if heading not in columns:
+                raise InputError(path, "", f"unknown column '{heading}'{nearest(heading, columns)}")
+        for column in needed:
+            if column not in headings:
+                raise InputError(path, "", f"has no column '{column}'")
+        for row in reader:
+            where = f"line {reader.line_num}"
+            if None in row or None in row.values():
+                raise InputError(path, where, "has not as many cells as the heading")
+            cells = {key: text.strip() for key, text in row.items() if text.strip()}
+            for column in needed:
+                if column not in cells:
+                    raise InputError(path, where, f"has no {column}")
+            found.append(entry(cells, where))
+    except csv.Error as error:
+        raise InputError(path, f"line {reader.line_num}", f"is no table: {error}") from None
+    if not found:
+        raise InputError(path, "", "has no rows")
+    return tuple(found)

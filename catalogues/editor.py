@@ -1,0 +1,185 @@
+"""Edits of a catalogue file: each is checked as the whole file would be on load, and lands whole or not at all.
+
+What surrounds an edit, its comments, order and layout, stays as it is (`catalogues.yaml_edit`); locking, atomic
+replacement and undo are in `catalogues.store`. What is shipped is never written: changing an entry of it puts a copy
+into the file first, where it hides the shipped one. What the kinds of catalogue differ in is in the subclasses.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar, cast
+
+from catalogues.store import edit_text
+from catalogues.yaml_edit import YamlText
+from units.quantities import InputError
+from units.reading import load_yaml, nearest, read_text
+
+Place: TypeAlias = list[str | int]
+"""Where an entry stands in a file: the keys and numbers on the way to it."""
+
+
+class Named(Protocol):
+    """An entry of a catalogue."""
+
+    @property
+    def name(self) -> str:
+        """By which it is asked for."""
+        ...
+
+
+E = TypeVar("E", bound=Named)
+
+
+class Editor(ABC, Generic[E]):
+    """Edits of one kind of catalogue. Each returns what it did, and raises `InputError` where it cannot."""
+
+    what: ClassVar[str]
+    """What an entry is, in one word."""
+    new_file: ClassVar[str]
+    """What a missing or empty file begins as."""
+
+    @abstractmethod
+    def check(self, text: str, path: Path | str) -> object:
+        """Raise `InputError` where a text is no such catalogue."""
+
+    @abstractmethod
+    def names(self, document: YamlText) -> list[str]:
+        """The entries of a file."""
+
+    @abstractmethod
+    def find(self, document: YamlText, name: str) -> Place | None:
+        """Where the entry of that name stands."""
+
+    @abstractmethod
+    def shipped(self, name: str) -> E | None:
+        """The shipped entry of that name."""
+
+    @abstractmethod
+    def put(self, document: YamlText, entries: Sequence[E]) -> None:
+        """Write entries, each in the place of the one that has its name."""
+
+    @abstractmethod
+    def take_out(self, document: YamlText, place: Place) -> None:
+        """Take the entry at a place away."""
+
+    @abstractmethod
+    def set_name(self, document: YamlText, place: Place, name: str) -> None:
+        """Give the entry at a place another name."""
+
+    def plain(self, name: str) -> str:
+        """The form in which two names of the same entry are equal."""
+        return name
+
+    def key(self, name: str) -> str:
+        """An entry in messages."""
+        return name
+
+    def document(self, text: str | None, path: Path | str) -> YamlText:
+        """The text of a file, ready for an edit."""
+        return YamlText(self.new_file if text is None or not text.strip() else text, file=path)
+
+    def edit(self, path: Path | str, change: Callable[[YamlText], str]) -> str:
+        """Change a file under its lock, in its journal; returns what `change` says that it did."""
+
+        def whole(before: str | None) -> tuple[str, str]:
+            document = self.document(before, path)
+            what = change(document)
+            self.check(document.text, path)
+            return document.text, what
+
+        return edit_text(path, whole)
+
+    def add(self, path: Path | str, entries: Sequence[E], *, replace: bool = False) -> str:
+        """Add entries, all of them or none; with `replace` they take the place of those of the same names."""
+
+        def change(document: YamlText) -> str:
+            names = [self.plain(entry.name) for entry in entries]
+            taken = [entry.name for entry in entries if self.find(document, entry.name) is not None]
+            for entry in entries:
+                if names.count(self.plain(entry.name)) > 1:
+                    raise InputError(path, self.key(entry.name), "comes twice")
+            if taken and not replace:
+                would_do = "edit it, use another name, or replace it"
+                raise InputError(path, self.key(taken[0]), f"is there already; {would_do}")
+            self.put(document, entries)
+            return f"{'replaced' if len(taken) == len(entries) else 'added'} {', '.join(e.name for e in entries)}"
+
+        return self.edit(path, change)
+
+    def remove(self, path: Path | str, name: str) -> str:
+        """Take an entry out of the file."""
+
+        def change(document: YamlText) -> str:
+            self.take_out(document, self.required(document, path, name))
+            return f"removed {name}"
+
+        return self.edit(path, change)
+
+    def rename(self, path: Path | str, name: str, new_name: str) -> str:
+        """Give an entry of the file another name."""
+
+        def change(document: YamlText) -> str:
+            place = self.required(document, path, name)
+            if self.find(document, new_name) not in (None, place):
+                raise InputError(path, self.key(new_name), "is there already")
+            self.set_name(document, place, new_name)
+            return f"renamed {name} to {new_name}"
+
+        return self.edit(path, change)
+
+    def draft(self, path: Path | str, name: str) -> tuple[str | None, str]:
+        """The file's text (None where there is no file) and the text to hand to an editor, which has the entry."""
+        before = read_text(path) if Path(path).exists() else None
+        document = self.document(before, path)
+        self.copy_shipped(document, path, name)
+        return before, document.text
+
+    def land(self, path: Path | str, before: str | None, text: str) -> str:
+        """Put an edited text in place of the file, unless the file is no longer as it was `before`."""
+
+        def whole(current: str | None) -> tuple[str, str]:
+            if current != before:
+                raise InputError(path, "", "has been changed by somebody else meanwhile; nothing was written")
+            self.check(text, path)
+            return text, "edited the file"
+
+        return edit_text(path, whole)
+
+    def required(self, document: YamlText, path: Path | str, name: str) -> Place:
+        """Where the entry stands in the file."""
+        place = self.find(document, name)
+        if place is not None:
+            return place
+        if self.shipped(name) is not None:
+            message = "is not in this file but shipped with the program, and stays there"
+        else:
+            message = f"there is no such {self.what} in this file{nearest(name, self.names(document))}"
+        raise InputError(path, self.key(name), message)
+
+    def copy_shipped(self, document: YamlText, path: Path | str, name: str) -> bool:
+        """Put a shipped entry into the file where the file has none of that name; tells whether it did."""
+        shipped = self.shipped(name)
+        if self.find(document, name) is not None or shipped is None:
+            self.required(document, path, name)
+            return False
+        self.put(document, [shipped])
+        return True
+
+    def uses(self, path: Path | str, name: str, key: str) -> bool:
+        """Tell whether an arm or problem file has the name anywhere under the key, alone or in a list."""
+        wanted = self.plain(name)
+
+        def names(value: object) -> bool:
+            if isinstance(value, dict):
+                for each, inner in cast(dict[str, object], value).items():
+                    listed = cast(list[object], inner) if isinstance(inner, list) else [inner]
+                    if each == key and any(isinstance(one, str) and self.plain(one) == wanted for one in listed):
+                        return True
+                    if names(inner):
+                        return True
+            return isinstance(value, list) and any(names(inner) for inner in cast(list[object], value))
+
+        return names(load_yaml(path).content)

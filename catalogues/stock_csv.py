@@ -1,0 +1,54 @@
+"""Stock sizes as a table of comma-separated values.
+
+The columns are `name`, `family`, `shape`, `source`, one a dimension (`height_mm`) and the printed figures
+(`area_cm2`, `second_moment_y_cm4`, `second_moment_z_cm4`); a cell is empty where a shape has no such dimension.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from catalogues.csv_table import read_rows, table_text
+from catalogues.stock_editor import Row, column_of, columns_of, neat
+from sections import SHAPES
+from sections.stock.tables import PRINTED
+from units.quantities import InputError
+from units.reading import nearest
+
+_HEAD = ("name", "family", "shape", "source")
+
+
+def _figures() -> list[str]:
+    """Every dimension that any shape has, then the printed figures."""
+    dimensions = (f"{each.name}_mm" for kind in SHAPES.values() for each in kind.dimensions if each.kind != "points")
+    return [*dict.fromkeys(dimensions), *PRINTED]
+
+
+def write_table(rows: Sequence[Row]) -> str:
+    """The rows as comma-separated values, with the columns that any of them has."""
+    used = {column for row in rows for column in row.cells}
+    cells = ({**{name: getattr(row, name) for name in _HEAD}, **row.cells} for row in rows)
+    return table_text([*_HEAD, *(column for column in _figures() if column in used)], cells)
+
+
+def read_table(path: Path | str) -> tuple[Row, ...]:
+    """The rows of a table of comma-separated values; columns may be in any order. Raises `InputError`."""
+
+    def row(texts: dict[str, str], where: str) -> Row:
+        name, family, shape, source = (texts.pop(column) for column in _HEAD)
+        if shape not in SHAPES:
+            raise InputError(path, f"{where}: shape", f"there is no shape '{shape}'{nearest(shape, list(SHAPES))}")
+        cells: dict[str, float] = {}
+        for column, text in texts.items():
+            try:
+                value = float(text)
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise InputError(path, f"{where}: {column}", f"needs a number, not '{text}'")
+            cells[column_of(shape, column)] = neat(value)
+        return Row(name, family, shape, source, {c: cells[c] for c in columns_of(shape) if c in cells})
+
+    return read_rows(path, [*_HEAD, *_figures()], _HEAD, row)

@@ -1,0 +1,254 @@
+"""Edits of a file of stock sizes (`catalogues.editor`), each of which stands as a row of a table.
+
+Checked means recomputed: a row whose printed A or I is not that of its dimensions does not land
+(`sections.stock.tables`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, ClassVar, cast
+
+from catalogues.editor import Editor, Place
+from catalogues.yaml_edit import YamlText
+from sections import SHAPES, SectionError, StockSize
+from sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
+from units.quantities import InputError, read_quantity
+from units.reading import nearest
+
+NEW_FILE = f"format_version: {FORMAT_VERSION}\ntables: []\n"
+"""What a file of stock sizes begins as."""
+
+_UNITS = MappingProxyType({"mm": ("length", 1e3), "cm2": ("area", 1e4), "cm4": ("second_moment_of_area", 1e8)})
+
+
+@dataclass(frozen=True)
+class Row:
+    """A stock size as a file writes it.
+
+    Attributes:
+        name: `CHS 60.3x3.2`.
+        family: of its table.
+        shape: of its table.
+        source: of its table.
+        cells: numbers by column: dimensions in mm (`diameter_mm`), printed figures (`area_cm2`).
+    """
+
+    name: str
+    family: str
+    shape: str
+    source: str
+    cells: Mapping[str, float]
+
+    @property
+    def entry(self) -> list[Any]:
+        """The row's entries, its name first."""
+        return [self.name, *self.cells.values()]
+
+
+def row_of(size: StockSize) -> Row:
+    """The row that a size was read from."""
+    cells = {f"{name}_mm": neat(1e3 * value) for name, value in size.dimensions.items()}
+    return Row(size.name, size.family, size.shape, size.source, {**cells, **size.printed})
+
+
+def neat(value: float) -> float:
+    """A number without the noise of a change of units, whole ones as integers."""
+    rounded = float(f"{value:.12g}")
+    return int(rounded) if rounded.is_integer() else rounded
+
+
+def columns_of(shape: str) -> tuple[str, ...]:
+    """The columns that a table of this shape can have beside `name`. Raises `InputError` for no such shape."""
+    if shape not in SHAPES:
+        raise InputError("", "shape", f"there is no shape '{shape}'{nearest(shape, list(SHAPES))}")
+    dimensions = [each.name for each in SHAPES[shape].dimensions if each.kind != "points"]
+    return (*(f"{name}_mm" for name in dimensions), *PRINTED)
+
+
+def column_of(shape: str, key: str) -> str:
+    """The column of a dimension or printed figure: `thickness` or `thickness_mm`, `area` or `area_cm2`."""
+    columns = columns_of(shape)
+    plain = {column.rpartition("_")[0]: column for column in columns}
+    if key in columns:
+        return key
+    if key not in plain:
+        raise InputError("", key, f"is nothing that a {shape} has{nearest(key, list(plain))}")
+    return plain[key]
+
+
+def cell(shape: str, key: str, text: str) -> tuple[str, float]:
+    """The column and the number that `key` and a value with its unit (`60.3 mm`, `5.74 cm^2`) mean.
+
+    Raises `InputError`.
+    """
+    column = column_of(shape, key)
+    kind, factor = _UNITS[column.rpartition("_")[2]]
+    return column, neat(factor * read_quantity(text, kind, file="", key=key))
+
+
+class StockEditor(Editor[Row]):
+    """Edits of a file of stock sizes."""
+
+    what: ClassVar[str] = "size"
+    new_file: ClassVar[str] = NEW_FILE
+
+    def check(self, text: str, path: Path | str) -> tuple[StockSize, ...]:
+        """The sizes of a text that is to stand in a file, each recomputed."""
+        try:
+            return read_text(text, str(path))
+        except SectionError as error:
+            raise InputError("", "", error.message) from None
+
+    def document(self, text: str | None, path: Path | str) -> YamlText:
+        """A sound one, whose tables can be walked."""
+        document = super().document(text, path)
+        self.check(document.text, path)
+        return document
+
+    def plain(self, name: str) -> str:
+        """Without case and blanks."""
+        return plain_name(name)
+
+    def names(self, document: YamlText) -> list[str]:
+        """The sizes of all tables."""
+        return [row[_name_column(table)] for table in _tables_of(document) for row in table["rows"]]
+
+    def find(self, document: YamlText, name: str) -> Place | None:
+        """Its row."""
+        for number, table in enumerate(_tables_of(document)):
+            for index, row in enumerate(table["rows"]):
+                if plain_name(row[_name_column(table)]) == plain_name(name):
+                    return ["tables", number, "rows", index]
+        return None
+
+    def shipped(self, name: str) -> Row | None:
+        """The row that a shipped size was read from."""
+        found = (size for size in shipped_sizes() if plain_name(size.name) == plain_name(name))
+        return next((row_of(size) for size in found), None)
+
+    def put(self, document: YamlText, entries: Sequence[Row]) -> None:
+        """Each where one of its name stands, the others at the end of the tables that they fit in, or in new ones."""
+        fresh = [row for row in entries if not self._put_over(document, row)]
+        count = len(_tables_of(document))
+        known: dict[int, list[list[Any]]] = {}
+        rest: list[Row] = []
+        for row in fresh:
+            number = next((number for number in range(count) if _fits(document, number, row)), None)
+            if number is None:
+                rest.append(row)
+            else:
+                columns = _tables_of(document)[number]["columns"]
+                known.setdefault(number, []).append([_cells(row)[column] for column in columns])
+        for number, rows in known.items():
+            document.append(["tables", number, "rows"], *rows)
+        document.append(["tables"], *_tables(rest))
+
+    def _put_over(self, document: YamlText, row: Row) -> bool:
+        """Write a row where one of its name stands; tells whether it did, or the row has still to find its table."""
+        place = self.find(document, row.name)
+        if place is None:
+            return False
+        head, cells = place[:2], _cells(row)
+        table = document.get(head)
+        if not _fits(document, cast(int, place[1]), row):
+            if len(table["rows"]) > 1:
+                self.take_out(document, place)
+                return False
+            for key, value in (("family", row.family), ("shape", row.shape), ("source", row.source)):
+                if table[key] != value:
+                    document.set([*head, key], value)
+            if set(table["columns"]) != set(cells):
+                document.set([*head, "columns"], list(cells))
+                document.set(place, row.entry)
+                return True
+        for index, column in enumerate(document.get([*head, "columns"])):
+            if document.get([*place, index]) != cells[column]:
+                document.set([*place, index], cells[column])
+        return True
+
+    def take_out(self, document: YamlText, place: Place) -> None:
+        """With its table where it is alone there."""
+        document.remove(place if len(document.get(place[:3])) > 1 else place[:2])
+
+    def set_name(self, document: YamlText, place: Place, name: str) -> None:
+        """In its cell."""
+        document.set([*place, _name_column(document.get(place[:2]))], name)
+
+    def change_cells(self, path: Path | str, name: str, changes: Mapping[str, str], *, source: str = "") -> str:
+        """Change dimensions, printed figures, `family` or `source` of one size."""
+
+        def change(document: YamlText) -> str:
+            copied = self.copy_shipped(document, path, name)
+            row = self._row(document, path, name)
+            texts = {key: value for key, value in changes.items() if key in ("family", "source")}
+            if "shape" in changes:
+                raise InputError(path, "shape", "cannot be changed: a size of another shape is another size; add it")
+            cells = dict(cell(row.shape, key, value) for key, value in changes.items() if key not in texts)
+            given = {"source": source} if source else {}
+            self.put(document, [replace(row, cells={**row.cells, **cells}, **given, **texts)])
+            done = ", ".join(f"{key} = {value}" for key, value in {**changes, **given}.items())
+            return f"set {done} of {name}" + (", copied from the shipped tables" if copied else "")
+
+        return self.edit(path, change)
+
+    def remove_cell(self, path: Path | str, name: str, key: str) -> str:
+        """Take one optional dimension or printed figure of a size away."""
+
+        def change(document: YamlText) -> str:
+            self.copy_shipped(document, path, name)
+            row = self._row(document, path, name)
+            column = column_of(row.shape, key)
+            if column not in row.cells:
+                raise InputError(path, key, f"{name} has none")
+            self.put(document, [replace(row, cells={k: value for k, value in row.cells.items() if k != column})])
+            return f"removed {key} of {name}"
+
+        return self.edit(path, change)
+
+    def _row(self, document: YamlText, path: Path | str, name: str) -> Row:
+        place = self.required(document, path, name)
+        table = document.get(place[:2])
+        cells = dict(zip(table["columns"], document.get(place), strict=True))
+        return Row(cells.pop("name"), table["family"], table["shape"], table["source"], cells)
+
+
+STOCK = StockEditor()
+
+
+def rows_text(rows: Iterable[Row]) -> str:
+    """The rows as the text of a file of their own."""
+    document = YamlText(NEW_FILE, file="")
+    document.append(["tables"], *_tables(rows))
+    return document.text
+
+
+def _tables_of(document: YamlText) -> list[dict[str, Any]]:
+    return cast(list[dict[str, Any]], document.get(["tables"]))
+
+
+def _name_column(table: Mapping[str, Any]) -> int:
+    return table["columns"].index("name")
+
+
+def _tables(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """The rows as tables, those of one head together."""
+    tables: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for row in rows:
+        head = {"family": row.family, "shape": row.shape, "source": row.source, "columns": ["name", *row.cells]}
+        key = (row.family, row.shape, row.source, tuple(row.cells))
+        tables.setdefault(key, {**head, "rows": []})["rows"].append(row.entry)
+    return list(tables.values())
+
+
+def _fits(document: YamlText, number: int, row: Row) -> bool:
+    table = _tables_of(document)[number]
+    head = (table["family"], table["shape"], table["source"], set(table["columns"]))
+    return head == (row.family, row.shape, row.source, set(_cells(row)))
+
+
+def _cells(row: Row) -> dict[str, Any]:
+    return {"name": row.name, **row.cells}

@@ -1,0 +1,1 @@
+"""Fits to numerical solutions: their coefficients as data, and what they are good for."""
