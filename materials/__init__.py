@@ -1,1 +1,1 @@
-"""What a link is made of, and how quantities with units are read and written at the door."""
+"""What a link is made of: properties with their sources, and the catalogue of them."""

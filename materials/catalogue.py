@@ -11,7 +11,7 @@ materials:
   steel-s355:
     title: S355 structural steel
     source: en-1993-1-1                # for all properties that name none of their own
-    elastic_modulus: 210 GPa           # see entry.py for what a property can be
+    elastic_modulus: 210 GPa           # see catalogue_entry.py for what a property can be
     density: {value: 7850 kg/m^3, source: en-1993-1-2}
 ```
 """
@@ -23,16 +23,16 @@ from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as MappingLike
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
-from materials.entry import read_entry, read_inline
 from materials.material import Material
-from materials.quantities import InputError, shown
-from materials.reading import Mapping, load_yaml, nearest, parse_yaml
+from units.quantities import InputError
+from units.reading import Mapping, load_yaml, nearest, shipped_files
+
+from .catalogue_entry import read_entry, read_inline
 
 FORMAT_VERSION = 1
 """The version of the catalogue format that this code reads and writes."""
@@ -101,10 +101,7 @@ class Catalogue:
 
 def read_layer(mapping: Mapping, default_family: str) -> Layer:
     """Return the checked layer that a catalogue file's mapping holds; raises `InputError`."""
-    version = mapping.raw("format_version", f"format_version: {FORMAT_VERSION}")
-    if isinstance(version, bool) or version != FORMAT_VERSION:
-        known = f"this program reads {FORMAT_VERSION}"
-        raise mapping.error("format_version", f"{shown(version)} is not known here; {known}")
+    mapping.version(FORMAT_VERSION)
     family = mapping.text("family", default_family)
     references = _read_references(mapping)
     materials: dict[str, Material] = {}
@@ -134,14 +131,7 @@ def load_layer(path: Path | str) -> Layer:
 def shipped_layers() -> tuple[Layer, ...]:
     """Return the layers that come with the program, one per family, read from its package data and
     checked."""
-    folder = files("materials").joinpath("catalogue")
-    layers: list[Layer] = []
-    for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
-        if item.name.endswith(".yaml"):
-            name = f"catalogue/{item.name}"
-            content = parse_yaml(item.read_text(encoding="utf-8"), file=name)
-            layers.append(read_layer(Mapping(content, file=name), item.name.removesuffix(".yaml")))
-    return tuple(layers)
+    return tuple(read_layer(each, Path(str(each.file)).stem) for each in shipped_files("materials", "catalogue"))
 
 
 def user_catalogue_path() -> Path:

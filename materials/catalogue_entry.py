@@ -19,19 +19,10 @@ from __future__ import annotations
 from collections.abc import Mapping as MappingLike
 from typing import cast, get_args
 
-from materials.material import (
-    REFERENCE_TEMPERATURE,
-    Constant,
-    Law,
-    Material,
-    Polynomial,
-    Property,
-    PropertyName,
-    Table,
-    property_kinds,
-)
-from materials.quantities import InputError, format_quantity, read_quantity, shown
-from materials.reading import Mapping
+from materials.material import Constant, Law, Material, Polynomial, Property, PropertyName, Table, property_kinds
+from units.quantities import InputError, format_quantity, read_quantity, shown
+from units.reading import Mapping
+from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 _REQUIRED: tuple[PropertyName, ...] = ("elastic_modulus", "density")
 _POSITIVE: tuple[PropertyName, ...] = (
@@ -206,13 +197,9 @@ def _check_values(material: Material, mapping: Mapping) -> None:
             raise mapping.error(name, "its range must hold the reference temperature, 20 degC")
         for kelvin in _temperatures_to_check(item):
             value = item.law.value(kelvin)
-            is_so = f"not {format_quantity(value, kind, digits=4)} at {kelvin - 273.15:g} degC"
-            if name in _POSITIVE and value <= 0:
-                raise mapping.error(name, f"must be above zero, {is_so}")
-            if name in _NOT_NEGATIVE and value < 0:
-                raise mapping.error(name, f"must not be negative, {is_so}")
-            if name == "poisson_ratio" and not -1 < value < 0.5:
-                raise mapping.error(name, f"must be between -1 and 0.5, {is_so}")
+            if due := _not_kept(name, value):
+                is_so = f"not {format_quantity(value, kind, digits=4)} at {kelvin - ZERO_CELSIUS:g} degC"
+                raise mapping.error(name, f"{due}, {is_so}")
         if item.spread is not None:
             value = item.law.value(REFERENCE_TEMPERATURE)
             if not item.spread[0] <= value <= item.spread[1]:
@@ -221,6 +208,17 @@ def _check_values(material: Material, mapping: Mapping) -> None:
                 raise mapping.error(name, "its spread must be above zero")
     _check_shear_modulus(material, mapping)
     _check_strengths(material, mapping)
+
+
+def _not_kept(name: str, value: float) -> str:
+    """What a property's value must be and is not; empty where it is."""
+    if name in _POSITIVE and value <= 0:
+        return "must be above zero"
+    if name in _NOT_NEGATIVE and value < 0:
+        return "must not be negative"
+    if name == "poisson_ratio" and not -1 < value < 0.5:
+        return "must be between -1 and 0.5"
+    return ""
 
 
 def _check_strengths(material: Material, mapping: Mapping) -> None:

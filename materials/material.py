@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Mapping as MappingLike
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Literal, Protocol, get_args
 
-from materials.quantities import InputError
+from units.quantities import InputError
+from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 PropertyName = Literal[
     "elastic_modulus",
@@ -30,9 +31,6 @@ PropertyName = Literal[
     "cost",
     "highest_service_temperature",
 ]
-
-REFERENCE_TEMPERATURE = 293.15
-"""20 degC in kelvin, the reference temperature of ISO 1."""
 
 
 def property_kinds() -> dict[PropertyName, str]:
@@ -69,8 +67,8 @@ class OutOfRange(InputError):
         self.property_name = property_name
         self.asked = asked
         self.valid = valid
-        low, high = (f"{kelvin - 273.15:g} degC" for kelvin in valid)
-        message = f"is known from {low} to {high}, not at {asked - 273.15:g} degC"
+        low, high = (f"{kelvin - ZERO_CELSIUS:g} degC" for kelvin in valid)
+        message = f"is known from {low} to {high}, not at {asked - ZERO_CELSIUS:g} degC"
         super().__init__(material, property_name, message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -79,13 +77,17 @@ class OutOfRange(InputError):
 
 
 class MissingProperty(InputError):
-    """A question needs a property that the material's entry lacks; `material` and `property_name` say
-    which."""
+    """A question needs a figure that is not given: `material` and `property_name` say which, or `message` does."""
 
-    def __init__(self, material: str, property_name: str) -> None:
+    def __init__(
+        self,
+        material: str,
+        property_name: str,
+        message: str = "is needed here and is not given; add it to the material",
+    ) -> None:
         self.material = material
         self.property_name = property_name
-        super().__init__(material, property_name, "is needed here and is not given; add it to the material")
+        super().__init__(material, property_name, message)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the fields when the error crosses between processes."""
@@ -229,16 +231,8 @@ class Material:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Copy and pickle by plain dictionaries, so that a material can cross between processes."""
-        return Material, (
-            self.name,
-            dict(self.properties),
-            self.title,
-            self.family,
-            self.isotropic,
-            self.magnetic,
-            self.magnetic_source,
-            dict(self.references),
-        )
+        values = (getattr(self, each.name) for each in fields(self))
+        return Material, tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
 
     def has(self, name: PropertyName) -> bool:
         """Tell whether the property is given or, for the shear modulus, follows from E and nu."""
@@ -300,17 +294,6 @@ class Material:
         changed = dict(self.properties)
         for name in get_args(PropertyName):
             if bounds.get(name) and name in changed:
-                low, high = self.spread(name)
-                old = changed[name]
-                value = low if which == "low" else high
-                changed[name] = Property(Constant(value), old.valid, old.source, old.spread, old.note)
-        return Material(
-            self.name,
-            changed,
-            self.title,
-            self.family,
-            self.isotropic,
-            self.magnetic,
-            self.magnetic_source,
-            self.references,
-        )
+                value = self.spread(name)[which == "high"]
+                changed[name] = replace(changed[name], law=Constant(value))
+        return replace(self, properties=changed)
