@@ -10,22 +10,19 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from .chain import Arm
-from .error import active_effects
-from .jacobian import jacobian
-from .kinematics import tip_position
-from .model import beams_of
-from .recorded import Asked, seen_of_model
-from .statics import solve
-from .workspace import spread
+from arm.chain.chain import Arm
+from arm.chain.jacobian import jacobian
+from arm.chain.kinematics import tip_position
+from arm.chain.statics import solve
+from arm.effects import EFFECTS
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, seen_of_model
+from arm.errors.tip import active_effects
+from arm.worst.workspace import spread
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
-
-INSTRUMENT = frozenset({"frame_misalignment", "frame_drift", "instrument_scale", "latency"})
-"""Effects of the measurement: a corrected arm may carry them, but they move no tip."""
 _STEPS = 4
 _SMALLEST = 1e-2
 """Motions of the tip that the joints make this much worse than the best are left alone: near a singular pose they would
@@ -70,7 +67,7 @@ class Table:
 def model_error(arm: Arm, q: Array, payload: float) -> Array:
     """By how much the tip is off at poses q (N, n) with a payload (kg): (N, 3), m.
 
-    Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     real, case = without_instrument(arm), replace(arm.payload, mass=payload)
     state = solve(real, [q[:, index] for index in range(arm.size)], beams_of(real, (case,)), case)
@@ -79,7 +76,7 @@ def model_error(arm: Arm, q: Array, payload: float) -> Array:
 
 def without_instrument(arm: Arm) -> Arm:
     """The arm without what belongs to the instrument that measured it."""
-    return replace(arm, effects=tuple(entry for entry in arm.effects if entry.effect not in INSTRUMENT))
+    return replace(arm, effects=tuple(entry for entry in arm.effects if not EFFECTS[entry.effect].of_instrument))
 
 
 def joint_corrections(arm: Arm, q: Array, payload: float) -> Array:

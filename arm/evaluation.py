@@ -4,31 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .beam import Beam
-from .chain import Arm, LoadCase
-from .drive_load import DriveLoads, drive_case, greatest_drive_loads
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.vectors import is_zero
+from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
+from arm.errors.lost_motion import played
+from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from arm.errors.tip import active_effects
+from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
+from arm.limits.modes import first_frequencies
+from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
+from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance
+from arm.limits.walls import WallsResult, slender_walls, walls_of
+from arm.limits.weakest_poses import weakest_poses
+from arm.worst.coverage import Unreached, unreached
+from arm.worst.refine import uphill
+from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
+from arm.worst.workspace import Workspace, climbing_bounds, wrapped
+from sections.numeric import Array
+
 from .effects import EFFECTS
-from .error import active_effects
-from .model import ErrorModel, beam_values, beams_of, error_model
-from .modes import first_frequencies
-from .play import played
-from .refine import uphill
-from .strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
-from .vectors import is_zero
-from .weakest import weakest_poses
-from .workspace import Workspace, climbing_bounds, wrapped
-from .worst import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
-
-Array = NDArray[np.float64]
 
 _STRENGTH_POSES = 4096
 _MODE_POSES = 256
+_EXACT_POSES = 128
 _MAPPED_POSES = 100_000
 
 
@@ -74,14 +78,16 @@ class ErrorMap:
 class Evaluation:
     """All that `evaluate` tells of an arm, in SI.
 
-    `by_effect` is what each effect alone adds at the worst pose. `mass` is that of the links, `total_mass` adds joints
-    and the heaviest payload. Figures that cannot be known from the arm's data are None, and `unknown` says why.
+    `by_effect` is what each effect alone adds at the worst pose, `beyond` how far first order is off there. `mass` is
+    that of the links, `total_mass` adds joints and the heaviest payload. Figures that cannot be known from the arm's
+    data are None, and `unknown` says why.
     """
 
     arm: Arm
     workspace: Workspace
     load_cases: tuple[LoadCase, ...]
     worst: WorstCase
+    beyond: BeyondFirstOrder
     by_effect: Mapping[str, float]
     link_masses: tuple[float, ...]
     mass: float
@@ -89,17 +95,29 @@ class Evaluation:
     cost: float | None
     reach: float
     strength: StrengthResult
+    walls: WallsResult
     frequency: Frequency | None
+    stiffness: TipStiffness | None
     compliance: Compliance
     warnings: tuple[str, ...]
     unknown: Mapping[str, str]
     drives: DriveLoads | None = None
     """What the drives hold, where some joint has an actuator."""
+    unreached: Unreached | None = None
+    """What of a box or path the arm does not reach; no figure counts there."""
 
     @property
     def max_error(self) -> float:
-        """The worst position error over the workspace and all load cases, m."""
+        """The worst position error over the workspace and all load cases, m, to first order."""
         return self.worst.error
+
+    @property
+    def upper_bound(self) -> float | None:
+        """No pose is worse than this, m: the bound to first order, and the most by which the error was found to be
+        longer beyond it. None where either is not known."""
+        if self.worst.upper_bound is None or self.beyond.longer is None:
+            return None
+        return self.worst.upper_bound + self.beyond.longer
 
 
 def evaluate(
@@ -131,19 +149,28 @@ def evaluate(
     cost = _cost(arm, masses, unknown)
     if strength.least_safety_factor is None:
         unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
+    give = tip_compliance(arm, planar=model.planar)
+    walls = walls_of(arm)
+    if walls.unknown is not None:
+        unknown["wall_slenderness"] = walls.unknown
     frequency = least_frequency(arm, search, beams, p, cases)
     if frequency is None:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
     drives = None
     if any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
+    missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
+    holes = [] if missed is None else [missed.text(space.kind)]
     top = worst.poses[0]
+    spread_poses = np.vstack([search.poses(p, _EXACT_POSES), [entry.q for entry in worst.poses]])
+    beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses)
     where = top.q if pose is None else tuple(float(value) for value in pose)
     return Evaluation(
         arm=arm,
         workspace=space,
         load_cases=cases,
         worst=worst,
+        beyond=beyond,
         by_effect=MappingProxyType(effects_at(arm, cases[top.load_case], p, top)),
         link_masses=masses,
         mass=sum(masses),
@@ -151,11 +178,21 @@ def evaluate(
         cost=cost,
         reach=sum(arm.lengths),
         strength=strength,
+        walls=walls,
         frequency=frequency,
-        compliance=compliance_at(arm, beams, where, planar=model.planar),
-        warnings=(*idle_effects(arm), *warnings_of(strength), *overloaded(arm, drives)),
+        stiffness=least_stiffness(give, poses, p, search),
+        compliance=_compliance(np.array(where), give.matrices(np.array([where]), p)[0]),
+        warnings=(
+            *holes,
+            *idle_effects(arm),
+            *shapeless(beyond),
+            *warnings_of(strength),
+            *slender_walls(walls),
+            *overloaded(arm, drives),
+        ),
         unknown=MappingProxyType(unknown),
         drives=drives,
+        unreached=missed,
     )
 
 
@@ -248,28 +285,19 @@ def least_frequency(
 
 def compliance_at(arm: Arm, beams: Sequence[Beam], q: Sequence[float], *, planar: bool) -> Compliance:
     """The tip's compliance at a pose, by unit forces through the arm's own model (its deterministic part)."""
-    still = replace(arm, gravity=(0.0, 0.0, 0.0))
-    size = 2 if planar else 3
-    p = beam_values(beams)
-    rows = np.array([tuple(float(value) for value in q)])
+    place = np.array([tuple(float(value) for value in q)])
+    matrix = tip_compliance(arm, planar=planar).matrices(place, beam_values(beams))[0]
+    return _compliance(place[0], matrix)
 
-    def moved(force: tuple[float, float, float]) -> Array:
-        case = error_model(still, (LoadCase(force=force),)).cases[0]
-        return case.arrays(rows, p).vector[0, :size]
 
-    rest = moved((0.0, 0.0, 0.0))
-    matrix = np.stack([moved(_unit_force(axis)) - rest for axis in range(size)], axis=1)
+def _compliance(q: Array, matrix: Array) -> Compliance:
     left, values, _ = np.linalg.svd(matrix)
     return Compliance(
-        tuple(rows[0].tolist()),
+        tuple(q.tolist()),
         tuple(tuple(row) for row in matrix.tolist()),
         tuple(values.tolist()),
         tuple(tuple(column) for column in left.T.tolist()),
     )
-
-
-def _unit_force(axis: int) -> tuple[float, float, float]:
-    return (float(axis == 0), float(axis == 1), float(axis == 2))
 
 
 def idle_effects(arm: Arm) -> list[str]:
@@ -283,6 +311,14 @@ def idle_effects(arm: Arm) -> list[str]:
             needs = " and ".join(missing)
             lines.append(f"{entry.effect} adds nothing here: it needs what only a recording holds ({needs})")
     return lines
+
+
+def shapeless(beyond: BeyondFirstOrder) -> list[str]:
+    """One line where the arm finds no shape under its loads."""
+    if beyond.largest is not None:
+        return []
+    where = "at the worst pose" if beyond.at_worst is None else "at some poses"
+    return [f"under its loads the arm finds no shape {where}: the error printed, to first order, means nothing there"]
 
 
 def warnings_of(strength: StrengthResult) -> list[str]:

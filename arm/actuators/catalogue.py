@@ -30,15 +30,14 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
-from materials.quantities import InputError, read_quantity, shown
-from materials.reading import Mapping as Keys
-from materials.reading import load_yaml, nearest, parse_yaml
+from units.quantities import InputError, read_quantity, shown
+from units.reading import Mapping as Keys
+from units.reading import load_yaml, nearest, shipped_files
 
 FORMAT_VERSION = 1
 """The version of the format that this code reads."""
@@ -136,20 +135,15 @@ def user_actuators_path() -> Path:
 def shipped_actuators() -> Mapping[str, Actuator]:
     """The actuators that come with the program, read from its package data and checked."""
     found: dict[str, Actuator] = {}
-    for item in sorted(files("arm.actuators").iterdir(), key=lambda entry: entry.name):
-        if item.name.endswith(".yaml"):
-            name = f"actuators/{item.name}"
-            found.update(read_actuators(Keys(parse_yaml(item.read_text(encoding="utf-8"), file=name), file=name)))
+    for each in shipped_files("arm.actuators"):
+        found.update(read_actuators(each))
     return MappingProxyType(found)
 
 
 def read_actuators(keys: Keys) -> dict[str, Actuator]:
     """The checked actuators of a file's content; raises `InputError` naming the entry and its key."""
     with keys.reading():
-        version = keys.raw("format_version", f"format_version: {FORMAT_VERSION}")
-        if isinstance(version, bool) or version != FORMAT_VERSION:
-            known = f"this program reads {FORMAT_VERSION}"
-            raise keys.error("format_version", f"{shown(version)} is not known here; {known}")
+        keys.version(FORMAT_VERSION)
         maker = keys.text("maker")
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}

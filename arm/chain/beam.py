@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 QUARTERS = 4
-"""Into how many parts a tapered link can be cut (see `arm.modes`)."""
+"""Into how many parts a tapered link can be cut (see `arm.limits.modes`)."""
 STATIONS = tuple(k / 60 for k in range(61))
 """Where along a tapered link its stress is looked at, as a share of its length from its joint."""
 
@@ -105,7 +105,7 @@ class Beam:
     torsional_rigidity: Scalar | None = None
     shear_rigidity_height: Scalar | None = None
     shear_rigidity_width: Scalar | None = None
-    thermal_expansion: float | None = None
+    thermal_expansion: Scalar | None = None
     lumped_mass: Scalar = 0.0
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0

@@ -1,6 +1,7 @@
 """What a serial arm is: joints, links, loads and the physics that its model holds.
 
-Everything here is SI and plain data; `arm.files` reads it from arm.yaml, `arm.kinematics` places it in space.
+Everything here is SI and plain data; `arm.files.read` reads it from arm.yaml, `arm.chain.kinematics` places it in
+space.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
+
+from units.temperature import REFERENCE_TEMPERATURE
 
 from .vectors import IDENTITY, ZERO, Rotation
 
@@ -21,8 +24,6 @@ if TYPE_CHECKING:
 FloatVector = tuple[float, float, float]
 
 STANDARD_GRAVITY: FloatVector = (0.0, -9.81, 0.0)
-REFERENCE_TEMPERATURE = 293.15
-"""20 degC, the standard reference temperature for dimensions (ISO 1:2022)."""
 
 JointType = Literal["revolute", "prismatic"]
 PlayMode = Literal["worst", "loaded", "statistical"]

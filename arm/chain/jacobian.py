@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sections.numeric import Array
 
 from .chain import Arm
 from .kinematics import place
 from .vectors import Vector
-
-Array = NDArray[np.float64]
 
 
 def jacobian(arm: Arm, q: Array) -> Array:
@@ -31,9 +30,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
         axes[:, index] = columns(joint.axis)
         arms[:, index] = tip - here
         here = here + columns(link.vector)
-        found[:, index] = (
-            np.cross(axes[:, index], arms[:, index]) if arm.joints[index].revolute else axes[:, index]
-        )
+        found[:, index] = np.cross(axes[:, index], arms[:, index]) if arm.joints[index].revolute else axes[:, index]
     if arm.angles == "absolute":
         # Such a drive turns its own link alone and carries the rest along unturned.
         for index in range(arm.size):

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
+
+from sections.numeric import cos, sin
 
 from .chain import Arm, FloatVector, Joint, Link
 from .vectors import (
@@ -74,14 +75,6 @@ class Frames:
         return add(position, self.tool)
 
 
-def _cos(angle: Scalar) -> Scalar:
-    return np.cos(angle) if not isinstance(angle, ca.SX) else ca.cos(angle)
-
-
-def _sin(angle: Scalar) -> Scalar:
-    return np.sin(angle) if not isinstance(angle, ca.SX) else ca.sin(angle)
-
-
 @dataclass(frozen=True)
 class Orientation:
     """prefix * Rot(axis, angle): the last turn is kept apart so that a parallel next joint only adds its angle."""
@@ -94,7 +87,7 @@ class Orientation:
         """The whole rotation."""
         if isinstance(self.angle, float) and self.angle == 0.0:
             return self.prefix
-        return compose(self.prefix, about(self.axis, _cos(self.angle), _sin(self.angle)))
+        return compose(self.prefix, about(self.axis, cos(self.angle), sin(self.angle)))
 
     def turned(self, rotation: Rotation) -> Orientation:
         """Turned further by a fixed rotation."""
@@ -168,6 +161,8 @@ def tip_position(arm: Arm, q: Any) -> Any:
 
 def symbols(arm: Arm) -> Any:
     """The joint coordinates as a column of CasADi symbols."""
+    import casadi as ca
+
     return ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
 
 

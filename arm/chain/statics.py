@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from units.temperature import REFERENCE_TEMPERATURE
+
 from .beam import Beam
-from .chain import REFERENCE_TEMPERATURE, Arm, LoadCase
+from .chain import Arm, LoadCase
 from .conditions import Conditions
 from .kinematics import Frames, place
 from .vectors import Scalar, Vector, add, cross, dot, is_zero, scale, subtract, times

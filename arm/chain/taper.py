@@ -20,27 +20,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 
 from materials.material import MaterialValues
+from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.taper import Tapered
 
-from .beam import (
-    QUARTERS,
-    STATIONS,
-    Beam,
-    BendingFactors,
-    Part,
-    Station,
-    Taper,
-    elastic_beam,
-)
-
-Array = NDArray[np.float64]
+from .beam import QUARTERS, STATIONS, Beam, BendingFactors, Part, Station, Taper, elastic_beam
 
 _NODES = 12
 """Gauss points in each quarter of a link: integrals of the shapes' smooth functions to some 1e-12."""
@@ -83,7 +71,7 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
     parts: list[Part] = []
     for k in range(QUARTERS):
         rows = slice(k * _NODES, (k + 1) * _NODES)
-        cut = _Cut(quarter, 0.5 * weights, fitted / mean)  # its own weight is never asked for (see `arm.modes`)
+        cut = _Cut(quarter, 0.5 * weights, fitted / mean)  # its own weight is never asked for (see `arm.limits.modes`)
         piece, factors = _effective(_rows(local, rows, len(share)), cut, quarter, length)
         ratios = {name: getattr(piece, name) / getattr(beam, name) for name in _RIGIDITIES if getattr(beam, name)}
         parts.append(Part(ratios, factors))
@@ -175,6 +163,8 @@ def _column_factor(rigidity: Array, cut: _Cut, effective: object) -> float:
 
     Rayleigh and Ritz with slopes s^k: int EI w'^2 = P int w^2, w the slope, 0 at the joint.
     """
+    import scipy.linalg  # here, for only a taper's buckling needs it
+
     powers = np.arange(1, _MODES + 1)
     slope = np.array([Chebyshev.basis(int(k), domain=[0.0, 1.0])(cut.share) for k in powers]) - np.array(
         [[Chebyshev.basis(int(k), domain=[0.0, 1.0])(0.0)] for k in powers]
@@ -195,4 +185,3 @@ def _stations(at: SectionProperties, near: SectionProperties, mass: Polynomial) 
         Station(share, float(beyond(share)), float(moment(share)), *(float(ratio[k]) for ratio in ratios))
         for k, share in enumerate(STATIONS)
     )
-

@@ -14,12 +14,11 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
-from .compile_tape import Tape, literal, with_half_angles
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .tape import Tape, literal, with_half_angles
 
 BLOCK_BYTES = 3 << 18
 """Registers, inputs and outputs of one block share about this much memory: a level-2 cache, with room."""

@@ -7,18 +7,21 @@ dp_tip = dp_i + dphi_i x (p_tip - p_i). Simulation, optimiser and diagnosis all 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
-from ..statics import PoseState
-from ..vectors import ZERO, Scalar, Vector, scale
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import ZERO, Scalar, Vector, scale
 
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""
 
 Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "loaded_for"]
-"""What an effect may ask of the conditions of a reading; the fields of `arm.conditions.Conditions`."""
+"""What an effect may ask of the conditions of a reading; the fields of `arm.chain.conditions.Conditions`."""
 
 Only = Literal["joints that turn", "joints that slide", "joints after the first"]
 """Which joints an effect can move, where not all."""
@@ -69,6 +72,9 @@ class Parameter:
     depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load. What moves a
     joint `across` its motion is of the same kind on slides. What is `of_all` is tried only where the effect acts
     everywhere together, and then instead of the other sizes. An `optional` size is tried as nought too.
+    A `whole` shape is a whole number and stays on its grid; `default` is what a shape is where an entry does not name
+    it. Above nought a shape `requires` these conditions of a recording, beside those of its effect. A size that leaves
+    the plane of a planar arm is `out_of_plane`.
     """
 
     name: str
@@ -84,6 +90,29 @@ class Parameter:
     across: bool = False
     of_all: bool = False
     optional: bool = False
+    whole: bool = False
+    default: float = 0.0
+    requires: tuple[Condition, ...] = ()
+    out_of_plane: bool = False
+
+    def means(self, meaning: str, source: str) -> Parameter:
+        """The parameter with what it means, and where its usual values are from, in words."""
+        return replace(self, meaning=meaning, source=source)
+
+
+def size(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
+    """A parameter with which the displacement grows from nothing; `means` is to follow."""
+    return Parameter(name, kind, "", lower, upper, typical, "", role="size", **how)
+
+
+def shape(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
+    """A parameter that changes the pattern; `means` is to follow."""
+    return Parameter(name, kind, "", lower, upper, typical, "", role="shape", **how)
+
+
+def given(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
+    """A parameter that comes with the arm and is not fitted; `means` is to follow."""
+    return Parameter(name, kind, "", lower, upper, typical, "", **how)
 
 
 @dataclass(frozen=True)
@@ -128,6 +157,26 @@ def no_play(state: PoseState, settings: Settings) -> Iterable[Interval | Disc]:
 
 
 @dataclass(frozen=True)
+class Readings:
+    """What a recording of N readings holds, for an effect to say whether it shows there: the arm's state at them, the
+    joint coordinates `q` (N, n) in rad and m, and the clock `time` (N,) in s, None where it has none."""
+
+    state: PoseState
+    q: NDArray[np.float64]
+    time: NDArray[np.float64] | None
+
+
+def always_shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
+    """True: for effects that ask no more of a recording than what they `require`."""
+    del readings, at, shapes
+    return True
+
+
+LAST_RANK = 1000
+"""The rank of an effect that says nothing of how common it is."""
+
+
+@dataclass(frozen=True)
 class Effect:
     """One kind of physics that moves the tip.
 
@@ -141,7 +190,27 @@ class Effect:
     without which it moves nothing, `enough` the sets of parameters of which an entry must hold one to say anything
     (none named: any one parameter that is a size), `only` the joints outside which it moves nothing.
     `through_flexibility` marks loads that move the tip by what gives in the arm, what `effects` add to that included.
-    `least_travel` (rad, m) is how far a joint must have gone in a recording for the effect to be sought there.
+    `least_travel` (rad, m) is how far a joint must have gone in a recording for the effect to be sought there, and
+    `shown_by` whether a recording holds what it takes to see it at these places (from 0) with these shapes.
+
+    What other rooms go by:
+    `rank` says which name goes first where data cannot tell effects apart: the lower, the commoner cause, the simpler.
+    (Stiffness of drives and geometry lead in the surveys of robot calibration, e.g. B. W. Mooring, Z. S. Roth & M. R.
+    Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 1.)
+    `linear` promises displacements in proportion to the sizes, which fits may then rely on. Where they are not,
+    `size_from_slope` turns a size found with the pattern of small ones into the one that moves as much.
+    `of_instrument` marks what the measurement brings in: a corrected arm may carry it, but it moves no tip.
+    `of_link` marks what another link would not have (None: as all effects at links). `of_drives` marks how drives give:
+    it adds to what the arm file gives them, the whole may not become negative, and under links of unknown weight only
+    its product with that weight can be known.
+    `flexible` marks what gives in proportion to the load, so that unknown loads act through it. Where it is automatic,
+    frequencies count it too: as long as it is in the model, or, `in_modes`, always.
+    `shear_modulus` says where its materials need one, `expansion_unless` that they need a coefficient of thermal
+    expansion where an entry does not give this parameter. `free_with` is the setting of a recording that leaves its
+    sizes open.
+    `curve` gives a joint's error (rad) at coordinates (rad) by the parameters' values, for what is drawn as a curve.
+    `along_the_link` marks what every piece of a link does alike, by the loads on it, so that a link that is cut does
+    what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
     """
 
     id: str
@@ -149,10 +218,10 @@ class Effect:
     formula: str
     place: Literal["joint", "link", "base", "tip"]
     cause: Cause
-    automatic: bool
     needs: str
     aliases: tuple[str, ...]
     source: str
+    automatic: bool = False
     parameters: tuple[Parameter, ...] = ()
     twists: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
     play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = no_play
@@ -164,6 +233,26 @@ class Effect:
     only: Only | None = None
     through_flexibility: bool = False
     least_travel: float = 0.0
+    shown_by: Callable[[Readings, tuple[int, ...], Mapping[str, float]], bool] = always_shown
+    rank: int = LAST_RANK
+    linear: bool = False
+    size_from_slope: Callable[[float], float] | None = None
+    of_instrument: bool = False
+    of_link: bool | None = None
+    of_drives: bool = False
+    flexible: bool = False
+    in_modes: bool = False
+    shear_modulus: Literal["in space", "always"] | None = None
+    expansion_unless: str | None = None
+    free_with: Literal["frame", "tool"] | None = None
+    curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
+    along_the_link: bool = False
+    turns_along_the_link: bool = False
+
+    @property
+    def belongs_to_link(self) -> bool:
+        """Whether it goes with a link as it was built."""
+        return self.place == "link" if self.of_link is None else self.of_link
 
     def can_act(self, index: int, *, revolute: bool) -> bool:
         """Whether the effect can move anything at joint `index` (from 0), or at the link it carries."""

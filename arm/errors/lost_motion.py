@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import PlayMode, Statistics
-from .model import PoseArrays
+from arm.chain.chain import PlayMode, Statistics
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .model import PoseArrays
 
 _MOST_ENUMERATED = 4
 _MOST_VERTICES_TRIED = 8

@@ -13,19 +13,18 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from arm.chain.beam import UNIFORM, Beam, elastic_beam
+from arm.chain.chain import Arm, Link, LoadCase, askew
+from arm.chain.kinematics import parts, place, symbols
+from arm.chain.statics import PoseState, solve
+from arm.chain.taper import tapered_beam
+from arm.compiled.vectorise import VectorFunction, vectorise
+from materials.material import MissingProperty
+from sections.numeric import Array
 from sections.taper import Tapered
 
-from .beam import UNIFORM, Beam, elastic_beam
-from .chain import Arm, Link, LoadCase, askew
-from .compile import VectorFunction, vectorise
-from .error import TipError, active_effects, tip_error
-from .kinematics import parts, place, symbols
-from .statics import PoseState, solve
-from .taper import tapered_beam
-
-Array = NDArray[np.float64]
+from .tip import TipError, active_effects, tip_error
 
 BEAM_FIELDS = (
     "length",
@@ -37,12 +36,20 @@ BEAM_FIELDS = (
     "shear_rigidity_height",
     "shear_rigidity_width",
     "flexural_rigidity_coupling",
+    "thermal_expansion",
 )
-"""The order in which `beam_values` lists each link's rigidities."""
+"""The order in which `beam_values` lists each link's length, mass, rigidities and thermal expansion."""
 
 
-class PropertyNeeded(ValueError):
-    """A question needs a figure that the arm does not have: a link's section, its mass or a material's property."""
+class PropertyNeeded(MissingProperty):
+    """A question needs a figure that the arm does not have: a link's section, its mass or a material."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__("", "", message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the message when the error crosses between processes."""
+        return PropertyNeeded, (self.message,)
 
 
 def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
@@ -50,9 +57,15 @@ def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
 
     A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
     """
-    active = {each.effect.id for each in active_effects(arm)}
+    asked = {each.effect.shear_modulus for each in active_effects(arm)}
     planar = all(arm.planar(load) for load in (loads or (arm.payload,)))
-    return "shear_deformation" in active or ("torsion" in active and not planar)
+    return "always" in asked or ("in space" in asked and not planar)
+
+
+def needs_thermal_expansion(arm: Arm) -> bool:
+    """Whether the arm's model asks its materials how much they expand: the effect does not bring its own figure."""
+    asked = [(each.effect.expansion_unless, each.settings.values) for each in active_effects(arm)]
+    return any(name is not None and name not in given for name, given in asked)
 
 
 def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
@@ -80,8 +93,8 @@ def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
 
 
 def beam_values(beams: Sequence[Beam]) -> Array:
-    """The rigidities and lengths of all links as one row (in the order of `BEAM_FIELDS`, link after link); 0 where
-    rigid."""
+    """The lengths and figures of all links as one row (in the order of `BEAM_FIELDS`, link after link); 0 where there
+    is none."""
     return np.array([float(getattr(beam, name) or 0.0) for beam in beams for name in BEAM_FIELDS])
 
 
@@ -172,20 +185,20 @@ def beam_symbols(arm: Arm) -> Any:
 
 
 def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
-    """The arm's beams with the symbols p in place of rigidities and lengths; rigid links keep theirs."""
+    """The arm's beams with the symbols p in place of all that section, material and length settle; rigid links keep
+    theirs."""
     beams: list[Beam] = []
     for index, link in enumerate(arm.links):
         base = len(BEAM_FIELDS) * index
         if link.elastic:
             values = {name: p[base + k] for k, name in enumerate(BEAM_FIELDS)}
-            expansion = None
-            if link.material is not None and link.material.has("thermal_expansion"):
-                expansion = link.material.at(arm.temperature).thermal_expansion
+            if link.material is None or not link.material.has("thermal_expansion"):
+                values["thermal_expansion"] = None  # an effect that needs it must notice
             if link.section is None or not askew(link.section):
                 values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
             # Plain factors, whatever the length, so that uniform links cost no more than ever.
             taper = _beam(arm, index, link).taper if isinstance(link.section, Tapered) else UNIFORM
-            beams.append(Beam(**values, thermal_expansion=expansion, taper=taper))
+            beams.append(Beam(**values, taper=taper))
         else:
             rigid = _beam(arm, index, link)
             beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at))

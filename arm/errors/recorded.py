@@ -14,11 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .effects import Effect, Settings, Twist
-from .error import ActiveEffect, carried_to_tip, rotation_at_tip
-from .finite import beyond_first_order
-from .statics import PoseState
-from .vectors import Scalar, Vector, add, cross, dot
+from arm.chain.arrays import columns
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Vector, add, cross, dot
+from arm.effects import Effect, Settings, Twist
+
+from .exact import Deformed, deformed
+from .tip import ActiveEffect, carried_to_tip, rotation_at_tip
 
 Array = NDArray[np.float64]
 
@@ -64,49 +66,42 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
             _none(asked, asked.turn, 3),
         )
     return Channels(
-        _columns(carried_to_tip(state, twists), asked.rows),
+        columns(carried_to_tip(state, twists), asked.rows),
         _drives(state, twists, asked) if asked.joint_side else None,
         _base(twists, asked),
         _none(asked, asked.command, len(state.joints)),
-        _columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
+        columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
     )
 
 
 def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Channels:
-    """What a whole model moves in every channel; the tip by finite motions where an arm's `effects` have such."""
-    found = [seen(state, active.effect, active.settings, asked) for active in effects]
-    size = len(state.joints)
+    """What a whole model moves in every channel, by finite motions and loads on the deformed shape
+    (`arm.errors.exact`). `state` is the arm at the undeformed pose."""
+    return on_shape(shape_of(state, effects, asked), effects, asked)
+
+
+def shape_of(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Deformed:
+    """The arm as it stands at the readings; what an encoder sees of its drives is in the coordinates already."""
+    moving = [each for each in effects if not (each.effect.before_encoder and asked.command)]
+    return deformed(state, moving, asked.rows)
+
+
+def on_shape(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) -> Channels:
+    """What a whole model moves in every channel, once the shape that it gives the arm is known."""
+    size = len(shape.state.joints)
+    further = asked.joint_side or asked.base_target is not None or asked.command
+    found = [seen(shape.state, active.effect, active.settings, asked) for active in effects] if further else []
 
     def total(parts: Iterable[Array | None], columns: int, wanted: bool) -> Array | None:
         return sum((part for part in parts if part is not None), np.zeros((asked.rows, columns))) if wanted else None
 
-    further, turned = beyond(state, effects, asked)
-    tip = sum((each.tip for each in found), further)
-    turn = sum((each.turn for each in found if each.turn is not None), turned)
     return Channels(
-        tip,
+        shape.tip,
         total((each.joint_side for each in found), size, asked.joint_side),
         total((each.base for each in found), 3, asked.base_target is not None),
         total((each.command for each in found), size, asked.command),
-        turn if asked.turn else None,
+        shape.turn if asked.turn else None,
     )
-
-
-def beyond(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> tuple[Array, Array]:
-    """What the `effects` that an arm's file lists move and turn the tip by beyond first order, (N, 3), m and rad: a
-    zero may be off by degrees. What the model has of itself is small."""
-    listed = [a for a in effects if not a.effect.automatic and not (a.effect.before_encoder and asked.command)]
-    twists = [
-        twist
-        for each in listed
-        for twist in (*each.effect.twists(state, each.settings), *each.effect.seated(state, each.settings))
-    ]
-    nothing = np.zeros((asked.rows, 3))
-    return beyond_first_order(state, twists, asked.rows) if twists else (nothing, nothing)
-
-
-def _columns(vector: Sequence[Scalar], rows: int) -> Array:
-    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (rows,)) for part in vector], axis=1)
 
 
 def _none(asked: Asked, wanted: bool, columns: int) -> Array | None:
@@ -131,4 +126,4 @@ def _base(twists: Iterable[Twist], asked: Asked) -> Array | None:
     for twist in twists:
         if twist.node == "base":
             moved = add(moved, add(twist.translation, cross(twist.rotation, asked.base_target)))
-    return _columns(moved, asked.rows)
+    return columns(moved, asked.rows)

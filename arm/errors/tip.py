@@ -1,7 +1,7 @@
 """The tip's error at a pose: every effect's twist, carried to the tip and added up; play kept apart as a set.
 
 The deterministic part is one vector. Backlash adds intervals along motions, clearance adds discs; how they count is
-the play mode's affair (`arm.play`).
+the play mode's affair (`arm.errors.lost_motion`).
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .chain import Arm
-from .effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
-from .statics import PoseState
-from .vectors import ZERO, Scalar, Vector, add, cross
+from arm.chain.chain import Arm
+from arm.chain.statics import PoseState
+from arm.chain.vectors import ZERO, Scalar, Vector, add, cross
+from arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
 
 
 @dataclass(frozen=True)

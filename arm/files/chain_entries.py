@@ -7,22 +7,17 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import cast
 
+from arm.actuators import Actuator, load_actuators
+from arm.chain.chain import FloatVector, Joint, JointType, Link
+from arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 from materials.catalogue import Catalogue
-from materials.quantities import InputError, read_number, read_quantity, shown
-from materials.reading import Mapping
 from sections import SectionError, load_stock
 from sections.section import Section
 from sections.taper import build_tapered
+from units.quantities import InputError, read_number, read_quantity, shown
+from units.reading import Mapping
 
-from .actuators import Actuator, load_actuators
-from .chain import (
-    FloatVector,
-    Joint,
-    JointType,
-    Link,
-)
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
-from .vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 

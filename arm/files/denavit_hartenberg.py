@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
-from materials.reading import Mapping
-
-from .chain import FloatVector, Joint, Link
-from .vectors import Rotation, compose, from_roll_pitch_yaw, norm, unit
+from arm.chain.chain import FloatVector, Joint, Link
+from arm.chain.vectors import Rotation, compose, from_roll_pitch_yaw, norm, unit
+from units.reading import Mapping
 
 
 def standard_dh(mapping: Mapping, joint: Joint) -> tuple[Joint, Link]:

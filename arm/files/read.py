@@ -6,24 +6,15 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import cast
 
+from arm.chain.chain import STANDARD_GRAVITY, AngleConvention, Arm, EffectEntry, Joint, LoadCase, PlayMode, Statistics
+from arm.chain.vectors import IDENTITY, ZERO, cross, norm
+from arm.effects import EFFECTS, Effect, Parameter, kind_at
 from materials.catalogue import Catalogue, load_catalogue
-from materials.quantities import format_quantity, shown
-from materials.reading import Mapping, load_yaml, nearest
+from units.quantities import format_quantity, shown
+from units.reading import Mapping, load_yaml, nearest
+from units.temperature import REFERENCE_TEMPERATURE
 
-from .chain import (
-    REFERENCE_TEMPERATURE,
-    STANDARD_GRAVITY,
-    AngleConvention,
-    Arm,
-    EffectEntry,
-    Joint,
-    LoadCase,
-    PlayMode,
-    Statistics,
-)
-from .chain_files import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
-from .effects import EFFECTS, Effect, Parameter, kind_at
-from .vectors import IDENTITY, ZERO, cross, norm
+from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
@@ -182,7 +173,7 @@ def _places(entry: Mapping, size: int) -> tuple[int, ...]:
     for number in cast(list[object], numbers):
         if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= size:
             raise entry.error("at", f"numbers joints or links from 1 to {size}, not {shown(number)}")
-    return tuple(cast(list[int], numbers))
+    return tuple(int(number) for number in cast(list[int], numbers))
 
 
 def _check_absolute(mapping: Mapping, arm: Arm) -> None:

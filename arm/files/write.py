@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from materials.quantities import format_quantity
+from arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
+from arm.chain.vectors import IDENTITY, Rotation, to_roll_pitch_yaw
+from arm.effects import EFFECTS, kind_at
 from sections.section import Section
+from units.files import write_whole
+from units.quantities import format_quantity
 
-from .chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
-from .effects import EFFECTS, kind_at
-from .files import acts_on_slides
-from .vectors import IDENTITY, Rotation, to_roll_pitch_yaw
+from .read import acts_on_slides
 
 
 def arm_to_yaml(arm: Arm) -> str:
@@ -54,23 +53,7 @@ def arm_to_yaml(arm: Arm) -> str:
 
 def write_arm(arm: Arm, path: Path | str) -> None:
     """Write the arm file, whole or not at all."""
-    write_text(arm_to_yaml(arm), path)
-
-
-def write_text(text: str, path: Path | str) -> None:
-    """Write a file whole or not at all: to a neighbour first, then renamed into place."""
-    target = Path(path)
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(temporary).chmod(0o666 & ~mask)
-        Path(temporary).replace(target)
-    except OSError:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    write_whole(path, arm_to_yaml(arm))
 
 
 def _flow(value: object) -> str:

@@ -8,46 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from .chain import Arm, LoadCase
-from .compile import VectorFunction, vectorise
-from .kinematics import parts
-from .model import beam_symbols, symbolic_beams
-from .refine import wander_in_region
-from .statics import solve
-from .weakest import compass
-from .workspace import climbing_bounds, wrapped
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.kinematics import parts
+from arm.chain.statics import solve
+from arm.compiled.expressions import Expressions
+from arm.errors.model import beam_symbols, symbolic_beams
+from sections.numeric import Array
+
+from .weakest_poses import climbed
 
 if TYPE_CHECKING:
-    from .worst import WorstSearch
-
-Array = NDArray[np.float64]
+    from arm.worst.search import WorstSearch
 
 _CLIMBS = 4
-
-
-@dataclass(frozen=True)
-class DriveCase:
-    """The loads on the drives under one load case: `outputs` (N*m; N for a slide), one a joint, for symbols (q, p)."""
-
-    inputs: tuple[Any, Any]
-    outputs: Any
-
-    @cached_property
-    def function(self) -> Any:
-        """The CasADi function (q, p) -> loads."""
-        return ca.Function("drives", list(self.inputs), [self.outputs])
-
-    @cached_property
-    def vectorised(self) -> VectorFunction:
-        """The same for many poses or designs."""
-        return vectorise(list(self.inputs), [self.outputs])
+"""Climbs for each drive."""
 
 
 @dataclass(frozen=True)
@@ -70,22 +50,27 @@ def rated_torques(arm: Arm) -> tuple[float | None, ...]:
     return tuple(None if joint.actuator is None else joint.actuator.rated_torque for joint in arm.joints)
 
 
-def drive_case(arm: Arm, load: LoadCase) -> DriveCase:
-    """The loads on an arm's drives under a load case."""
+def drive_case(arm: Arm, load: LoadCase) -> Expressions:
+    """The loads on an arm's drives under a load case (N*m; N for a slide), one a joint, for symbols (q, p)."""
     q = ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
     p = beam_symbols(arm)
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
-    return DriveCase((q, p), ca.vertcat(*[ca.SX(joint.drive_load) for joint in state.joints]))
+    return Expressions((q, p), (ca.vertcat(*[ca.SX(joint.drive_load) for joint in state.joints]),))
 
 
 def greatest_drive_loads(
-    arm: Arm, cases: Sequence[DriveCase], poses: Array, p: Array, search: WorstSearch | None = None
+    arm: Arm, cases: Sequence[Expressions], poses: Array, p: Array, search: WorstSearch | None = None
 ) -> DriveLoads:
     """The greatest drive loads over poses q (N, n) and load cases for a design p; with `search` over its workspace,
     the poses being where climbs start."""
+
+    def held(case: Expressions, q: Array) -> Array:
+        return np.abs(case.vectorised(q, p)[0])
+
     if search is not None:
-        poses = np.vstack([poses, *(_climbed(arm, case, poses, p, search) for case in cases)])
-    loads = np.stack([np.abs(case.vectorised(poses, p)[0]) for case in cases])
+        climbs = [climbed(search, partial(held, case), poses, p, _CLIMBS, least=-1.0) for case in cases]
+        poses = np.vstack([poses, *climbs])
+    loads = np.stack([held(case, poses) for case in cases])
     where = [np.unravel_index(int(np.argmax(loads[:, :, joint])), loads.shape[:2]) for joint in range(arm.size)]
     greatest = tuple(float(loads[case, pose, joint]) for joint, (case, pose) in enumerate(where))
     return DriveLoads(
@@ -93,21 +78,3 @@ def greatest_drive_loads(
         tuple((tuple(poses[int(pose)].tolist()), int(case)) for case, pose in where),
         tuple(None if r is None else load / r for load, r in zip(greatest, rated_torques(arm), strict=True)),
     )
-
-
-def _climbed(arm: Arm, case: DriveCase, poses: Array, p: Array, search: WorstSearch) -> Array:
-    known = np.abs(case.vectorised(poses, p)[0])
-    rows = np.repeat(np.arange(arm.size), _CLIMBS)
-    order = np.argsort(-known, axis=0, kind="stable")[:_CLIMBS]
-    starts = poses[order.T.ravel()]
-
-    def load(q: Array) -> Array:
-        """The load of each climb, whose trial poses (equally many for each) follow each other in q."""
-        values = np.abs(case.vectorised(q, p)[0])
-        return values[np.arange(len(q)), np.repeat(rows, len(q) // len(rows))]
-
-    if search.workspace.kind != "joints":
-        bounds = (search.lower, search.upper)
-        return wander_in_region(load, starts, search.workspace, lambda q: search.tip(q, p), bounds)
-    reached = compass(load, starts, climbing_bounds(arm, search.lower, search.upper))
-    return wrapped(arm, reached, search.lower, search.upper)

@@ -14,22 +14,19 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .beam import QUARTERS, Beam
-from .chain import Arm, Joint, Link, LoadCase
-from .effects import EFFECTS, Settings
-from .error import ActiveEffect, active_effects, displacements
-from .kinematics import section_directions
-from .statics import solve
-from .vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
-
-Array = NDArray[np.float64]
+from arm.chain.beam import QUARTERS, Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.kinematics import section_directions
+from arm.chain.statics import solve
+from arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
+from arm.effects import EFFECTS, Settings
+from arm.errors.tip import ActiveEffect, active_effects, displacements
+from sections.numeric import Array
 
 SEGMENTS = QUARTERS
 """Pieces of each elastic link; even, for Simpson's rule."""
 _SIMPSON = (1.0 / 12.0, 4.0 / 12.0, 2.0 / 12.0, 4.0 / 12.0, 1.0 / 12.0)
-_ALWAYS = ("link_bending", "slope_propagation", "axial", "torsion", "joint_compliance")
 
 
 SegmentKind = Literal["head", "part", "before", "after"]
@@ -70,8 +67,8 @@ def segmented(arm: Arm) -> SegmentedArm:
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
         owner += [index] * pieces
     active = {each.effect.id for each in active_effects(arm)}
-    wanted = [name for name in EFFECTS if name in _ALWAYS or (name == "shear_deformation" and name in active)]
-    effects = tuple(ActiveEffect(EFFECTS[name], Settings()) for name in wanted)
+    elastic = [each for each in EFFECTS.values() if each.flexible and each.automatic]
+    effects = tuple(ActiveEffect(each, Settings()) for each in elastic if each.in_modes or each.id in active)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
     return SegmentedArm(whole, tuple(owner), tuple(kinds), effects)
 
@@ -205,6 +202,19 @@ def inertia_excess(
     For the true mode it is exact; for any other shape it is a valid cut (Rayleigh), so an optimiser may use shapes
     found at earlier designs. `beams` may hold symbols.
     """
+    work, inertia = work_and_inertia(arm, segments, q, beams, payload, shape)
+    return work * (2.0 * math.pi * frequency) ** 2 / inertia - 1.0
+
+
+def work_and_inertia(
+    arm: Arm,
+    segments: SegmentedArm,
+    q: Sequence[float],
+    beams: Sequence[Beam],
+    payload: Scalar,
+    shape: Sequence[float],
+) -> tuple[Scalar, Scalar]:
+    """(M phi)' F (M phi) and phi' M phi for a trial shape; `beams` may hold symbols, or arrays of many designs."""
     masses = node_masses(arm, segments, beams, payload)
     forces: list[Vector] = [
         (times(mass, shape[3 * k]), times(mass, shape[3 * k + 1]), times(mass, shape[3 * k + 2]))
@@ -217,7 +227,7 @@ def inertia_excess(
         for axis in range(3):
             work = work + times(forces[k][axis], shift[axis])
             inertia = inertia + times(forces[k][axis], shape[3 * k + axis])
-    return work * (2.0 * math.pi * frequency) ** 2 / inertia - 1.0
+    return work, inertia
 
 
 __all__ = [
@@ -228,4 +238,5 @@ __all__ = [
     "first_modes",
     "inertia_excess",
     "segmented",
+    "work_and_inertia",
 ]

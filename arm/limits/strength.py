@@ -12,26 +12,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from .beam import Station
-from .chain import Arm, LoadCase
-from .compile import VectorFunction, vectorise
-from .effects.link_bending import bent_end, in_both_planes
-from .kinematics import parts
-from .model import beam_symbols, symbolic_beams
-from .statics import LinkState, PoseState, solve
-from .vectors import Scalar, Vector, add, cross, dot, plus, scale, times
+from arm.chain.beam import Station
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.kinematics import parts
+from arm.chain.statics import LinkState, PoseState, solve
+from arm.chain.vectors import Scalar, Vector, add, cross, dot, plus, scale, times
+from arm.compiled.expressions import Expressions
+from arm.effects.elastic.link_bending import bent_end, in_both_planes
+from arm.errors.model import beam_symbols, symbolic_beams
+from sections.numeric import Array
 
 if TYPE_CHECKING:
     from sections.properties import SectionProperties
 
-Array = NDArray[np.float64]
 
 STRENGTH_FIELDS = ("area", "section_modulus_y", "section_modulus_z", "torsion_modulus")
 """The order in which `strength_values` lists each link's section."""
@@ -42,27 +40,15 @@ LARGEST_DEFLECTION = 0.1
 
 
 @dataclass(frozen=True)
-class StrengthCase:
+class StrengthCase(Expressions):
     """Stress, compression and deflection under one load case, as functions of poses.
 
-    `function` maps (q, p, s) to: equivalent stresses (Pa; link after link, each at `STATIONS`), the share of Euler's
+    From (q, p, s) to: equivalent stresses (Pa; link after link, each at `STATIONS`), the share of Euler's
     load that presses each link (negative in tension), and each link's own deflection over its length. Rigid links are
     left out: `links` numbers those that are listed.
     """
 
     links: tuple[int, ...]
-    inputs: tuple[Any, Any, Any]
-    outputs: tuple[Any, Any, Any]
-
-    @cached_property
-    def function(self) -> Any:
-        """The CasADi function (q, p, s) -> (stress, compression, deflection)."""
-        return ca.Function("strength", list(self.inputs), list(self.outputs))
-
-    @cached_property
-    def vectorised(self) -> VectorFunction:
-        """The same for many poses."""
-        return vectorise(list(self.inputs), list(self.outputs))
 
 
 def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
@@ -83,16 +69,13 @@ def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
     stress = [each for i in links for each in _stresses(state.links[i], _entries(s, i))]
     compression = [_compression(state, i) for i in links]
     deflection = [_deflection(state.links[i]) for i in links]
-    return StrengthCase(links, (q, p, s), (_column(stress), _column(compression), _column(deflection)))
+    columns = (ca.vertcat(ca.SX(0, 1), *column) for column in (stress, compression, deflection))
+    return StrengthCase((q, p, s), tuple(columns), links)
 
 
 def _entries(s: Any, link: int) -> tuple[Any, ...]:
     base = len(STRENGTH_FIELDS) * link
     return tuple(s[base + k] for k in range(len(STRENGTH_FIELDS)))
-
-
-def _column(entries: Sequence[Scalar]) -> Any:
-    return ca.vertcat(*[ca.SX(entry) for entry in entries]) if entries else ca.SX(0, 1)
 
 
 def _magnitude(value: Scalar) -> Scalar:

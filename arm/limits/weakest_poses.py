@@ -8,14 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .refine import wander_in_region
+from arm.worst.refine import wander_in_region
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import climbing_bounds, wrapped
+from sections.numeric import Array
+
 from .strength import StrengthCase
-from .workspace import climbing_bounds, wrapped
-from .worst import WorstSearch
-
-Array = NDArray[np.float64]
 
 _CLIMBS = 3
 """Climbs for each station of each link, and for each link's compression."""
@@ -34,21 +33,29 @@ def _weakest(search: WorstSearch, case: StrengthCase, poses: Array, p: Array, s:
         stress, compression, _ = case.vectorised(q, p, s)
         return np.hstack([stress, compression])
 
+    return climbed(search, loads, poses, p, _CLIMBS)
+
+
+def climbed(
+    search: WorstSearch, loads: Callable[[Array], Array], poses: Array, p: Array, climbs: int, *, least: float = 0.0
+) -> Array:
+    """Poses (M, n) of the workspace where each of some loads (N, K) of poses (N, n) is locally greatest, climbed to
+    from the best of `poses`. Loads that exceed `least` at none of them are left out."""
     known = loads(poses)
-    rows = np.repeat(np.flatnonzero(known.max(axis=0) > 0.0), _CLIMBS)
+    order = np.argsort(-known, axis=0, kind="stable")[:climbs]
+    columns = np.flatnonzero(known.max(axis=0) > least)
+    rows, starts = np.repeat(columns, len(order)), poses[order.T[columns].ravel()]
     if not len(rows):
         return poses[:0]
-    order = np.argsort(-known, axis=0, kind="stable")[:_CLIMBS]
-    starts = poses[order[np.tile(np.arange(_CLIMBS), len(rows) // _CLIMBS), rows]]
 
     def load(q: Array) -> Array:
         """The load of each climb, whose trial poses (equally many for each) follow each other in q."""
         return loads(q)[np.arange(len(q)), np.repeat(rows, len(q) // len(rows))]
 
-    if search.workspace.kind == "joints":
-        reached = compass(load, starts, climbing_bounds(search.arm, search.lower, search.upper))
-        return wrapped(search.arm, reached, search.lower, search.upper)
-    return wander_in_region(load, starts, search.workspace, lambda q: search.tip(q, p), (search.lower, search.upper))
+    box = (search.lower, search.upper)
+    if search.workspace.kind != "joints":
+        return wander_in_region(load, starts, search.workspace, lambda q: search.tip(q, p), box)
+    return wrapped(search.arm, compass(load, starts, climbing_bounds(search.arm, *box)), *box)
 
 
 def compass(value: Callable[[Array], Array], starts: Array, bounds: tuple[Array, Array], *, seed: int = 11) -> Array:

@@ -1,6 +1,6 @@
 """The certified worst case: branch and bound over a box of joint coordinates.
 
-The squared error at each vertex of the play is a trigonometric polynomial (`arm.trigonometric`). Over a cell it is
+The squared error at each vertex of the play is a trigonometric polynomial (`arm.worst.polynomial`). Over a cell it is
 bounded by its second-order Taylor polynomial at the centre, maximised coordinate by coordinate, and a bound on the
 third-order remainder from the amplitudes. Cells that cannot beat the best pose found are dropped; the rest are halved.
 """
@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .trigonometric import Terms
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .polynomial import Terms
+
 Index = NDArray[np.intp]
 CellFilter = Callable[[Array, Array, Index], NDArray[np.bool_]]
 """(centres (N, n), half widths (N, n), functions (N,)) -> which cells may hold an admissible point."""

@@ -12,19 +12,23 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .chain import Arm
-from .kinematics import place
-from .vectors import Rotation
+from arm.chain.arrays import nominal
+from arm.chain.chain import Arm
+from arm.chain.vectors import Rotation
+from sections.numeric import Array
+
 from .workspace import Unreachable, Workspace, climbing_bounds, joint_box, spread, wrapped
-
-Array = NDArray[np.float64]
 
 _REACHED = 1e-9
 """A pose whose tip lies within this distance of the target (m, and rad times the arm's size) meets it."""
 _APART = 1e-3
 """Solutions that differ by less than this in every joint (rad, m) are one."""
+_RANK = 1e-7
+"""A direction in which the tip follows the joints by less than this, over the arm's size, is none."""
+_SINGULAR = 1e-3
+"""A pose whose tip follows the joints in one direction this much less than in the best is called singular: the search
+comes to a singular pose no closer than the root of its tolerance, 3e-5."""
 
 
 class UnreachableInclined(Unreachable):
@@ -103,11 +107,13 @@ class InversePose:
     """A pose that meets a target: joint coordinates (rad, m), and how far its tip still is from it (m).
 
     `isolated`: no motion of the joints leaves the tip where it is; otherwise the pose is one of a family.
+    `singular`: the tip can be moved in fewer directions than elsewhere, as at full stretch.
     """
 
     q: tuple[float, ...]
     residual: float
     isolated: bool
+    singular: bool
 
 
 def inverse(
@@ -147,11 +153,17 @@ def inverse(
             kept.append(int(index))
         if len(kept) == most:
             break
-    slopes = _jacobian(arm, found[kept], orientation is not None, size)
-    ranks = [int(np.linalg.matrix_rank(slope, tol=1e-7 * size)) for slope in slopes]
+    here = np.linalg.svd(_jacobian(arm, found[kept], orientation is not None, size), compute_uv=False)
+    anywhere = np.linalg.svd(_jacobian(arm, q, orientation is not None, size), compute_uv=False)
+    usual = int((anywhere > _RANK * size).sum(axis=1).max())
     return tuple(
-        InversePose(tuple(found[index].tolist()), float(residual[index]), rank == arm.size)
-        for index, rank in zip(kept, ranks, strict=True)
+        InversePose(
+            tuple(found[index].tolist()),
+            float(residual[index]),
+            isolated=int((values > _RANK * size).sum()) == arm.size,
+            singular=usual > 0 and bool(values[usual - 1] < _SINGULAR * values[0]),
+        )
+        for index, values in zip(kept, here, strict=True)
     )
 
 
@@ -200,17 +212,8 @@ def _size_of(arm: Arm) -> float:
     return max(sum(arm.lengths), 1e-3)
 
 
-def _frames(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Tips (N, 3) and orientations (N, 3, 3)."""
-    count = (len(q),)
-    frames = place(arm, [q[:, index] for index in range(arm.size)])
-    tip = np.stack([np.broadcast_to(np.asarray(x, dtype=float), count) for x in frames.tip()], axis=1)
-    rows = [[np.broadcast_to(np.asarray(x, dtype=float), count) for x in row] for row in frames.orientation]
-    return tip, np.stack([np.stack(row, axis=1) for row in rows], axis=1)
-
-
 def _missing(arm: Arm, q: Array, target: Array, aim: Array | None, size: float) -> Array:
-    tip, turned = _frames(arm, q)
+    tip, turned = nominal(arm, q)
     if aim is None:
         return target - tip
     return np.concatenate([target - tip, size * _rotation_vector(aim @ np.swapaxes(turned, 1, 2))], axis=1)
@@ -239,7 +242,7 @@ def _jacobian(arm: Arm, q: Array, inclined: bool, size: float) -> Array:
     step, count = 1e-6, len(q)
     shifts = step * np.eye(arm.size)
     moved = np.concatenate([q[:, None, :] + shifts, q[:, None, :] - shifts], axis=1)
-    tip, turned = _frames(arm, moved.reshape(-1, arm.size))
+    tip, turned = nominal(arm, moved.reshape(-1, arm.size))
     tip = tip.reshape(count, 2, arm.size, 3)
     slope = np.swapaxes(tip[:, 0] - tip[:, 1], 1, 2) / (2.0 * step)
     if not inclined:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sections.numeric import Array
+
 ComplexArray = NDArray[np.complex128]
 
 _FEW_FUNCTIONS = 8

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import PlayMode
-from .model import CaseModel
-from .play import played, pushed_discs, sign_vertices
-from .trigonometric import (
+from arm.chain.chain import PlayMode
+from arm.errors.lost_motion import played, pushed_discs, sign_vertices
+from arm.errors.model import CaseModel
+from sections.numeric import Array
+
+from .polynomial import (
     Coefficients,
     Coordinates,
     NotPolynomial,
@@ -21,8 +23,6 @@ from .trigonometric import (
     sample_grid,
     terms_of,
 )
-
-Array = NDArray[np.float64]
 
 MOST_JOINTS = 4
 """Branch and bound over more joints than this takes too many cells."""

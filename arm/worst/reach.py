@@ -18,15 +18,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .chain import Arm
+from arm.chain.chain import Arm
+from arm.chain.kinematics import place, tip_position
+from arm.chain.vectors import norm
+from sections.numeric import Array
+
 from .inverse import damped
-from .kinematics import place, tip_position
-from .vectors import norm
 from .workspace import Workspace, climbing_bounds, joint_box, spread, wrapped
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from sections.numeric import Array
+
 from .certificate import climb
 from .workspace import Workspace, distance_to_path, path_points, pull
 
-Array = NDArray[np.float64]
 Bounds = tuple[Array, Array]
 ErrorFunction = Callable[[Array], Array]
 """Poses (N, n) to errors (N,), m."""

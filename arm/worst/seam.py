@@ -1,7 +1,8 @@
 """Whether a tip can follow a straight seam, every point of it and not just samples.
 
 A planar arm without joint limits: its ring is cut exactly. Any other arm: a walk in steps that are each proved, since
-a pose proves the whole ball around its tip (`arm.reach`). The walk stops at the first point that no search reaches.
+a pose proves the whole ball around its tip (`arm.worst.reach`). The walk stops at the first point that no search
+reaches.
 """
 
 from __future__ import annotations
@@ -11,12 +12,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .chain import Arm
+from arm.chain.chain import Arm
+from sections.numeric import Array
+
 from .reach import Reach, free_ring
 
-Array = NDArray[np.float64]
 Verdict = Literal["reachable", "unreachable", "undecided"]
 
 _REACHED = 1e-9

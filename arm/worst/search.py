@@ -12,19 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.errors.lost_motion import PlayedError, played
+from arm.errors.model import BEAM_FIELDS, ErrorModel
+from sections.numeric import Array
+
 from .certificate import Certified, climb, maximise
-from .model import ErrorModel
-from .play import PlayedError, played
+from .polynomial import Coordinates, NotPolynomial, fit
 from .polynomial_error import MOST_JOINTS, ErrorPolynomials, error_polynomials
 from .refine import uphill, uphill_in_region, wander_in_region
-from .trigonometric import Coordinates, NotPolynomial, fit
-from .workspace import RegionCells, Workspace, climbing_bounds, joint_box, region_cells, sample, wrapped
-
-Array = NDArray[np.float64]
+from .workspace import RegionCells, Workspace, climbing_bounds, joint_box, region_cells, sample, spread, wrapped
 
 DEFAULT_GAP = 1e-4
 """Relative gap of the certificate."""
 _DISTINCT = 0.05
+_SAME_TURN = 1e-9
+"""Errors that differ by less than this share are the same a turn further."""
 _MOST_CELLS = 2_000_000
 _MOST_REGION_CELLS = 500_000
 """A path is a thin set: its cells are dropped slowly, and beyond this many the bound stands as it is."""
@@ -64,16 +66,46 @@ class WorstSearch:
         self.arm = model.arm
         self.lower, self.upper = joint_box(self.arm, workspace)
         self._climbing = climbing_bounds(self.arm, self.lower, self.upper)
+        self._widen_where_turns_differ()
         self._coordinates = Coordinates(
             tuple(joint.revolute for joint in self.arm.joints),
             tuple(zip(self.lower.tolist(), self.upper.tolist(), strict=True)),
         )
 
+    def _widen_where_turns_differ(self) -> None:
+        """Keep the whole range of a joint that turns once or more, where the error is not the same a turn further."""
+        self._turned = np.zeros(self.arm.size, dtype=bool)
+        ranges = self.workspace.ranges or tuple(joint.range for joint in self.arm.joints)
+        for index, (joint, (low, high)) in enumerate(zip(self.arm.joints, ranges, strict=True)):
+            if joint.revolute and high - low >= 2.0 * math.pi * (1.0 - 1e-12) and self._differs_by_turns(index):
+                self.lower[index], self.upper[index] = low, high
+                self._climbing[0][index], self._climbing[1][index] = low, high
+                self._turned[index] = True
+
+    def _differs_by_turns(self, index: int) -> bool:
+        """Whether a turn more of a joint changes the error; links that hardly bend, for that cannot depend on it."""
+        p = np.tile([1e9 if "rigidity" in name else 1.0 for name in BEAM_FIELDS], self.arm.size)
+        q = spread(self.lower, self.upper, 16)
+        further = q.copy()
+        further[:, index] += 2.0 * math.pi
+        for case in self.model.cases:
+            here, there = case.arrays(q, p), case.arrays(further, p)
+            for one, other in ((here.vector, there.vector), (here.intervals, there.intervals)):
+                if one.size and np.abs(one - other).max() > _SAME_TURN * max(float(np.abs(one).max()), 1e-12):
+                    return True
+        return False
+
+    def _in_range(self, q: Array) -> Array:
+        """Poses whose full-circle joints are brought back into their range by whole turns."""
+        back = wrapped(self.arm, q, self.lower, self.upper)
+        back[..., self._turned] = q[..., self._turned]
+        return back
+
     def worst(
         self, p: Array, *, certify: bool = True, extra: Array | None = None, certify_up_to: float = math.inf
     ) -> WorstCase:
-        """The worst case of a design p (see `arm.model.beam_values`); `extra` (N, n) are poses worth starting from.
-        An error above `certify_up_to` (m) is not worth a certificate.
+        """The worst case of a design p (see `arm.errors.model.beam_values`); `extra` (N, n) are poses worth starting
+        from. An error above `certify_up_to` (m) is not worth a certificate.
 
         Raises `Unreachable` where the workspace holds points that the arm cannot reach.
         """
@@ -174,7 +206,7 @@ class WorstSearch:
             lower, upper = scaled(self._climbing[0])[joints], scaled(self._climbing[1])[joints]
             x = scaled(q)
             x[:, joints], _ = climb(lambda at: polynomials.terms.at(at, which), x[:, joints], lower, upper)
-            q = wrapped(self.arm, self._coordinates.unscaled(x), self.lower, self.upper)
+            q = self._in_range(self._coordinates.unscaled(x))
             poses = self.worst_poses_at(q, p, polynomials.case)
         else:
             best = np.argsort(-values[order.ravel(), which], kind="stable")[:16]
@@ -253,7 +285,7 @@ class WorstSearch:
             return self.errors(q, p, case).error
 
         if self.workspace.kind == "joints":
-            reached = wrapped(self.arm, uphill(error, starts, self._climbing), self.lower, self.upper)
+            reached = self._in_range(uphill(error, starts, self._climbing))
         else:
             bounds = (self.lower, self.upper)
             reached = wander_in_region(error, starts, self.workspace, lambda q: self.tip(q, p), bounds)

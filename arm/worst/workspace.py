@@ -15,12 +15,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
-from .chain import Arm
-from .trigonometric import Coefficients, Terms, terms_of
+from arm.chain.chain import Arm
+from sections.numeric import Array
+from units.quantities import NoAnswer
 
-Array = NDArray[np.float64]
+from .polynomial import Coefficients, Terms, terms_of
+
 TipFunction = Callable[[Array], Array]
 """Joint coordinates (N, n) to nominal tips (N, 3), m."""
 
@@ -45,7 +46,7 @@ class Workspace:
     """Whether the points were given as x and y only."""
 
 
-class Unreachable(ValueError):
+class Unreachable(NoAnswer):
     """A workspace holds a point that the arm cannot reach within its joint ranges."""
 
     def __init__(self, point: tuple[float, ...], missing: float) -> None:
@@ -89,6 +90,8 @@ def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
 
 @lru_cache(maxsize=16)
 def _spread_in_cube(size: int, count: int, seed: int) -> Array:
+    from scipy.stats import qmc  # here, for it takes most of a second to import
+
     power = max(1, math.ceil(math.log2(max(count, 2))))
     points = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)[:count]
     corners = np.array([[(k >> j) & 1 for j in range(size)] for k in range(2 ** min(size, 6))], dtype=float)

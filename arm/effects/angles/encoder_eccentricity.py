@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import plus, times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
-from .functions import cosine, sine
+from arm.chain.statics import PoseState
+from arm.chain.vectors import plus, times
+from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from sections.numeric import cos, sin
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -17,19 +17,13 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, joint in enumerate(state.joints):
         if joint.revolute and settings.acts_at(index):
             angle = joint.coordinate
-            yield from drive_motion(state, index, plus(times(of_sine, sine(angle)), times(of_cosine, cosine(angle))))
+            yield from drive_motion(state, index, plus(times(of_sine, sin(angle)), times(of_cosine, cos(angle))))
 
 
 def _amplitude(name: str) -> Parameter:
-    return Parameter(
-        name,
-        "angle",
+    return size(name, "angle", -0.02, 0.02, (0.05e-3, 0.5e-3)).means(
         f"error that goes with the {name} of the joint's angle",
-        -0.02,
-        0.02,
-        (0.05e-3, 0.5e-3),
         "eccentricity over grating radius: some 10 um over 20 to 50 mm",
-        role="size",
     )
 
 
@@ -39,7 +33,6 @@ ENCODER_ECCENTRICITY = Effect(
     formula="sum J_i (a sin q_i + b cos q_i)",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="wide travel of the joint",
     aliases=("encoder_scale", "gear_transmission_error"),
     source="A. H. Slocum, Precision Machine Design (Prentice Hall, 1992), rotary encoders",
@@ -47,4 +40,6 @@ ENCODER_ECCENTRICITY = Effect(
     twists=_twists,
     only="joints that turn",
     least_travel=1.0,  # over less a wave of one turn is a straight line: the encoder's scale
+    rank=120,
+    linear=True,
 )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -21,21 +21,15 @@ ENCODER_OFFSET = Effect(
     formula="sum J_i delta_i",
     place="joint",
     cause="geometry",
-    automatic=False,
     needs="poses that differ in the angles of the other joints",
     aliases=("frame_misalignment", "tool_offset"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        Parameter(
-            "offset",
-            "angle",
-            "true coordinate less the encoder's reading",
-            -0.2,
-            0.2,
-            (0.1e-3, 1e-3),
-            "homing switches and index marks of industrial robots",
-            role="size",
+        size("offset", "angle", -0.2, 0.2, (0.1e-3, 1e-3)).means(
+            "true coordinate less the encoder's reading", "homing switches and index marks of industrial robots"
         ),
     ),
     twists=_twists,
+    rank=20,
+    linear=True,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -22,21 +22,16 @@ ENCODER_SCALE = Effect(
     formula="sum J_i e_i q_i",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="wide travel of the joint",
     aliases=("encoder_eccentricity", "joint_coupling"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        Parameter(
-            "scale",
-            "dimensionless",
+        size("scale", "dimensionless", -0.1, 0.1, (1e-5, 1e-3)).means(
             "share of its reading by which the joint stands farther than the encoder reads",
-            -0.1,
-            0.1,
-            (1e-5, 1e-3),
             "gratings and screws: 1e-5 to 1e-4; belts and wrong ratios: more",
-            role="size",
         ),
     ),
     twists=_twists,
+    rank=180,
+    linear=True,
 )

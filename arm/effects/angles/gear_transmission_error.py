@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from ..statics import PoseState
-from ..vectors import plus, times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
-from .functions import cosine, sine
+import numpy as np
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import plus, times
+from arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from sections.numeric import cos, sin
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -19,20 +21,22 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, joint in enumerate(state.joints):
         if settings.acts_at(index):
             phase = times(order if joint.revolute else 2.0 * math.pi * order, joint.coordinate)
-            yield from drive_motion(state, index, plus(times(of_sine, sine(phase)), times(of_cosine, cosine(phase))))
+            yield from drive_motion(state, index, plus(times(of_sine, sin(phase)), times(of_cosine, cos(phase))))
 
 
 def _amplitude(name: str) -> Parameter:
-    return Parameter(
-        name,
-        "angle",
+    return size(name, "angle", -0.01, 0.01, (0.02e-3, 0.3e-3)).means(
         f"error that goes with the {name} of the order times the joint's angle",
-        -0.01,
-        0.01,
-        (0.02e-3, 0.3e-3),
         "makers' catalogues: transmission error of precision gears 0.3 to 2 arcmin",
-        role="size",
     )
+
+
+def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
+    """Whether a joint went through a whole wave of the order, at enough different coordinates to see it."""
+    q = readings.q[:, at[0]]
+    waves = shapes["order"] * float(np.ptp(q)) / (2.0 * np.pi if readings.state.joints[at[0]].revolute else 1.0)
+    different = len(np.unique(np.round(q, 3)))
+    return waves >= 1.0 and different >= max(8.0, 1.5 * waves)
 
 
 GEAR_TRANSMISSION_ERROR = Effect(
@@ -41,7 +45,6 @@ GEAR_TRANSMISSION_ERROR = Effect(
     formula="sum J_i (a sin k q_i + b cos k q_i)",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="dense travel of the joint: three readings a period or more",
     aliases=("encoder_eccentricity",),
     source="F. H. Ghorbel, P. S. Gandhi & F. Alpeter, On the kinematic error in harmonic drive gears, "
@@ -49,18 +52,22 @@ GEAR_TRANSMISSION_ERROR = Effect(
     parameters=(
         _amplitude("sine"),
         _amplitude("cosine"),
-        Parameter(
+        shape(
             "order",
             "dimensionless",
-            "periods in one turn of the joint (on a slide: in one metre)",
             0.1,
             5000.0,
             (2.0, 200.0),
-            "numbers of teeth of output stages; gear ratios, and twice those for harmonic drives",
-            role="shape",
+            whole=True,
             grid=(*map(float, range(2, 61)), 72.0, 80.0, 100.0, 101.0, 120.0, 121.0, 160.0, 200.0, 240.0, 320.0),
+        ).means(
+            "periods in one turn of the joint (on a slide: in one metre)",
+            "numbers of teeth of output stages; gear ratios, and twice those for harmonic drives",
         ),
     ),
     twists=_twists,
     enough=(("sine", "order"), ("cosine", "order")),
+    rank=130,
+    linear=True,
+    shown_by=_shown,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -22,23 +22,18 @@ JOINT_COUPLING = Effect(
     formula="sum J_i k_i q_(i-1), i from 2",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="both joints' travel, each with the other at several places",
     aliases=("encoder_scale",),
     source="J. J. Craig, Introduction to Robotics: Mechanics and Control (3rd ed., Pearson, 2005), "
     "actuator space and joint space",
     parameters=(
-        Parameter(
-            "coupling",
-            "dimensionless",
+        size("coupling", "dimensionless", -0.5, 0.5, (1e-4, 1e-2)).means(
             "motion of the joint for one unit of the joint before (rad, m)",
-            -0.5,
-            0.5,
-            (1e-4, 1e-2),
             "what is left of a wrist's or belt's coupling once the controller has taken out its nominal value",
-            role="size",
         ),
     ),
     twists=_twists,
     only="joints after the first",
+    rank=190,
+    linear=True,
 )

@@ -8,13 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..statics import PoseState
-from ..vectors import Scalar, plus, times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
-from .functions import cosine, sine
+import numpy as np
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Scalar, plus, times
+from arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from sections.numeric import cos, sin
 
 ORDERS = 32
 """The highest order: a wave of 11 degrees."""
+_FOR_EACH = 8.0
+"""Different angles for each coefficient of a joint's curve."""
 
 
 def waviness(coordinate: Scalar, values: Mapping[str, float]) -> Scalar:
@@ -26,9 +30,9 @@ def waviness(coordinate: Scalar, values: Mapping[str, float]) -> Scalar:
             break
         of_sine, of_cosine = values.get(f"sine_{order}", 0.0), values.get(f"cosine_{order}", 0.0)
         if of_sine != 0.0:
-            total = plus(total, times(of_sine, sine(times(float(order), coordinate))))
+            total = plus(total, times(of_sine, sin(times(float(order), coordinate))))
         if of_cosine != 0.0:
-            total = plus(total, times(of_cosine, cosine(times(float(order), coordinate))))
+            total = plus(total, times(of_cosine, cos(times(float(order), coordinate))))
     return total
 
 
@@ -38,16 +42,16 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
             yield from drive_motion(state, index, waviness(joint.coordinate, settings.values))
 
 
+def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
+    """Whether the joint was read at enough different angles for every coefficient."""
+    angles = np.unique(np.round(readings.q[:, at[0]], 3))
+    return len(angles) >= _FOR_EACH * 2.0 * shapes["orders"]
+
+
 def _amplitude(name: str, order: int) -> Parameter:
-    return Parameter(
-        f"{name}_{order}",
-        "angle",
+    return size(f"{name}_{order}", "angle", -2e-3, 2e-3, (5e-6, 30e-6)).means(
         f"error that goes with the {name} of {order} times the joint's angle",
-        -2e-3,
-        2e-3,
-        (5e-6, 30e-6),
         "transmission error of precision gears, 0.3 to 2 arcmin in makers' catalogues, shared by many orders",
-        role="size",
     )
 
 
@@ -59,26 +63,28 @@ JOINT_WAVINESS = Effect(
     formula="sum J_i sum_k (a_k sin k q_i + b_k cos k q_i), k from 1 to 32",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="dense travel of the joint: eight different angles for each coefficient",
     aliases=("gear_transmission_error", "encoder_eccentricity", "encoder_scale"),
     source="F. H. Ghorbel, P. S. Gandhi & F. Alpeter, On the kinematic error in harmonic drive gears, "
     "ASME Journal of Mechanical Design 123 (2001) 90-97",
     parameters=(
         *_SIZES,
-        Parameter(
+        shape(
             "orders",
             "dimensionless",
-            "the highest order that takes part",
             1.0,
             float(ORDERS),
             (8.0, 32.0),
-            "the shortest wave that readings some degrees apart can show",
-            role="shape",
+            whole=True,
+            default=float(ORDERS),
             grid=(8.0, 16.0, 32.0),
-        ),
+        ).means("the highest order that takes part", "the shortest wave that readings some degrees apart can show"),
     ),
     twists=_twists,
     enough=tuple((size.name,) for size in _SIZES),
     only="joints that turn",
+    rank=140,
+    linear=True,
+    shown_by=_shown,
+    curve=waviness,
 )

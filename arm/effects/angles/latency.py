@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -24,24 +24,19 @@ LATENCY = Effect(
     formula="sum J_i (dq_i/dt) dt",
     place="joint",
     cause="angle errors",
-    automatic=False,
     needs="velocities, of more than one size or both ways",
     aliases=("friction_windup",),
     source="B. Siciliano, L. Sciavicco, L. Villani & G. Oriolo, Robotics: Modelling, Planning and Control "
     "(Springer, 2009), differential kinematics, doi:10.1007/978-1-84628-642-1",
     parameters=(
-        Parameter(
-            "delay",
-            "time",
-            "how much later the tip was measured than the encoders were read",
-            -1.0,
-            1.0,
-            (1e-3, 20e-3),
-            "cycles of controllers and field buses",
-            role="size",
+        size("delay", "time", -1.0, 1.0, (1e-3, 20e-3)).means(
+            "how much later the tip was measured than the encoders were read", "cycles of controllers and field buses"
         ),
     ),
     twists=_twists,
     together=True,
     requires=("velocities",),
+    rank=300,
+    linear=True,
+    of_instrument=True,
 )

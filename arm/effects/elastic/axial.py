@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import add, dot, scale, times
-from .effect import Effect, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import add, dot, scale, times
+from arm.effects.effect import Effect, Settings, Twist
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -29,4 +29,7 @@ AXIAL = Effect(
     aliases=(),
     source="Gere & Goodno, Mechanics of Materials, axially loaded members",
     twists=_twists,
+    flexible=True,
+    in_modes=True,
+    along_the_link=True,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import Vector, add, cross, is_zero, scale, times
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Vector, add, cross, is_zero, scale, times
+from arm.effects.effect import Effect, Settings, Twist, size
 
 
 def base_moment(state: PoseState) -> Vector:
@@ -33,31 +33,21 @@ BASE_COMPLIANCE = Effect(
     formula="c M_0 x p, M_0 the moment of all loads about the base's origin; in the plane z x p tau_1 / K_0",
     place="base",
     cause="flexibility",
-    automatic=False,
     needs="a target on the base",
     aliases=("joint_compliance",),
     source="A. H. Slocum, Precision Machine Design (Prentice Hall, 1992), structural loop and foundation",
     parameters=(
-        Parameter(
-            "compliance",
-            "compliance",
+        size("compliance", "compliance", 0.0, 1e-2, (1e-7, 1e-6)).means(
             "tilt about x and y of the base for one unit of moment (in a planar arm: about z)",
-            0.0,
-            1e-2,
-            (1e-7, 1e-6),
             "anchored pedestals: 1e6 to 1e7 N*m/rad",
-            role="size",
         ),
-        Parameter(
-            "compliance_about_z",
-            "compliance",
+        size("compliance_about_z", "compliance", 0.0, 1e-2, (1e-7, 1e-6)).means(
             "turn about the base's z for one unit of moment (nothing in a planar arm)",
-            0.0,
-            1e-2,
-            (1e-7, 1e-6),
             "anchored pedestals: 1e6 to 1e7 N*m/rad",
-            role="size",
         ),
     ),
     twists=_twists,
+    rank=230,
+    linear=True,
+    flexible=True,
 )

@@ -11,23 +11,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 from types import MappingProxyType
 
-from ..beam import Beam
-from ..chain import LoadCase
-from ..statics import PoseState, solve
-from ..vectors import ZERO, Scalar, Vector
-from .base_compliance import BASE_COMPLIANCE
-from .effect import Effect, Settings, Twist
-from .joint_compliance import JOINT_COMPLIANCE
-from .link_modulus import LINK_ELASTIC, LINK_MODULUS
-
-ELASTIC: tuple[Effect, ...] = (*LINK_ELASTIC, JOINT_COMPLIANCE, LINK_MODULUS, BASE_COMPLIANCE)
-"""What answers to loads in proportion."""
+from arm.chain.beam import Beam
+from arm.chain.chain import LoadCase
+from arm.chain.statics import PoseState, solve
+from arm.chain.vectors import ZERO, Scalar, Vector
+from arm.effects.effect import Settings, Twist
+from arm.effects.registry import EFFECTS
 
 
 def elastic_twists(state: PoseState) -> Iterator[Twist]:
     """What gives under the loads of `state`: the arm's own physics less `leave_out`, and what its `effects` add."""
     arm = state.arm
-    for effect in ELASTIC:
+    for effect in (each for each in EFFECTS.values() if each.flexible):
         if effect.automatic and effect.id not in arm.leave_out:
             yield from effect.twists(state, Settings())
         for entry in arm.effects:
@@ -43,12 +38,11 @@ def under_other_loads(
     payload_mass: Scalar | None = None,
     tip_force: Vector | None = None,
     tip_moment: tuple[float, float, float] | None = None,
-    point_forces: tuple[Vector, ...] | None = None,
     link_masses: tuple[Scalar, ...] | None = None,
     weightless: bool = False,
 ) -> PoseState:
     """The same pose under other loads: another gravity (m/s^2), payload (kg), force (N) and moment (N*m) at the tip,
-    forces at the links' far ends (N), masses spread along the links in place of their own (kg).
+    masses spread along the links in place of their own (kg).
 
     With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
@@ -74,7 +68,6 @@ def under_other_loads(
         conditions=state.conditions,
         payload_mass=carried,
         tip_force=pushed,
-        point_forces=point_forces,
         frames=state.frames,
     )
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, shape, size
+
+_STEADY = 0.02
+"""A load that changes by no more than this share of its greatest is steady."""
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -23,52 +26,50 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
             yield from drive_motion(state, index, times(compliance * share, joint.drive_load))
 
 
+def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
+    """Whether the load on a drive changes: under the same load for ever, creep is any slow settling. Creep from the
+    recording's beginning is another than that from each payload's only where these are apart."""
+    load = np.asarray(readings.state.joints[at[0]].drive_load, dtype=float)
+    if not float(np.ptp(load)) > _STEADY * float(np.max(np.abs(load))):
+        return False
+    if shapes.get("anew") != 0.0:
+        return True
+    loaded_for = np.asarray(readings.state.conditions.loaded_for)
+    return readings.time is not None and not np.array_equal(readings.time, loaded_for)
+
+
 CREEP = Effect(
     id="creep",
     title="creep of the drives",
     formula="sum J_i tau_i c_i (1 - exp(-t/tc)), t since loading began",
     place="joint",
     cause="flexibility",
-    automatic=False,
     needs="time, and steps of load",
     aliases=("thermal_expansion", "joint_compliance"),
     source="W. N. Findley, J. S. Lai & K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials "
     "(North-Holland, 1976): Kelvin's model",
     parameters=(
-        Parameter(
-            "compliance",
-            "compliance",
+        size("compliance", "compliance", 0.0, 1e-2, (1e-8, 1e-5)).means(
             "compliance that the drive gains in the end",
-            0.0,
-            1e-2,
-            (1e-8, 1e-5),
             "1 to 5 % of the compliance, all of it again in a worn or plastic part",
-            role="size",
         ),
-        Parameter(
+        shape(
             "time_constant",
             "time",
-            "time after which 63 % of it has come",
             1.0,
             1e6,
             (60.0, 7.2e4),
-            "minutes for belts and greases, hours for plastics",
-            role="shape",
             grid=(60.0, 120.0, 300.0, 600.0, 1200.0, 2400.0, 3600.0, 7200.0, 14400.0, 28800.0, 72000.0),
-        ),
-        Parameter(
-            "anew",
-            "dimensionless",
+        ).means("time after which 63 % of it has come", "minutes for belts and greases, hours for plastics"),
+        shape("anew", "dimensionless", 0.0, 1.0, (0.0, 1.0), grid=(0.0, 1.0), whole=True, default=1.0).means(
             "1: creep begins anew with each payload; 0: it began with the recording, whatever the payload since",
-            0.0,
-            1.0,
-            (0.0, 1.0),
             "Kelvin's model under steps of load, and under a load that is mostly the arm's own weight",
-            role="shape",
-            grid=(0.0, 1.0),
         ),
     ),
     twists=_twists,
     requires=("loaded_for",),
     enough=(("compliance", "time_constant"),),
+    rank=280,
+    linear=True,
+    shown_by=_shown,
 )

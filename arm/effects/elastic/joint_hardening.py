@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..statics import PoseState
-from ..vectors import Scalar
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
-from .functions import hyperbolic_tangent, saturated
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Scalar
+from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, given, shape, size
+from arm.effects.functions import saturated
+from sections.numeric import tanh
 
 ZONES = ("stiffness_1", "stiffness_2", "stiffness_3", "torque_1", "torque_2")
 
@@ -31,33 +32,21 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if all(name in values for name in ZONES):
             yield from drive_motion(state, index, three_zones(load, values))
         if compliance != 0.0 and knee > 0.0:
-            bent = saturated(load, knee) if sharp else knee * hyperbolic_tangent(load / knee)
+            bent = saturated(load, knee) if sharp else knee * tanh(load / knee)
             yield from drive_motion(state, index, compliance * bent)
         if remaining != 0.0:
             yield from drive_motion(state, index, remaining * load)
 
 
 def _zone(number: int) -> Parameter:
-    return Parameter(
-        f"stiffness_{number}",
-        "torsional_stiffness",
-        f"stiffness of the drive in zone {number}",
-        1e2,
-        1e9,
-        (1e4, 1e6),
-        "makers' catalogues of harmonic drives: K1, K2, K3",
+    return given(f"stiffness_{number}", "torsional_stiffness", 1e2, 1e9, (1e4, 1e6)).means(
+        f"stiffness of the drive in zone {number}", "makers' catalogues of harmonic drives: K1, K2, K3"
     )
 
 
 def _limit(number: int) -> Parameter:
-    return Parameter(
-        f"torque_{number}",
-        "torque",
-        f"load at which zone {number} ends",
-        0.0,
-        1e6,
-        (2.0, 500.0),
-        "makers' catalogues of harmonic drives: T1, T2",
+    return given(f"torque_{number}", "torque", 0.0, 1e6, (2.0, 500.0)).means(
+        f"load at which zone {number} ends", "makers' catalogues of harmonic drives: T1, T2"
     )
 
 
@@ -67,54 +56,24 @@ JOINT_HARDENING = Effect(
     formula="sum J_i (c_i t0 tanh(tau_i/t0) + c tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
     cause="flexibility",
-    automatic=False,
     needs="a wide range of torque",
     aliases=("joint_compliance",),
     source="T. D. Tuttle & W. P. Seering, A nonlinear model of a harmonic drive gear transmission, "
     "IEEE Transactions on Robotics and Automation 12 (1996) 368-374",
     parameters=(
-        Parameter(
-            "compliance",
-            "compliance",
+        size("compliance", "compliance", 0.0, 1e-2, (2.5e-7, 1e-4)).means(
             "compliance without load, beyond that of the file, which load takes away",
-            0.0,
-            1e-2,
-            (2.5e-7, 1e-4),
             "reciprocals of the stiffnesses in catalogues",
-            role="size",
         ),
-        Parameter(
-            "remaining",
-            "compliance",
-            "compliance beyond that of the file which is left under high load",
-            -1e-2,
-            1e-2,
-            (2.5e-7, 1e-4),
-            "reciprocals of K3 in catalogues",
-            role="size",
+        size("remaining", "compliance", -1e-2, 1e-2, (2.5e-7, 1e-4)).means(
+            "compliance beyond that of the file which is left under high load", "reciprocals of K3 in catalogues"
         ),
-        Parameter(
-            "knee",
-            "torque",
-            "load around which the compliance is lost",
-            0.0,
-            1e6,
-            (2.0, 500.0),
-            "makers' catalogues of harmonic drives: T1, T2",
-            role="shape",
-            grid=(0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0),
-            relative_to_load=True,
-        ),
-        Parameter(
-            "sharp",
-            "dimensionless",
+        shape(
+            "knee", "torque", 0.0, 1e6, (2.0, 500.0), grid=(0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0), relative_to_load=True
+        ).means("load around which the compliance is lost", "makers' catalogues of harmonic drives: T1, T2"),
+        shape("sharp", "dimensionless", 0.0, 1.0, (0.0, 1.0), grid=(0.0, 1.0), whole=True).means(
             "1: the compliance is lost at once at the knee, as between two zones; 0: smoothly",
-            0.0,
-            1.0,
-            (0.0, 1.0),
             "makers' catalogues of harmonic drives draw both",
-            role="shape",
-            grid=(0.0, 1.0),
         ),
         _zone(1),
         _zone(2),
@@ -124,4 +83,6 @@ JOINT_HARDENING = Effect(
     ),
     twists=_twists,
     enough=(("compliance", "knee"), ("remaining",), ZONES),
+    rank=150,
+    linear=True,
 )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..beam import BendingFactors
-from ..statics import LinkState, PoseState
-from ..vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.beam import BendingFactors
+from arm.chain.statics import LinkState, PoseState
+from arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
+from arm.effects.effect import Effect, Settings, Twist, size
 
 
 def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:
@@ -70,7 +70,7 @@ def _more_flexible(state: PoseState, index: int, flexibility: Scalar) -> Twist:
     """
     link = state.links[index]
     length = link.beam.length
-    lean = 0.0 if length == 0.0 else 3.0 * (2.0 * link.beam.lumped_at / length - 1.0)
+    lean = 0.0 if isinstance(length, float) and length == 0.0 else 3.0 * (2.0 * link.beam.lumped_at / length - 1.0)
     lumped = _across(link, scale(times(link.beam.lumped_mass, times(length, length)), state.gravity))
     across = _across(link, add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight)))
     turning = _across(link, add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight)))
@@ -99,16 +99,15 @@ LINK_BENDING = Effect(
     aliases=("joint_compliance",),
     source="Gere & Goodno, Mechanics of Materials, deflections of cantilever beams; Roark's Formulas, beam tables",
     parameters=(
-        Parameter(
-            "flexibility",
-            "flexibility",
+        size("flexibility", "flexibility", -1e-2, 1e-2, (1e-7, 1e-4)).means(
             "1/EI of the link beyond what the arm file gives it, its end's slope included",
-            -1e-2,
-            1e-2,
-            (1e-7, 1e-4),
             "the reciprocal of EI from 1e4 to 1e7 N*m^2, links of industrial robots",
-            role="size",
         ),
     ),
     twists=_twists,
+    rank=70,
+    linear=True,
+    flexible=True,
+    in_modes=True,
+    along_the_link=True,
 )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import scale
+from arm.chain.statics import PoseState
+from arm.chain.vectors import scale
+from arm.effects.effect import Effect, Settings, Twist, size
+
 from .axial import AXIAL
-from .effect import Effect, Parameter, Settings, Twist
 from .link_bending import LINK_BENDING
 from .shear_deformation import SHEAR_DEFORMATION
 from .slope_propagation import SLOPE_PROPAGATION
@@ -28,28 +30,30 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
                 yield Twist(twist.node, twist.index, scale(more, twist.translation), scale(more, twist.rotation))
 
 
+def _size_from_slope(excess: float) -> float:
+    """The pattern is that of a small excess x, and what the link gives goes with 1/(1 + x)."""
+    return 1.0 / (1.0 - excess) - 1.0 if excess < 1.0 else math.inf
+
+
 LINK_MODULUS = Effect(
     id="link_modulus",
     title="true moduli of the links",
     formula="(1/(1 + x) - 1) times bending, slope, axial strain, torsion and shear of link i, x = E/E_nominal - 1",
     place="link",
     cause="flexibility",
-    automatic=False,
     needs="payloads",
     aliases=("joint_compliance", "link_bending", "slope_propagation"),
     source="Gere & Goodno, Mechanics of Materials: deflections go with 1/E (and 1/G, Poisson's ratio kept)",
     parameters=(
-        Parameter(
-            "excess",
-            "dimensionless",
+        size("excess", "dimensionless", -0.9, 3.0, (-0.4, 0.4)).means(
             "true modulus over the one in the file, less one",
-            -0.9,
-            3.0,
-            (-0.4, 0.4),
             "metals scatter by 5 %; castings, laminates and plastics by up to 40 %",
-            role="size",
         ),
     ),
     twists=_twists,
+    along_the_link=True,
     together=True,
+    rank=90,
+    flexible=True,
+    size_from_slope=_size_from_slope,
 )

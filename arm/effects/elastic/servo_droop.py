@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -22,23 +22,17 @@ SERVO_DROOP = Effect(
     formula="sum J_i tau_i / Kp_i",
     place="joint",
     cause="flexibility",
-    automatic=False,
     needs="command and encoder both logged",
     aliases=("joint_compliance",),
     source="B. Siciliano, L. Sciavicco, L. Villani & G. Oriolo, Robotics: Modelling, Planning and Control "
     "(Springer, 2009), PD control without compensation of gravity, doi:10.1007/978-1-84628-642-1",
     parameters=(
-        Parameter(
-            "compliance",
-            "compliance",
-            "reciprocal of the position loop's gain Kp",
-            0.0,
-            1e-1,
-            (1e-6, 1e-3),
-            "up to 30 mrad under the torques of light arms",
-            role="size",
+        size("compliance", "compliance", 0.0, 1e-1, (1e-6, 1e-3)).means(
+            "reciprocal of the position loop's gain Kp", "up to 30 mrad under the torques of light arms"
         ),
     ),
     twists=_twists,
     before_encoder=True,
+    rank=320,
+    linear=True,
 )

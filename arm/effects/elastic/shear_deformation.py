@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import add, dot, scale, times
-from .effect import Effect, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import add, dot, scale, times
+from arm.effects.effect import Effect, Settings, Twist
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -35,4 +35,7 @@ SHEAR_DEFORMATION = Effect(
     aliases=("link_bending",),
     source="W. D. Pilkey, Analysis and Design of Elastic Beams (Wiley, 2002), shear coefficients from strain energy",
     twists=_twists,
+    flexible=True,
+    shear_modulus="always",
+    along_the_link=True,
 )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..beam import BendingFactors
-from ..statics import LinkState, PoseState
-from ..vectors import Scalar, Vector, add, dot, plus, scale, times
-from .effect import Effect, Settings, Twist
+from arm.chain.beam import BendingFactors
+from arm.chain.statics import LinkState, PoseState
+from arm.chain.vectors import Scalar, Vector, add, dot, plus, scale, times
+from arm.effects.effect import Effect, Settings, Twist
+
 from .link_bending import in_both_planes
 
 
@@ -52,4 +53,9 @@ SLOPE_PROPAGATION = Effect(
     aliases=("joint_compliance",),
     source="Gere & Goodno, Mechanics of Materials, slopes of cantilever beams; Roark's Formulas, beam tables",
     twists=_twists,
+    rank=60,
+    flexible=True,
+    in_modes=True,
+    along_the_link=True,
+    turns_along_the_link=True,
 )

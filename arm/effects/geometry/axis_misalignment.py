@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import Vector, add, cross, is_zero, plus, rotate, scale
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Vector, add, cross, is_zero, plus, rotate, scale
+from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -40,8 +40,8 @@ def _before(state: PoseState, index: int) -> tuple[Vector, Vector]:
     axis = joint.axis
     hint: Vector = (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)
     across = cross(axis, hint)
-    size = (across[0] ** 2 + across[1] ** 2 + across[2] ** 2) ** 0.5
-    first: Vector = (across[0] / size, across[1] / size, across[2] / size)
+    length = (across[0] ** 2 + across[1] ** 2 + across[2] ** 2) ** 0.5
+    first: Vector = (across[0] / length, across[1] / length, across[2] / length)
     second = cross(axis, first)
     frame = state.frames.joints[index].frame
     return rotate(frame, first), rotate(frame, second)
@@ -49,7 +49,7 @@ def _before(state: PoseState, index: int) -> tuple[Vector, Vector]:
 
 def _size(name: str, kind: str, meaning: str, bound: float, typical: tuple[float, float]) -> Parameter:
     source = "B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)"
-    return Parameter(name, kind, meaning, -bound, bound, typical, source, role="size", across=True)
+    return size(name, kind, -bound, bound, typical, across=True).means(meaning, source)
 
 
 AXIS_MISALIGNMENT = Effect(
@@ -58,7 +58,6 @@ AXIS_MISALIGNMENT = Effect(
     formula="t + r x (p - o_i), t and r across the axis, fixed to the link before",
     place="joint",
     cause="geometry",
-    automatic=False,
     needs="poses in space that differ in the angles before and after the joint",
     aliases=("encoder_offset", "link_length", "frame_misalignment"),
     source="S. A. Hayati, Robot arm geometric link parameter estimation, 22nd IEEE Conference on Decision and Control "
@@ -71,4 +70,6 @@ AXIS_MISALIGNMENT = Effect(
     ),
     twists=_twists,
     only="joints after the first",
+    rank=110,
+    linear=True,
 )

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+
 from .frame_misalignment import moved_base
 
 
@@ -15,28 +16,14 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _shift(name: str) -> Parameter:
-    return Parameter(
-        name,
-        "speed",
-        f"drift of the base along {name}",
-        -1e-4,
-        1e-4,
-        (10e-6 / 3600.0, 150e-6 / 3600.0),
-        "tripods and floors: 10 to 150 um an hour (ISO 230-3:2020 tests it)",
-        role="size",
+    return size(name, "speed", -1e-4, 1e-4, (10e-6 / 3600.0, 150e-6 / 3600.0)).means(
+        f"drift of the base along {name}", "tripods and floors: 10 to 150 um an hour (ISO 230-3:2020 tests it)"
     )
 
 
 def _turn(axis: str) -> Parameter:
-    return Parameter(
-        f"about_{axis}",
-        "angular_speed",
-        f"turning of the base about {axis}",
-        -1e-4,
-        1e-4,
-        (5e-6 / 3600.0, 100e-6 / 3600.0),
-        "tripods and floors: 5 to 100 urad an hour",
-        role="size",
+    return size(f"about_{axis}", "angular_speed", -1e-4, 1e-4, (5e-6 / 3600.0, 100e-6 / 3600.0)).means(
+        f"turning of the base about {axis}", "tripods and floors: 5 to 100 urad an hour"
     )
 
 
@@ -46,11 +33,13 @@ FRAME_DRIFT = Effect(
     formula="(t' + r' x p) t, t since the recording began",
     place="base",
     cause="measurement",
-    automatic=False,
     needs="time, and a fixed target",
     aliases=("gearbox_thermal",),
     source="ISO 230-3:2020 (environmental temperature variation error)",
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     requires=("time",),
+    rank=270,
+    linear=True,
+    of_instrument=True,
 )

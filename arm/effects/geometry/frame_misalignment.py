@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..statics import PoseState
-from ..vectors import Scalar, Vector, is_zero, scale
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Scalar, Vector, is_zero, scale
+from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def moved_base(state: PoseState, values: Mapping[str, float], factor: Scalar = 1.0) -> Iterator[Twist]:
@@ -25,28 +25,14 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _shift(name: str) -> Parameter:
-    return Parameter(
-        name,
-        "length",
-        f"shift of the base along {name}",
-        -1.0,
-        1.0,
-        (10e-6, 5e-3),
-        "fits of a measuring frame to a base by hand",
-        role="size",
+    return size(name, "length", -1.0, 1.0, (10e-6, 5e-3), out_of_plane=name == "z").means(
+        f"shift of the base along {name}", "fits of a measuring frame to a base by hand"
     )
 
 
 def _turn(axis: str) -> Parameter:
-    return Parameter(
-        f"about_{axis}",
-        "angle",
-        f"turn of the base about {axis}",
-        -0.2,
-        0.2,
-        (0.1e-3, 1e-3),
-        "fits of a measuring frame to a base by hand",
-        role="size",
+    return size(f"about_{axis}", "angle", -0.2, 0.2, (0.1e-3, 1e-3), out_of_plane=axis != "z").means(
+        f"turn of the base about {axis}", "fits of a measuring frame to a base by hand"
     )
 
 
@@ -56,10 +42,13 @@ FRAME_MISALIGNMENT = Effect(
     formula="t + r x p; in the plane t + r z x p",
     place="base",
     cause="measurement",
-    automatic=False,
     needs="nothing more than poses",
     aliases=("encoder_offset", "clearance"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
+    rank=170,
+    linear=True,
+    of_instrument=True,
+    free_with="frame",
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import scale
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import scale
+from arm.effects.effect import Effect, Settings, Twist, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -21,21 +21,17 @@ INSTRUMENT_SCALE = Effect(
     formula="e p",
     place="tip",
     cause="measurement",
-    automatic=False,
     needs="a certified length within the measured volume",
     aliases=("link_length", "thermal_expansion"),
     source="ISO 10360-10:2021 (laser trackers: length measurement error)",
     parameters=(
-        Parameter(
-            "scale",
-            "dimensionless",
+        size("scale", "dimensionless", -0.05, 0.05, (5e-6, 4e-4)).means(
             "share by which the instrument reads distances from the base too long",
-            -0.05,
-            0.05,
-            (5e-6, 4e-4),
             "laser trackers: 5 to 20 ppm; camera systems without a scale bar: hundreds of ppm",
-            role="size",
         ),
     ),
     twists=_twists,
+    rank=260,
+    linear=True,
+    of_instrument=True,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import plus, scale, times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import plus, scale, times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -27,34 +27,21 @@ LINK_LENGTH = Effect(
     formula="sum u_i (dL_i + e L_i) + e sum a_i q_i of slides",
     place="link",
     cause="geometry",
-    automatic=False,
     needs="poses that differ in all angles",
     aliases=("tool_offset", "instrument_scale", "thermal_expansion"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        Parameter(
-            "length",
-            "length",
-            "true length less the one in the file",
-            -0.1,
-            0.1,
-            (0.1e-3, 1e-3),
-            "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m",
-            role="size",
+        size("length", "length", -0.1, 0.1, (0.1e-3, 1e-3)).means(
+            "true length less the one in the file", "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m"
         ),
-        Parameter(
-            "stretch",
-            "dimensionless",
+        size("stretch", "dimensionless", -0.1, 0.1, (2e-5, 1e-3), of_all=True).means(
             "the same as a share of each link's length and each slide's travel: all in proportion, by one wrong gauge",
-            -0.1,
-            0.1,
-            (2e-5, 1e-3),
             "ISO 2768-1:1989, medium to coarse, over 0.2 to 1 m",
-            role="size",
-            of_all=True,
         ),
     ),
     twists=_twists,
     together=True,
     enough=(("length",), ("stretch",)),
+    rank=30,
+    linear=True,
 )

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import IDENTITY, scale
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import IDENTITY, scale
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -30,22 +30,17 @@ RAIL_PITCH = Effect(
     # The carriage is the link that the slide carries; an angle at a joint that slides would be read as a length.
     place="link",
     cause="geometry",
-    automatic=False,
     needs="a level or an autocollimator on the carriage, at many places along the rail",
     aliases=("encoder_offset", "backlash"),
     source="ISO 230-1:2012: angular error motions of a linear axis, here as half of their range",
     parameters=(
-        Parameter(
-            "angle",
-            "angle",
+        given("angle", "angle", 0.0, 5e-3, (10e-6, 200e-6)).means(
             "how far the carriage tilts to either side",
-            0.0,
-            5e-3,
-            (10e-6, 200e-6),
             "straightness of rail guides over the length of a carriage: 10 um over 0.1 to 1 m",
         ),
     ),
     play=_play,
     enough=(("angle",),),
     only="joints that slide",
+    of_link=False,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import scale
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import scale
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -28,18 +28,12 @@ RAIL_STRAIGHTNESS = Effect(
     formula="sum s_i n_i, |s_i| <= deviation, n_i across slide i",
     place="joint",
     cause="geometry",
-    automatic=False,
     needs="a target on the carriage, at many places along the rail",
     aliases=("clearance",),
     source="ISO 230-1:2012: straightness error motions of a linear axis, here as the zone's half width",
     parameters=(
-        Parameter(
-            "deviation",
-            "length",
+        given("deviation", "length", 0.0, 5e-3, (5e-6, 100e-6)).means(
             "half the width of the zone within which the carriage's path lies",
-            0.0,
-            5e-3,
-            (5e-6, 100e-6),
             "profiled rail guides: running parallelism of some 10 um a metre; rails on welded frames: ten times that",
         ),
     ),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..kinematics import section_directions
-from ..statics import PoseState
-from ..vectors import Vector, add, dot, is_zero, scale, snap
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.kinematics import section_directions
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Vector, add, dot, is_zero, scale, snap
+from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:
@@ -39,15 +39,8 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _offset(name: str, direction: str) -> Parameter:
-    return Parameter(
-        name,
-        "length",
-        f"where the tip truly is, {direction}",
-        -0.2,
-        0.2,
-        (0.1e-3, 2e-3),
-        "tool centre points taught by hand",
-        role="size",
+    return size(name, "length", -0.2, 0.2, (0.1e-3, 2e-3), out_of_plane=name == "out").means(
+        f"where the tip truly is, {direction}", "tool centre points taught by hand"
     )
 
 
@@ -57,7 +50,6 @@ TOOL_OFFSET = Effect(
     formula="a u_n + b n_n (+ c u_n x n_n in space)",
     place="tip",
     cause="geometry",
-    automatic=False,
     needs="turns of the wrist",
     aliases=("link_length", "encoder_offset"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
@@ -67,4 +59,7 @@ TOOL_OFFSET = Effect(
         _offset("out", "out of that plane (nothing in a planar arm)"),
     ),
     twists=_twists,
+    rank=100,
+    linear=True,
+    free_with="tool",
 )

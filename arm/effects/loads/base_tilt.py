@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import ZERO, Vector, cross, is_zero
-from .effect import Effect, Parameter, Settings, Twist
-from .elastic import elastic_twists, under_other_loads
+from arm.chain.statics import PoseState
+from arm.chain.vectors import ZERO, Vector, cross, is_zero
+from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -24,15 +24,9 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _turn(axis: str) -> Parameter:
-    return Parameter(
-        f"about_{axis}",
-        "angle",
+    return size(f"about_{axis}", "angle", -0.2, 0.2, (0.1e-3, 30e-3)).means(
         f"turn of the base about {axis} against the plumb line" + ("" if axis == "z" else " (nothing in a planar arm)"),
-        -0.2,
-        0.2,
-        (0.1e-3, 30e-3),
         "machines levelled by a spirit level: 0.1 mrad; carts and gantries: tens of mrad",
-        role="size",
     )
 
 
@@ -42,7 +36,6 @@ BASE_TILT = Effect(
     formula="sum over what bends, under the change of gravity g x tilt",
     place="base",
     cause="loads",
-    automatic=False,
     needs="an inclinometer, or known stiffness",
     aliases=("joint_compliance", "frame_misalignment"),
     source="B. Siciliano, L. Sciavicco, L. Villani & G. Oriolo, Robotics: Modelling, Planning and Control "
@@ -50,4 +43,6 @@ BASE_TILT = Effect(
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     through_flexibility=True,
+    rank=240,
+    linear=True,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
+from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
 
 _UPRIGHT: Vector = (0.0, 0.0, 1.0)
 
@@ -32,15 +32,9 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _torque(name: str) -> Parameter:
-    return Parameter(
-        name,
-        "angle",
+    return size(name, "angle", -0.1, 0.1, (0.1e-3, 10e-3)).means(
         f"the spring's torque over the drive's stiffness, the part that goes with the {name} of the link's angle",
-        -0.1,
-        0.1,
-        (0.1e-3, 10e-3),
         "springs of 1e2 to 1e3 N*m on drives of 1e5 to 1e6 N*m/rad",
-        role="size",
     )
 
 
@@ -50,7 +44,6 @@ COUNTERBALANCE = Effect(
     formula="J_i k sin(phi_i - phi_0)/K_i = J_i (a sin phi_i + b cos phi_i)",
     place="joint",
     cause="loads",
-    automatic=False,
     needs="two payloads",
     aliases=("joint_compliance",),
     source="J. L. Herder, Energy-free Systems (doctoral thesis, Delft University of Technology, 2001): "
@@ -59,4 +52,6 @@ COUNTERBALANCE = Effect(
     twists=_twists,
     only="joints that turn",
     least_travel=0.05,  # a joint that stands only repeats what the joints before it do
+    rank=290,
+    linear=True,
 )

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..beam import Beam
-from ..statics import PoseState
-from ..vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.beam import Beam
+from arm.chain.statics import PoseState
+from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 _BOOLE = (7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0)
 """Boole's rule over the quarters of a link, exact for polynomials up to the fifth degree."""
@@ -115,23 +115,17 @@ DYNAMIC_DEFLECTION = Effect(
     formula="-sum J_i c_i (M q'' + h(q, q'))_i",
     place="joint",
     cause="flexibility",
-    automatic=False,
     needs="velocities and accelerations",
     aliases=("joint_compliance", "latency"),
     source="M. W. Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dyn. Sys. 109 (1987), "
     "doi:10.1115/1.3143860",
     parameters=(
-        Parameter(
-            "compliance",
-            "compliance",
-            "compliance of the drive under inertial loads",
-            0.0,
-            1e-2,
-            (2.5e-7, 1e-4),
-            "the reciprocal of drives' stiffnesses",
-            role="size",
+        size("compliance", "compliance", 0.0, 1e-2, (2.5e-7, 1e-4)).means(
+            "compliance of the drive under inertial loads", "the reciprocal of drives' stiffnesses"
         ),
     ),
     twists=_twists,
     requires=("velocities", "accelerations"),
+    rank=310,
+    linear=True,
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from .effect import Effect, Parameter, Settings, Twist
-from .elastic import elastic_twists, under_other_loads
+from arm.chain.statics import PoseState
+from arm.effects.effect import Effect, Settings, Twist, size
+from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -22,23 +22,18 @@ LINK_MASS = Effect(
     formula="sum over what bends, under the weight m_i g spread along link i",
     place="link",
     cause="loads",
-    automatic=False,
     needs="known stiffness",
     aliases=("payload", "joint_compliance"),
     source="C. G. Atkeson, C. H. An & J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and "
     "links, International Journal of Robotics Research 5 (1986) 101-119",
     parameters=(
-        Parameter(
-            "mass",
-            "mass",
+        size("mass", "mass", -100.0, 1000.0, (0.2, 5.0)).means(
             "mass beyond that of the file, spread along the link as its own is (for each link named)",
-            -100.0,
-            1000.0,
-            (0.2, 5.0),
             "hose and cable packages: 0.5 to 5 kg a metre",
-            role="size",
         ),
     ),
     twists=_twists,
     through_flexibility=True,
+    rank=250,
+    linear=True,
 )

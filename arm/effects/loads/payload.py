@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from .effect import Effect, Parameter, Settings, Twist
-from .elastic import elastic_twists, under_other_loads
+from arm.chain.statics import PoseState
+from arm.effects.effect import Effect, Settings, Twist, size
+from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -21,23 +21,18 @@ PAYLOAD = Effect(
     formula="sum over what bends, under the weight m g at the tip",
     place="tip",
     cause="loads",
-    automatic=False,
     needs="known stiffness, or two payloads",
     aliases=("joint_compliance", "link_mass"),
     source="C. G. Atkeson, C. H. An & J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and "
     "links, International Journal of Robotics Research 5 (1986) 101-119",
     parameters=(
-        Parameter(
-            "mass",
-            "mass",
+        size("mass", "mass", -100.0, 1000.0, (0.1, 3.0)).means(
             "mass at the tip beyond the payload declared",
-            -100.0,
-            1000.0,
-            (0.1, 3.0),
             "tool changers, targets, cables and fillings left out of the figure declared",
-            role="size",
         ),
     ),
     twists=_twists,
     through_flexibility=True,
+    rank=50,
+    linear=True,
 )

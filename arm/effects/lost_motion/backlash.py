@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..statics import PoseState
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, shape, size
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -41,29 +41,25 @@ BACKLASH = Effect(
     aliases=("encoder_offset",),
     source="ISO 230-2:2014 (reversal error); ISO 9283:1998 (multi-directional pose accuracy variation)",
     parameters=(
-        Parameter(
-            "total",
-            "angle",
-            "total lost motion",
-            0.0,
-            0.1,
-            (0.03e-3, 1e-3),
-            "gearbox makers' catalogue figures: below 1 to 3 arcmin",
-            role="size",
+        size("total", "angle", 0.0, 0.1, (0.03e-3, 1e-3)).means(
+            "total lost motion", "gearbox makers' catalogue figures: below 1 to 3 arcmin"
         ),
-        Parameter(
+        shape(
             "held_below",
             "torque",
-            "load below which friction holds the joint on the side that it came from",
             0.0,
             1e6,
             (0.0, 50.0),
-            "friction of gearboxes: a few per cent of their rated torque",
-            role="shape",
             grid=(0.0, 0.1, 0.25, 0.5, 1.01),
             relative_to_load=True,
+            requires=("sides",),
+        ).means(
+            "load below which friction holds the joint on the side that it came from",
+            "friction of gearboxes: a few per cent of their rated torque",
         ),
     ),
     play=_play,
     seated=_seated,
+    rank=40,
+    linear=True,
 )

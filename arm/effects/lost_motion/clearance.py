@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..statics import PoseState
-from ..vectors import dot, scale, subtract
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import dot, scale, subtract
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, size
 
 _NO_LOAD = 1e-9
 """A load (N) that seats nothing."""
@@ -34,8 +34,8 @@ def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if radius == 0.0 or not settings.acts_at(index):
             continue
         across = subtract(joint.force, scale(dot(joint.axis, joint.force), joint.axis))
-        size = np.sqrt(dot(across, across))
-        share = np.where(size > _NO_LOAD, 1.0 / np.where(size > _NO_LOAD, size, 1.0), 0.0)
+        length = np.sqrt(dot(across, across))
+        share = np.where(length > _NO_LOAD, 1.0 / np.where(length > _NO_LOAD, length, 1.0), 0.0)
         yield Twist("joint", index, translation=scale(radius * share, across))
 
 
@@ -52,17 +52,12 @@ CLEARANCE = Effect(
     "due to clearances in parallel manipulators, Mechanism and Machine Theory 46 (2011) 577-592: "
     "the load decides where a pin lies",
     parameters=(
-        Parameter(
-            "radius",
-            "length",
-            "how far the pin's centre can move from the bore's",
-            0.0,
-            5e-3,
-            (10e-6, 100e-6),
-            "running fits of ISO 286-1 at joint diameters",
-            role="size",
+        size("radius", "length", 0.0, 5e-3, (10e-6, 100e-6)).means(
+            "how far the pin's centre can move from the bore's", "running fits of ISO 286-1 at joint diameters"
         ),
     ),
     play=_play,
     seated=_seated,
+    rank=160,
+    linear=True,
 )

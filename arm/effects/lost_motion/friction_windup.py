@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import JointState, PoseState
-from ..vectors import Scalar, plus, times
-from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, drive_motion
-from .functions import magnitude
+from arm.chain.statics import JointState, PoseState
+from arm.chain.vectors import Scalar, plus, times
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, size
+from sections.numeric import absolute
 
 
 def _windup(joint: JointState, settings: Settings) -> Scalar:
     per_load = settings.values.get("windup_per_load", 0.0)
-    grown = 0.0 if per_load == 0.0 else times(per_load, magnitude(joint.drive_load))
+    grown = 0.0 if per_load == 0.0 else times(per_load, absolute(joint.drive_load))
     return plus(settings.values.get("windup", 0.0), grown)
 
 
@@ -45,34 +45,22 @@ FRICTION_WINDUP = Effect(
     formula="sum -J_i s_i (tau_c + mu |tau_i|)/K_i",
     place="joint",
     cause="play and friction",
-    automatic=False,
     needs="every pose from both sides, with two payloads",
     aliases=("backlash",),
     source="B. Armstrong-Helouvry, P. Dupont & C. Canudas de Wit, A survey of models, analysis tools and compensation "
     "methods for the control of machines with friction, Automatica 30 (1994) 1083-1138",
     parameters=(
-        Parameter(
-            "windup",
-            "angle",
+        size("windup", "angle", 0.0, 0.1, (0.02e-3, 0.3e-3)).means(
             "Coulomb friction over the drive's stiffness, tau_c/K",
-            0.0,
-            0.1,
-            (0.02e-3, 0.3e-3),
             "friction of a few per cent of the rated torque, on a drive that winds up 1 to 5 mrad at it",
-            role="size",
         ),
-        Parameter(
-            "windup_per_load",
-            "compliance",
+        size("windup_per_load", "compliance", 0.0, 1e-2, (1e-8, 1e-5), optional=True).means(
             "share of the load that friction takes, over the drive's stiffness, mu/K",
-            0.0,
-            1e-2,
-            (1e-8, 1e-5),
             "a tenth of the drive's compliance",
-            role="size",
-            optional=True,
         ),
     ),
     play=_play,
     seated=_seated,
+    rank=200,
+    linear=True,
 )

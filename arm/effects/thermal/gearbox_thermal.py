@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+
 from .warming import LAG, warming_of
 
 
@@ -23,23 +24,17 @@ GEARBOX_THERMAL = Effect(
     formula="sum J_i g_i dT_i, dT_i above 20 degC behind its first-order lag",
     place="joint",
     cause="warming",
-    automatic=False,
     needs="temperature",
     aliases=("thermal_bending", "frame_drift"),
     source="ISO 230-3:2020 (determination of thermal effects)",
     parameters=(
-        Parameter(
-            "per_kelvin",
-            "angle_per_temperature",
-            "motion of the joint for one kelvin of warming above 20 degC",
-            -1e-3,
-            1e-3,
-            (1e-6, 1e-5),
-            "0.01 to 0.1 mrad for 10 K",
-            role="size",
+        size("per_kelvin", "angle_per_temperature", -1e-3, 1e-3, (1e-6, 1e-5)).means(
+            "motion of the joint for one kelvin of warming above 20 degC", "0.01 to 0.1 mrad for 10 K"
         ),
         LAG,
     ),
     twists=_twists,
     requires=("warming",),
+    rank=210,
+    linear=True,
 )

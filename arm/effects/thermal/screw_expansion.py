@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import times
-from .effect import Effect, Parameter, Settings, Twist, drive_motion
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+
 from .warming import LAG, warming_of
 
 
@@ -25,24 +26,18 @@ SCREW_EXPANSION = Effect(
     formula="sum J_i a_i dT_i q_i, dT_i above 20 degC behind its first-order lag",
     place="joint",
     cause="warming",
-    automatic=False,
     needs="temperature, at several positions of the slide",
     aliases=("encoder_scale", "thermal_expansion"),
     source="ISO 230-3:2020 (determination of thermal effects): distortion of linear axes in motion",
     parameters=(
-        Parameter(
-            "expansion",
-            "thermal_expansion",
+        size("expansion", "thermal_expansion", -1e-4, 1e-4, (5e-6, 2e-5)).means(
             "growth for one kelvin of warming above 20 degC, from the coordinate's zero on",
-            -1e-4,
-            1e-4,
-            (5e-6, 2e-5),
             "steel screws 11e-6/K, glass scales 8e-6/K; more where the recorded temperature is not the screw's",
-            role="size",
         ),
         LAG,
     ),
     twists=_twists,
     requires=("warming",),
     only="joints that slide",
+    linear=True,
 )

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..statics import PoseState
-from ..vectors import scale, times
-from .effect import Effect, Parameter, Settings, Twist
+from arm.chain.statics import PoseState
+from arm.chain.vectors import scale, times
+from arm.effects.effect import Effect, Settings, Twist, size
+
 from .warming import LAG, warming_of
 
 
@@ -29,24 +30,19 @@ THERMAL_BENDING = Effect(
     formula="n_i k_i dT_i L_i^2/2, and its slope k_i dT_i L_i carried on; k_i = alpha G/(h dT), G from bottom to top",
     place="link",
     cause="warming",
-    automatic=False,
     needs="temperature",
     aliases=("gearbox_thermal",),
     source="B. A. Boley & J. H. Weiner, Theory of Thermal Stresses (Wiley, 1960), beams",
     parameters=(
-        Parameter(
-            "curvature",
-            "curvature_per_temperature",
+        size("curvature", "curvature_per_temperature", -1e-3, 1e-3, (5e-6, 1e-4)).means(
             "curvature towards the section's height for one kelvin of warming above 20 degC",
-            -1e-3,
-            1e-3,
-            (5e-6, 1e-4),
             "12 to 24 um/(m*K) over heights of 0.1 m, with 0.05 to 0.5 of the warming between bottom and top",
-            role="size",
         ),
         LAG,
     ),
     twists=_twists,
     together=True,
     requires=("warming",),
+    rank=220,
+    linear=True,
 )

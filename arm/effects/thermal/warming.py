@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..statics import PoseState
-from ..vectors import Scalar
-from .effect import Parameter
+from arm.chain.statics import PoseState
+from arm.chain.vectors import Scalar
+from arm.effects.effect import shape
 
-LAG = Parameter(
+LAG = shape(
     "lag",
     "time",
-    "time constant with which the part follows the temperature recorded",
     0.0,
     2e5,
     (1e3, 7.2e3),
-    "links of robots and machine columns: 0.3 to 2 h (ISO 230-3:2020, thermal effects)",
-    role="shape",
     grid=(0.0, 300.0, 600.0, 1200.0, 1800.0, 2700.0, 3600.0, 5400.0, 7200.0, 10800.0, 14400.0, 21600.0),
+    requires=("time", "warming"),
+).means(
+    "time constant with which the part follows the temperature recorded",
+    "links of robots and machine columns: 0.3 to 2 h (ISO 230-3:2020, thermal effects)",
 )
 
 

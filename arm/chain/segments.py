@@ -1,0 +1,69 @@
+"""Links cut into pieces, each a beam of its own: for loads and bending along a shape that is no longer straight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from .beam import Beam
+from .chain import Arm, Joint, Link
+from .conditions import Conditions
+from .kinematics import section_directions
+from .vectors import IDENTITY, Scalar, times
+
+PIECES = 4
+"""Of each uniform elastic link. What a piece's own curvature leaves out falls with the square of their number: with
+four it is below 0.1 um for links that bend by 10 mm."""
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """An arm whose links are cut; `owner` gives each piece's link, `first` the first piece of each link."""
+
+    arm: Arm
+    owner: tuple[int, ...]
+    first: tuple[int, ...]
+
+    def last(self, link: int) -> int:
+        """The last piece of a link."""
+        return (self.first[link + 1] if link + 1 < len(self.first) else len(self.owner)) - 1
+
+    def of(self, link: int) -> range:
+        """The pieces of a link, from its joint out."""
+        return range(self.first[link], self.last(link) + 1)
+
+    def coordinates(self, q: Sequence[Scalar]) -> list[Scalar]:
+        """The cut arm's joint coordinates: 0 between pieces, or the link's own angle where angles are absolute."""
+        turning = [self.arm.angles == "absolute" and joint.revolute for joint in self.arm.joints]
+        return [
+            q[owner] if index == self.first[owner] or turning[index] else 0.0 for index, owner in enumerate(self.owner)
+        ]
+
+    def beams(self, beams: Sequence[Beam], lengths: Sequence[Scalar]) -> list[Beam]:
+        """Each link's beam shared out among its pieces, for links of these lengths (m)."""
+        counts = [len(self.of(link)) for link in range(len(self.first))]
+        return [replace(beams[o], length=times(1.0 / counts[o], lengths[o])) for o in self.owner]
+
+    def conditions(self, held: Conditions) -> Conditions:
+        """The conditions, with a temperature for each piece."""
+        if held.warming is None:
+            return held
+        return replace(held, warming=tuple(held.warming[owner] for owner in self.owner))
+
+
+def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
+    """The arm with every uniform elastic link in so many pieces; rigid and tapered ones stay whole."""
+    joints: list[Joint] = []
+    links: list[Link] = []
+    owner: list[int] = []
+    first: list[int] = []
+    for index, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams, strict=True)):
+        count = 1 if beam.flexural_rigidity_height is None or beam.taper.parts else pieces
+        height, _ = section_directions(link, joint)
+        first.append(len(owner))
+        owner += [index] * count
+        axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
+        joints += [replace(joint, spans=count), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
+        piece = replace(link, length=link.length / count, end_rotation=IDENTITY, height_direction=height)
+        links += [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
+    return Pieces(replace(arm, joints=tuple(joints), links=tuple(links)), tuple(owner), tuple(first))

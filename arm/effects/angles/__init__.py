@@ -1,0 +1,1 @@
+"""Angles that are not what the encoders say."""

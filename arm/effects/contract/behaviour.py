@@ -1,0 +1,175 @@
+"""What an effect does on a few chains, held against what its entry says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from arm.chain.statics import PoseState
+from arm.effects.effect import Disc, Effect, Interval, Settings, Twist
+from sections.numeric import Array
+
+from .chains import ROWS, Chain, chains
+
+Moved = dict[tuple[str, int], tuple[Any, ...]]
+"""Displacement and rotation (six components) put in at each node."""
+
+_FAILURES = (ArithmeticError, AttributeError, LookupError, NotImplementedError, RuntimeError, TypeError, ValueError)
+_TOLERANCE = 1e-9
+
+
+def behaviour_faults(effect: Effect) -> list[str]:
+    """What is wrong with an effect's physics, as phrases; each is said once, for the first chain that shows it."""
+    found: dict[str, None] = {}
+    tried = chains()
+    for chain in tried:
+        try:
+            found.update(dict.fromkeys(_faults(effect, chain)))
+        except _FAILURES as error:
+            found[f"raises {type(error).__name__} ({error}) on the chain in {_where(chain)}"] = None
+    if not found:
+        found.update(dict.fromkeys(_idle_sizes(effect, tried)))
+    return list(found)
+
+
+def _where(chain: Chain) -> str:
+    return f"{'the plane' if chain.arm.planar() else 'space'} ({chain.arm.angles} angles)"
+
+
+def _faults(effect: Effect, chain: Chain) -> Iterator[str]:
+    readings = chain.readings()
+    usual = _values(effect)
+    strange = list(_strange(effect, chain, usual))
+    yield from strange
+    if strange:
+        return
+    whole = _table(_moved(effect, readings, usual))
+    if not all(np.isfinite(part).all() for part in whole.values()):
+        yield "gives values that are not finite"
+        return
+    if effect.sizes and _moves(effect, readings, {**usual, **{size.name: 0.0 for size in effect.sizes}}):
+        yield "moves something at a size of 0"
+    if effect.linear and effect.sizes:
+        twice = _table(_moved(effect, readings, {**usual, **{s.name: 2.0 * usual[s.name] for s in effect.sizes}}))
+        if not _alike(twice, {node: 2.0 * part for node, part in whole.items()}):
+            yield "is not linear in its sizes, though it promises so"
+    for index, joint in enumerate(chain.arm.joints if effect.place in ("joint", "link") else ()):
+        if not effect.can_act(index, revolute=joint.revolute) and _moves(effect, readings, usual, (index,)):
+            yield f"moves something where it cannot act ({effect.only})"
+    for condition in effect.requires:
+        if _moves(effect, chain.readings(condition), usual):
+            yield f"moves something without {condition}, which it requires"
+    # A lag asks for the readings before: one alone knows nothing of it.
+    alone = {**usual, **{shape.name: shape.default for shape in effect.shapes if "time" in shape.requires}}
+    every = _table(_moved(effect, readings, alone))
+    for row in range(ROWS):
+        one = _table(_moved(effect, chain.reading(row), alone), 1)
+        if not _alike(one, {node: part[:, row : row + 1] for node, part in every.items()}):
+            yield "gives other values for floats than for arrays"
+            break
+    yield from _symbolic(effect, chain, usual)
+
+
+def _values(effect: Effect) -> dict[str, float]:
+    """The upper end of what is typical for every size and shape."""
+    return {each.name: each.typical[1] for each in (*effect.sizes, *effect.shapes)}
+
+
+def _settings(values: Mapping[str, float], at: tuple[int, ...] = ()) -> Settings:
+    return Settings(at, MappingProxyType(dict(values)))
+
+
+def _strange(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iterator[str]:
+    """What is neither twist nor play, or stands at no node of the chain."""
+    state, settings = chain.readings(), _settings({**values, **_given(effect)})
+    twists = [*effect.twists(state, settings), *effect.seated(state, settings)]
+    for play in effect.play(chain.design(0), settings):
+        if isinstance(play, Interval):
+            twists += play.twists
+            if not play.twists:
+                yield "has an interval of play without a twist"
+        elif not isinstance(play, Disc):  # pyright: ignore[reportUnnecessaryIsInstance]
+            yield f"has play that is neither Interval nor Disc: {play!r}"
+        elif not play.radius >= 0.0 or not 0 <= play.index < chain.arm.size:
+            yield "has a disc of play of negative radius, or at no joint"
+    for twist in twists:
+        if not isinstance(twist, Twist):  # pyright: ignore[reportUnnecessaryIsInstance]
+            yield f"gives what is no Twist: {twist!r}"
+        elif twist.node not in ("base", "joint", "link", "tip"):
+            yield f"has a twist at the node {twist.node!r}; base, joint, link, tip would do"
+        elif not 0 <= twist.index < chain.arm.size:
+            yield f"has a twist at {twist.node} {twist.index}, which the chain does not have"
+
+
+def _given(effect: Effect) -> dict[str, float]:
+    return {each.name: each.typical[1] for each in effect.parameters if each.role == "given" and not effect.sizes}
+
+
+def _moved(effect: Effect, state: PoseState, values: Mapping[str, float], at: tuple[int, ...] = ()) -> Moved:
+    settings = _settings(values, at)
+    return _gathered([*effect.twists(state, settings), *effect.seated(state, settings)])
+
+
+def _gathered(twists: Iterable[Twist]) -> Moved:
+    found: Moved = {}
+    for twist in twists:
+        node = (twist.node, twist.index)
+        parts = (*twist.translation, *twist.rotation)
+        found[node] = tuple(a + b for a, b in zip(found[node], parts, strict=True)) if node in found else parts
+    return found
+
+
+def _table(moved: Moved, rows: int = ROWS) -> dict[tuple[str, int], Array]:
+    """Each node's components as numbers (6, rows)."""
+    return {
+        node: np.stack([np.broadcast_to(np.asarray(part, dtype=float), (rows,)) for part in parts])
+        for node, parts in moved.items()
+    }
+
+
+def _moves(effect: Effect, state: PoseState, values: Mapping[str, float], at: tuple[int, ...] = ()) -> bool:
+    return any(part.any() for part in _table(_moved(effect, state, values, at)).values())
+
+
+def _alike(some: Mapping[tuple[str, int], Array], others: Mapping[tuple[str, int], Array]) -> bool:
+    """Whether both move every node alike, to rounding; what is missing moves nothing."""
+    for node in {*some, *others}:
+        one, other = some.get(node, np.zeros(1)), others.get(node, np.zeros(1))
+        size = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
+        if not np.all(np.abs(one - other) <= _TOLERANCE * size):
+            return False
+    return True
+
+
+def _symbolic(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iterator[str]:
+    """A design's twists and intervals in CasADi's symbols, against those in floats."""
+    settings = _settings({**values, **_given(effect)})
+
+    def parts(state: PoseState) -> list[Any]:
+        play = [each.twists if isinstance(each, Interval) else () for each in effect.play(state, settings)]
+        twists = [*effect.twists(state, settings), *(twist for each in play for twist in each)]
+        found = _gathered(twists)
+        return [part for node in sorted(found) for part in found[node]]
+
+    q, state = chain.symbolic()
+    made = parts(state)
+    function = ca.Function("moved", [q], [ca.vertcat(*map(ca.SX, made)) if made else ca.SX(0, 1)])
+    for row in range(ROWS):
+        expected = np.array([float(part) for part in parts(chain.design(row))])
+        given = np.array(function(chain.q[row])).ravel()
+        scale = float(np.max(np.abs(expected), initial=0.0))
+        if given.shape != expected.shape or not np.all(np.abs(given - expected) <= _TOLERANCE * scale):
+            yield "gives other values for CasADi's symbols than for floats"
+            return
+
+
+def _idle_sizes(effect: Effect, tried: Iterable[Chain]) -> Iterator[str]:
+    shapes = {each.name: each.typical[1] for each in effect.shapes}
+    states = [chain.readings() for chain in tried]
+    for size in effect.sizes:
+        if not any(_moves(effect, state, {**shapes, size.name: size.typical[1]}) for state in states):
+            yield f"the size {size.name} moves nothing, on no chain"

@@ -1,0 +1,1 @@
+"""What gives under load: links, drives and the base."""

@@ -1,0 +1,78 @@
+"""Drives give under the torque (or force) that they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from types import MappingProxyType
+
+from arm.chain.chain import Arm, EffectEntry
+from arm.chain.statics import PoseState
+from arm.chain.vectors import times
+from arm.effects.effect import Effect, Settings, Twist, drive_motion, given, size
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    for index, joint in enumerate(state.joints):
+        if not settings.acts_at(index):
+            continue
+        if "compliance" in settings.values:
+            yield from drive_motion(state, index, times(settings.values["compliance"], joint.drive_load))
+            continue
+        stiffness = settings.values.get("stiffness", joint.stiffness)
+        if stiffness is not None:
+            yield from drive_motion(state, index, joint.drive_load / stiffness)
+
+
+def file_compliance(arm: Arm, joint: int) -> float:
+    """The compliance (rad/(N*m), m/N) that an arm file gives a drive (from 0): 0 where it is rigid or left out."""
+    stiffness = arm.joints[joint].stiffness
+    return 0.0 if stiffness is None or JOINT_COMPLIANCE.id in arm.leave_out else 1.0 / stiffness
+
+
+def drive_compliance(arm: Arm, joint: int) -> float:
+    """The whole compliance of a drive (from 0) in an arm's model, rad/(N*m) or m/N."""
+    total, stiffness = file_compliance(arm, joint), arm.joints[joint].stiffness
+    for entry in arm.effects:
+        if entry.effect == JOINT_COMPLIANCE.id and (not entry.at or joint + 1 in entry.at):
+            if "compliance" in entry.parameters:
+                total += entry.parameters["compliance"]
+            elif "stiffness" in entry.parameters:
+                total += 1.0 / entry.parameters["stiffness"]
+            else:
+                total += 0.0 if stiffness is None else 1.0 / stiffness
+    return total
+
+
+def with_compliance(arm: Arm, joint: int, more: float) -> Arm:
+    """The arm with a drive (from 0) that gives by `more` (rad/(N*m), m/N) beyond what it does."""
+    values = MappingProxyType({"compliance": more})
+    return replace(arm, effects=(*arm.effects, EffectEntry(JOINT_COMPLIANCE.id, (joint + 1,), values)))
+
+
+JOINT_COMPLIANCE = Effect(
+    id="joint_compliance",
+    title="compliance of the drives",
+    formula="sum J_i tau_i / K_i",
+    place="joint",
+    cause="flexibility",
+    automatic=True,
+    needs="two payloads, or joint-side encoders",
+    aliases=("link_bending", "servo_droop", "base_compliance"),
+    source="M. W. Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dyn. Sys. 109 (1987), "
+    "doi:10.1115/1.3143860",
+    parameters=(
+        given("stiffness", "torsional_stiffness", 1e2, 1e9, (1e4, 4e6)).means(
+            "torsional stiffness of the drive", "range from small harmonic drives to large machine-tool drives"
+        ),
+        size("compliance", "compliance", -1e-2, 1e-2, (2.5e-7, 1e-4)).means(
+            "compliance of the drive beyond what the arm file gives it", "the reciprocal of the same stiffnesses"
+        ),
+    ),
+    twists=_twists,
+    rank=10,
+    linear=True,
+    of_drives=True,
+    flexible=True,
+    in_modes=True,
+)

@@ -1,0 +1,14 @@
+"""The registry of effects; `arm.effects` ships its own into it, users and installed packages add theirs."""
+
+from __future__ import annotations
+
+from registries import Registry
+
+from .effect import Effect
+
+
+def _fault(entry: object) -> str | None:
+    return None if isinstance(entry, Effect) else f"an effect must be an Effect, not {entry!r}"
+
+
+EFFECTS: Registry[Effect] = Registry("effect", "linkwright.effects", lambda effect: effect.id, _fault)

@@ -1,0 +1,1 @@
+"""What warmth moves: links, gearboxes and screws."""

@@ -1,0 +1,58 @@
+"""How far first order, in which worst cases are found and certified, is from the arm as it really stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.statics import solve
+from sections.numeric import Array
+
+from .exact import deformed
+from .model import beams_of
+from .recorded import Asked, seen
+from .tip import active_effects
+
+
+@dataclass(frozen=True)
+class BeyondFirstOrder:
+    """What finite motions and loads on the deformed shape move the tip by beyond first order, m.
+
+    `at_worst` is that at the worst pose, `largest` the most of it at `poses` poses spread over the workspace for each
+    load case, the worst ones among them, and `longer` the most by which the error's length grows there: sampled, not
+    proved. `at_worst` is None where the arm finds no shape there under its loads, `largest` and `longer` where it finds
+    none at some pose.
+    """
+
+    at_worst: float | None
+    largest: float | None
+    longer: float | None
+    poses: int
+
+
+def beyond_first_order(
+    arm: Arm, cases: Sequence[LoadCase], worst: tuple[Sequence[float], int], poses: Array
+) -> BeyondFirstOrder:
+    """For an arm, at its worst pose (coordinates in rad and m, number of the load case) and at poses (N, n).
+
+    Play lies where the loads seat it, in both. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
+    """
+    q, number = np.vstack([[worst[0]], poses]), worst[1]
+    effects = active_effects(arm)
+    asked = Asked(len(q))
+    most, longer, at_worst = 0.0, 0.0, None
+    settled = True
+    for index, case in enumerate(cases):
+        state = solve(arm, [q[:, joint] for joint in range(arm.size)], beams_of(arm, (case,)), case)
+        shape = deformed(state, effects, len(q))
+        first = sum((seen(state, each.effect, each.settings, asked).tip for each in effects), np.zeros((len(q), 3)))
+        off: Array = np.linalg.norm(shape.tip - first, axis=1)
+        settled = settled and bool(shape.settled.all())
+        most = max(most, float(off.max()))
+        longer = max(longer, float((np.linalg.norm(shape.tip, axis=1) - np.linalg.norm(first, axis=1)).max()))
+        if index == number and shape.settled[0]:
+            at_worst = float(off[0])
+    return BeyondFirstOrder(at_worst, most if settled else None, longer if settled else None, len(q))

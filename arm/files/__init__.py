@@ -1,0 +1,1 @@
+"""arm.yaml read and written."""

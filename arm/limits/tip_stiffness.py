@@ -1,0 +1,92 @@
+"""How stiff an arm is at its tip: the least force over the displacement that it brings, whatever its direction.
+
+The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's own model; the stiffness
+at a pose is one over its largest singular value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from arm.chain.chain import Arm, LoadCase
+from arm.compiled.expressions import Expressions
+from arm.errors.model import beam_symbols, error_model
+from sections.numeric import Array
+
+from .weakest_poses import climbed
+
+if TYPE_CHECKING:
+    from arm.worst.search import WorstSearch
+
+_CLIMBS = 4
+
+
+@dataclass(frozen=True)
+class TipCompliance(Expressions):
+    """An arm's compliance at its tip as a function of poses and designs: the columns of C one below the other, for
+    symbols (q, p); `size` is 2 in the plane and 3 in space."""
+
+    size: int
+
+    def matrices(self, q: Array, p: Array) -> Array:
+        """C (N, d, d) in m/N at poses q (N, n) of a design p, or of N designs: rows are displacements."""
+        columns = np.reshape(self.vectorised(q, p)[0], (len(q), self.size, self.size))
+        return columns.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True)
+class TipStiffness:
+    """The least stiffness (N/m), the pose that has it, and the direction of the force (unit vector)."""
+
+    value: float
+    q: tuple[float, ...]
+    direction: tuple[float, ...]
+
+
+def tip_compliance(arm: Arm, *, planar: bool) -> TipCompliance:
+    """An arm's compliance at its tip; with `planar` in the x-y plane alone."""
+    still = replace(arm, gravity=(0.0, 0.0, 0.0))
+    size = 2 if planar else 3
+    forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in range(size))]
+    q, p = ca.SX.sym("q", arm.size), beam_symbols(arm)  # pyright: ignore[reportCallIssue]
+    cases = error_model(still, [LoadCase(force=force) for force in forces]).cases
+    rest, *moved = [case.function(q, p)[0] for case in cases]
+    return TipCompliance((q, p), (ca.vertcat(*[(each - rest)[:size] for each in moved]),), size)
+
+
+def stiffnesses(matrices: Array) -> Array:
+    """The least stiffness (N,) in N/m of compliance matrices (N, d, d); infinite where nothing gives."""
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.linalg.norm(matrices, ord=2, axis=(1, 2))
+
+
+def stiffness_at(compliance: TipCompliance, poses: Array, p: Array) -> list[TipStiffness]:
+    """The stiffness at each of the poses (N, n) for a design p."""
+    matrices = compliance.matrices(poses, p)
+    _, _, forces = np.linalg.svd(matrices)
+    return [
+        TipStiffness(float(value), tuple(q), tuple(force))
+        for value, q, force in zip(stiffnesses(matrices), poses.tolist(), forces[:, 0].tolist(), strict=True)
+    ]
+
+
+def least_stiffness(
+    compliance: TipCompliance, poses: Sequence[Sequence[float]] | Array, p: Array, search: WorstSearch | None = None
+) -> TipStiffness | None:
+    """The least stiffness over poses (N, n) for a design p; with `search` over its workspace, the poses being where
+    climbs start. None where nothing gives."""
+    q = np.asarray(poses, dtype=float)
+
+    def softness(q: Array) -> Array:
+        return np.linalg.norm(compliance.matrices(q, p), ord=2, axis=(1, 2))[:, None]
+
+    if search is not None:
+        q = np.vstack([q, climbed(search, softness, q, p, _CLIMBS)])
+    softest = int(np.argmin(stiffnesses(compliance.matrices(q, p))))
+    found = stiffness_at(compliance, q[softest : softest + 1], p)[0]
+    return found if np.isfinite(found.value) else None
