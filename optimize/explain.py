@@ -5,34 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import NDArray
-
-from materials.quantities import format_quantity, read_bound
+from arm.evaluation import Evaluation
+from optimize.choice.combinations import Choice
+from optimize.choice.picks import Combination, some_combinations
+from optimize.exchange.design import Variable, material_row, starting_points
+from optimize.exchange.exchange import Context, Exchange, first_pool
+from optimize.exchange.program import Solution
 from sections import SHAPES
+from units.quantities import format_quantity, read_bound
 
-from .choice import Choice, Combination, combinations
-from .design import Variable, material_row, starting_points
-from .exchange import Context, Exchange, first_pool
-from .problem import LIMIT_KINDS, Limit, Problem
-from .program import Solution
+from .limits import Limit
+from .problem import Problem
 from .result import BindingLimit
 
-Array = NDArray[np.float64]
-
-_UNITS = MappingProxyType({
-    "max_error": ("mm", 1e3),
-    "mass": ("kg", 1.0),
-    "total_mass": ("kg", 1.0),
-    "reach": ("mm", 1e3),
-    "cost": ("EUR", 1.0),
-    "safety_factor": ("", 1.0),
-    "first_frequency": ("Hz", 1.0),
-    "buckling": ("", 1.0),
-    "torque_use": ("", 1.0),
-})
 _FELT = 1e-6
 """A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""
 _EXPLAINED = 24
@@ -44,28 +30,28 @@ _BROKEN = 1e-5
 
 def price_unit(problem: Problem, unit: str) -> str:
     """The unit of a price: the objective's unit per the limit's."""
-    own = _UNITS[problem.minimize][0]
+    own = problem.objective.unit
     return f"{own}/{unit}" if unit else own
 
 
-def binding_limits(problem: Problem, choice: Choice, figures: dict[str, float]) -> tuple[BindingLimit, ...]:
-    """Every limit that holds the optimum, with what one unit more of it would buy; `figures` are the design's own
-    (SI)."""
+def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple[BindingLimit, ...]:
+    """Every limit that holds the optimum, with what one unit more of it would buy; `after` is the design's own
+    evaluation."""
     solution = choice.exchanged.solution
     # The objective is a logarithm: of the error that design can change, of the mass, or of the cost.
     unchanging = choice.exchange.program(choice.exchanged.pool).fixed_error if problem.minimize == "max_error" else 0.0
-    worth = (choice.objective - unchanging) * _UNITS[problem.minimize][1]
+    worth = (choice.objective - unchanging) * problem.objective.factor
     found: list[BindingLimit] = []
     for limit, multiplier in zip(problem.limits, solution.limit_prices, strict=True):
         if abs(multiplier) < _FELT:
             continue
-        unit, factor = _UNITS[limit.name]
+        unit, factor = limit.figure.unit, limit.figure.factor
         tightening = 1.0 if limit.relation == ">=" else -1.0
         found.append(
             BindingLimit(
                 name=limit.name,
                 text=limit.text,
-                value=figures[limit.name] * factor,
+                value=limit.of(after) * factor,
                 limit=limit.value * factor,
                 unit=unit,
                 price=tightening * multiplier * worth / (limit.value * factor),
@@ -161,9 +147,7 @@ def why_infeasible(context: Context) -> str:
     """Which limits stand in each other's way, by the least relaxation that would let some combination through."""
     problem = context.problem
     best: tuple[float, str] | None = None
-    picks = combinations(problem)
-    step = max(1, len(picks) // _EXPLAINED)
-    for pick in picks[::step]:
+    for pick in some_combinations(problem, _EXPLAINED):
         found = _relaxation(context, pick)
         if found is not None and (best is None or found[0] < best[0]):
             best = found
@@ -173,7 +157,7 @@ def why_infeasible(context: Context) -> str:
 
 
 def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None:
-    from .design import design_space
+    from optimize.exchange.design import design_space
 
     problem = context.problem
     space = design_space(problem, pick.shapes)
@@ -199,7 +183,7 @@ def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None
 
 def _needed(limit: Limit, slack: float) -> float:
     """The limit's value at the least relaxation, to four digits, rounded to the side that is feasible."""
-    kind = LIMIT_KINDS[limit.name]
+    kind = limit.figure.kind
     way = 1.0 if (slack > 0.0) == (limit.relation != ">=") else -1.0
     exact = limit.value * math.exp(way * abs(slack)) * (1.0 + 1e-4 * way)
     need = exact
@@ -215,7 +199,7 @@ def _told(problem: Problem, needs: Mapping[int, float]) -> str:
     parts: list[str] = []
     for index, value in needs.items():
         limit = problem.limits[index]
-        need = format_quantity(value, LIMIT_KINDS[limit.name], digits=4)
+        need = format_quantity(value, limit.figure.kind, digits=4)
         parts.append(f"{limit.text} would have to be {limit.relation} {need}")
     rest = [limit.text for k, limit in enumerate(problem.limits) if k not in needs]
     kept = f", with {', '.join(rest)} kept" if rest else ""

@@ -2,71 +2,29 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Literal, cast
 
 from arm.actuators import Actuator, load_actuators
-from arm.chain import Arm, LoadCase, askew
-from arm.files import read_arm, read_load
-from arm.vectors import ZERO
-from arm.workspace import Workspace
+from arm.chain.chain import Arm, LoadCase, askew
+from arm.chain.vectors import ZERO
+from arm.files.read import read_arm, read_load
+from arm.worst.workspace import Workspace
 from materials.catalogue import Catalogue, load_catalogue
 from materials.material import Material
-from materials.quantities import Bound, format_quantity, read_bound, read_quantity, shown
-from materials.reading import Mapping, load_yaml, nearest
 from sections import SHAPES
 from sections.taper import Tapered
+from units.quantities import format_quantity, read_quantity, shown
+from units.reading import Mapping, load_yaml, nearest
 
-Objective = Literal["max_error", "mass", "total_mass", "cost"]
-Relation = Literal["<=", "==", ">="]
-
-LIMIT_KINDS = MappingProxyType({
-    "max_error": "length",
-    "mass": "mass",
-    "total_mass": "mass",
-    "reach": "length",
-    "cost": "cost",
-    "safety_factor": "dimensionless",
-    "first_frequency": "frequency",
-    "buckling": "dimensionless",
-    "torque_use": "dimensionless",
-})
-"""The quantities that `subject_to` can limit, with their kinds."""
-_SENSE: MappingLike[str, tuple[Relation, ...]] = MappingProxyType({
-    "max_error": ("<=",),
-    "mass": ("<=", "==", ">="),
-    "total_mass": ("<=", "==", ">="),
-    "reach": ("<=", "==", ">="),
-    "cost": ("<=",),
-    "safety_factor": (">=",),
-    "first_frequency": (">=",),
-    "buckling": (">=",),
-    "torque_use": ("<=",),
-})
-_RANGES = MappingProxyType({"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)})
-
-
-class NoAnswer(Exception):
-    """A well-formed question without an answer; the message says which limit stands in the way."""
-
-
-@dataclass(frozen=True)
-class Limit:
-    """A limit on a quantity of the whole design, in SI."""
-
-    name: str
-    relation: Relation
-    value: float
-
-    @property
-    def text(self) -> str:
-        """The limit as people write it."""
-        return f"{self.name} {self.relation} {format_quantity(self.value, LIMIT_KINDS[self.name])}"
+from .conditions import materials_where
+from .limits import FIGURES, RANGES, Figure, Limit
+from .limits.read import read_limit
 
 
 @dataclass(frozen=True)
@@ -75,12 +33,12 @@ class Problem:
 
     `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
     `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
-    (nothing for a joint that keeps its own); None keeps all.
+    (nothing for a joint that keeps its own); None keeps all. `figures` are those that can be limited, by name.
     """
 
     file: str
     arm: Arm
-    minimize: Objective
+    minimize: str
     workspace: Workspace
     load_cases: tuple[LoadCase, ...]
     limits: tuple[Limit, ...]
@@ -91,44 +49,75 @@ class Problem:
     materials: tuple[Material, ...] | None
     same: frozenset[str]
     actuators: tuple[tuple[Actuator, ...], ...] | None = None
+    figures: MappingLike[str, Figure] = field(default_factory=lambda: FIGURES)
+
+    @property
+    def objective(self) -> Figure:
+        """What is minimised."""
+        return self.figures[self.minimize]
+
+    def needs(self, name: str) -> bool:
+        """Whether the question needs a property of the materials: it is minimised, or asked for by a limit."""
+        asked = (limit.figure for limit in self.limits if not limit.assumed)
+        return name in self.objective.needs or any(name in figure.needs for figure in asked)
 
     def limit(self, name: str) -> tuple[Limit, ...]:
         """The limits on one quantity."""
         return tuple(limit for limit in self.limits if limit.name == name)
 
 
-def read_problem(path: Path | str, catalogue: Catalogue | None = None) -> Problem:
-    """The problem that a YAML file describes; raises `InputError`, one line, for anything wrong."""
+def read_problem(
+    path: Path | str, catalogue: Catalogue | None = None, figures: MappingLike[str, Figure] = FIGURES
+) -> Problem:
+    """The problem that a YAML file describes; raises `InputError`, one line, for anything wrong.
+
+    `figures` are what it can limit.
+    """
     known = catalogue or load_catalogue()
     mapping = load_yaml(path)
-    with mapping.reading():
-        arm_path = Path(path).parent / mapping.text("arm")
-        arm = read_arm(arm_path, known)
-        objectives = ("max_error", "mass", "total_mass", "cost")
-        minimize = cast(Objective, mapping.choice("minimize", objectives, "max_error"))
+    arm = read_arm(Path(path).parent / mapping.text("arm"), known)
+    return problem_from(mapping, arm, known, figures)
+
+
+def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingLike[str, Figure] = FIGURES) -> Problem:
+    """The problem that a mapping describes, for an arm read already; every key of it but `arm` is accounted for."""
+    with mapping.reading("arm"):
+        objectives = [figure.name for figure in figures.values() if figure.minimised]
+        minimize = mapping.choice("minimize", objectives, "max_error")
         workspace = _workspace(mapping, arm)
         cases = _load_cases(mapping)
-        limits, ranges = _subject_to(mapping)
-        shapes, materials, same, actuators = _choose(mapping, known, arm)
-        if not any(limit.name == "torque_use" for limit in limits) and (actuators is not None or _driven(arm)):
-            limits = (*limits, Limit("torque_use", "<=", 1.0))
+        limits, ranges, off = _subject_to(mapping, arm, figures)
+        needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
+        shapes, materials, same, actuators = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)))
     problem = Problem(
-        file=str(path),
+        file=str(mapping.file),
         arm=arm,
         minimize=minimize,
         workspace=workspace,
         load_cases=cases or (arm.payload,),
         limits=limits,
         link_length=ranges.get("link_length"),
-        section_size=ranges.get("section_size", _RANGES["section_size"]),
-        thickness=ranges.get("thickness", _RANGES["thickness"]),
+        section_size=ranges.get("section_size", RANGES["section_size"]),
+        thickness=ranges.get("thickness", RANGES["thickness"]),
         shapes=shapes,
         materials=materials,
         same=same,
         actuators=actuators,
+        figures=figures,
     )
+    problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)
     return problem
+
+
+def _assumed(problem: Problem, off: frozenset[str]) -> tuple[Limit, ...]:
+    """The limits that hold without being asked for, but for those that the file has or switches off."""
+    found: list[Limit] = []
+    for name, figure in problem.figures.items():
+        value = None if figure.assumed is None or name in off or problem.limit(name) else figure.assumed(problem)
+        if value is not None:
+            found.append(Limit(figure, figure.senses[0], value, assumed=True))
+    return tuple(found)
 
 
 def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
@@ -208,29 +197,31 @@ def _load_cases(mapping: Mapping) -> tuple[LoadCase, ...]:
     return tuple(cases)
 
 
-def _subject_to(mapping: Mapping) -> tuple[tuple[Limit, ...], dict[str, tuple[float, float]]]:
+def _subject_to(
+    mapping: Mapping, arm: Arm, figures: MappingLike[str, Figure]
+) -> tuple[tuple[Limit, ...], dict[str, tuple[float, float]], frozenset[str]]:
+    """The limits, the ranges of sizes, and the names of limits that are switched off."""
     limits: list[Limit] = []
     ranges: dict[str, tuple[float, float]] = {}
+    off: set[str] = set()
     if not mapping.has("subject_to"):
-        return (), {}
+        return (), {}, frozenset()
     with mapping.mapping("subject_to").reading() as body:
-        for name, default in _RANGES.items():
+        for name, default in RANGES.items():
             if body.has(name):
                 ranges[name] = _range(body, name, default)
-        for name, kind in LIMIT_KINDS.items():
+        for name, figure in figures.items():
             if not body.has(name):
                 continue
             raw = body.raw(name)
-            texts = cast(list[object], raw) if isinstance(raw, list) else [raw]
-            for text in texts:
-                bound: Bound = read_bound(text, kind, file=body.file, key=body.path_of(name))
-                if bound.relation not in _SENSE[name]:
-                    would_do = " or ".join(_SENSE[name])
-                    raise body.error(name, f"can only be limited by {would_do}, not {shown(text)}")
-                if bound.value <= 0.0:
-                    raise body.error(name, f"needs a limit above zero, not {shown(text)}")
-                limits.append(Limit(name, bound.relation, bound.value))
-    return tuple(limits), ranges
+            if raw is False or raw == "off":  # YAML takes a bare `off` for false
+                if figure.assumed is None:
+                    raise body.error(name, "holds only where it is asked for; leave it out")
+                off.add(name)
+                continue
+            entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
+            limits += [read_limit(body, figure, entry, arm) for entry in entries]
+    return tuple(limits), ranges, frozenset(off)
 
 
 def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[float, float]:
@@ -245,12 +236,8 @@ def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[floa
     return low, high
 
 
-def _driven(arm: Arm) -> bool:
-    return any(joint.actuator is not None for joint in arm.joints)
-
-
 def _choose(
-    mapping: Mapping, catalogue: Catalogue, arm: Arm
+    mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: frozenset[str]
 ) -> tuple[
     tuple[str, ...] | None, tuple[Material, ...] | None, frozenset[str], tuple[tuple[Actuator, ...], ...] | None
 ]:
@@ -271,11 +258,14 @@ def _choose(
             entries = cast(list[object], values) if isinstance(values, list) else [values]
             if not entries:
                 raise body.error("material", "is empty; name at least one material")
-            path = body.path_of("material")
-            read = [
-                catalogue.read(entry, file=body.file, key=f"{path}[{number}]")
-                for number, entry in enumerate(entries, start=1)
-            ]
+            read: list[Material] = []
+            for number, entry in enumerate(entries, start=1):
+                key = body.path_of("material" if entry is values else f"material[{number}]")
+                if isinstance(entry, dict) and "where" in entry:
+                    with Mapping(cast(object, entry), file=body.file, key=key).reading() as own:
+                        read += materials_where(own, catalogue, arm, needs)
+                else:
+                    read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of('material')}[{number}]"))
             materials = tuple({material.name: material for material in read}.values())
         same = body.items("same", [])
         for name in same:
@@ -326,14 +316,15 @@ def _names(body: Mapping, key: str) -> list[str]:
 def _check(mapping: Mapping, problem: Problem) -> None:
     """Limits that contradict each other, whatever the design."""
     body = mapping.mapping("subject_to") if mapping.has("subject_to") else mapping
-    for name, kind in LIMIT_KINDS.items():
+    for name, figure in problem.figures.items():
         lower = max((x.value for x in problem.limit(name) if x.relation in (">=", "==")), default=0.0)
         upper = min((x.value for x in problem.limit(name) if x.relation in ("<=", "==")), default=math.inf)
         if lower > upper * (1.0 + 1e-9):
-            low, high = format_quantity(lower, kind), format_quantity(upper, kind)
+            low, high = format_quantity(lower, figure.kind), format_quantity(upper, figure.kind)
             raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
     _check_reach(body, problem)
-    if problem.limit("torque_use") and problem.actuators is None and not _driven(problem.arm):
+    driven = any(joint.actuator is not None for joint in problem.arm.joints)
+    if problem.limit("torque_use") and problem.actuators is None and not driven:
         would_do = "name them in the arm file (joint: {actuator: RV-20E}), or choose: {actuator: [...]}"
         raise body.error("torque_use", f"needs joints with actuators, whose rated torque is known; {would_do}")
     if not any(link.elastic for link in problem.arm.links):

@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
 from arm.evaluation import ErrorMap, Evaluation
+from units.quantities import Relation
 
-Status = Literal["certified", "converged", "stopped"]
+from .limits import FIGURES, Figure
+
+Status = Literal["certified", "converged", "searched", "stopped", "doubtful"]
 """`certified`: no pose is worse than the bound, within the gap; `converged`: no worse pose was found, without proof;
-`stopped`: the iteration limit ended the search."""
-
-
-@dataclass(frozen=True)
-class LinkDesign:
-    """A link of the new design: lengths in m, mass in kg, the section's dimensions in m by name."""
-
-    number: int
-    length: float
-    shape: str | None
-    dimensions: Mapping[str, float]
-    material: str | None
-    mass: float
+`searched`: there were too many combinations to try every one, so that a better one may exist; `stopped`: the iteration
+limit ended the search; `doubtful`: a check of the answer failed (`doubts` says which)."""
 
 
 @dataclass(frozen=True)
@@ -61,13 +53,14 @@ class Iteration:
 class Candidate:
     """One combination of shapes and materials: its objective, or why it was left (`outcome`).
 
-    `objective` is a bound from below where `outcome` is `bounded out`, None where `outcome` is `infeasible`.
+    `objective` is a bound from below where `outcome` is `bounded out`, None where `outcome` is `infeasible`, or
+    `unsolved`: the solver failed, which proves nothing.
     """
 
     shapes: tuple[str | None, ...]
     materials: tuple[str | None, ...]
     objective: float | None
-    outcome: Literal["best", "solved", "bounded out", "infeasible"]
+    outcome: Literal["best", "solved", "bounded out", "infeasible", "unsolved"]
 
 
 @dataclass(frozen=True)
@@ -88,8 +81,9 @@ class KeptLimit:
     text: str
     before: float
     after: float
-    relation: Literal["<=", "==", ">="]
+    relation: Relation
     value: float
+    figure: Figure
 
     @property
     def room(self) -> float:
@@ -114,7 +108,6 @@ class Rounded:
     length_step: float | None
     arm: Arm
     evaluation: Evaluation
-    links: tuple[LinkDesign, ...]
     objective: float
     before: float
     limits: tuple[KeptLimit, ...]
@@ -137,18 +130,17 @@ class OptimizationResult:
     is the whole log: exchanges of one choice after another, numbered through.
     `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `lower_bound` is the optimum over
     the binding poses alone, from several starts: the design's own objective lies above it by no more than the
-    certificate's gap, and where the problem is convex (solid shapes, fixed lengths) no design does better.
+    certificate's gap; only where `optimum` is `global` is it a bound for every design.
     """
 
     problem_file: str
-    minimize: Literal["max_error", "mass", "total_mass", "cost"]
+    minimize: str
     limits: tuple[str, ...]
     choices: tuple[str, ...]
     status: Status
     arm: Arm
     before: Evaluation
     after: Evaluation
-    links: tuple[LinkDesign, ...]
     objective: float
     lower_bound: float
     binding: tuple[BindingLimit, ...]
@@ -158,11 +150,28 @@ class OptimizationResult:
     seconds: float
     before_map: ErrorMap
     after_map: ErrorMap
+    optimum: Literal["global", "local"] = "local"
+    """`global`: no allowed design does better, within the gap; `local`: none near it, nor any that the search met."""
+    doubts: tuple[str, ...] = ()
+    """The checks that the answer failed, in words (see `optimize.trust`)."""
+    combinations: int = 1
+    """How many combinations of shapes and materials there were; `candidates` are those that were looked at alone."""
+    gap: float | None = 0.0
+    """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
     drives: tuple[DriveCandidate, ...] = ()
     """The choices of actuators that were looked at, best first; none where the problem chooses no actuators."""
     drives_exhaustive: bool = True
+    interrupted: bool = False
+    """Whether an interrupt ended the search: this is then the best design that it had."""
     rounded: Rounded | None = None
     """The design of sizes that can be had, where that was asked for."""
+    figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
+    """What the problem could limit, by name."""
+
+    @property
+    def minimised(self) -> Figure:
+        """What was minimised."""
+        return self.figures[self.minimize]
 
     @property
     def built(self) -> Arm:

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from types import MappingProxyType
 
-from arm.chain import Arm
+from arm.errors.model import error_model
 from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
-from arm.model import error_model
-from arm.workspace import Unreachable
-from arm.worst import WorstSearch
-from materials.quantities import format_quantity
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Unreachable
+from optimize.choice.actuators import choose_driven
+from optimize.choice.combinations import Choice, Progress, count
+from optimize.exchange.design import arm_of, numeric_beams
+from optimize.exchange.exchange import Context
+from units.quantities import NoAnswer, format_quantity
 
-from .actuators import choose_driven
-from .choice import Choice, Progress
-from .design import arm_of, numeric_beams
-from .exchange import Context
 from .explain import binding_limits, why_infeasible
-from .figures import figures_of
-from .problem import NoAnswer, Problem
-from .result import Iteration, LinkDesign, OptimizationResult, Status
+from .problem import Problem
+from .result import Iteration, OptimizationResult, Status
+from .trust import doubts_of, optimum_of
 
 Log = Callable[[Iteration], None]
 
@@ -28,7 +26,8 @@ Log = Callable[[Iteration], None]
 def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | None = None) -> OptimizationResult:
     """The best design for a problem.
 
-    `log` hears of every round of an exchange, `progress` of combinations tried. Raises `NoAnswer` where no design keeps
+    `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
+    the best design so far is the result, marked `interrupted`. Raises `NoAnswer` where no design keeps
     the limits or the workspace cannot be reached, and `InputError` where a figure is missing that the problem needs.
     """
     began = time.perf_counter()
@@ -46,6 +45,7 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
+    doubts = doubts_of(context, choice, before, after, lower_bound)
     # Poses of a box or a path are found one by one, some ten times as slowly.
     poses = 200_000 if problem.workspace.kind == "joints" else 20_000
     return OptimizationResult(
@@ -53,29 +53,34 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         minimize=problem.minimize,
         limits=_limits(problem),
         choices=_choices(given),
-        status=_status(choice, context),
+        status="doubtful" if doubts else _status(choice, context, searched=not found.exhaustive),
         arm=arm,
         before=before,
         after=after,
-        links=links_of(arm, after),
         objective=_objective(problem, after),
         lower_bound=lower_bound,
-        binding=binding_limits(problem, choice, figures_of(after)),
+        binding=binding_limits(problem, choice, after),
         iterations=choice.history,
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
         before_map=_map_before(given, context, poses),
         after_map=error_map(context.search, numeric_beams(arm, problem.load_cases), poses=poses),
+        optimum=optimum_of(context, choice) if found.exhaustive and not doubts else "local",
+        doubts=doubts,
+        combinations=count(problem),
+        gap=choice.gap,
         drives=found.candidates,
         drives_exhaustive=found.exhaustive,
+        figures=problem.figures,
+        interrupted=choice.interrupted,
     )
 
 
 def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:
-    """The error map of the arm as given; with other drives it has an error model of its own."""
+    """The error map of the arm as given; with other drives or tapers it has an error model of its own."""
     search = context.search
-    if given.actuators is not None:
+    if context.problem.arm is not given.arm:
         search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
     return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
 
@@ -108,29 +113,15 @@ def _choices(problem: Problem) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _status(choice: Choice, context: Context) -> Status:
-    if not choice.exchanged.converged:
+def _status(choice: Choice, context: Context, *, searched: bool) -> Status:
+    if choice.interrupted or not choice.exchanged.converged:
         return "stopped"
+    if searched or not choice.exhaustive:
+        return "searched"
     return "certified" if choice.exchanged.certified and context.uses_error else "converged"
 
 
 def _objective(problem: Problem, after: Evaluation) -> float:
-    return figures_of(after)[problem.minimize]
-
-
-def links_of(arm: Arm, evaluation: Evaluation) -> tuple[LinkDesign, ...]:
-    """The links of an evaluated arm."""
-    found: list[LinkDesign] = []
-    for index, (link, mass) in enumerate(zip(arm.links, evaluation.link_masses, strict=True)):
-        dimensions = {} if link.section is None else {k: float(v) for k, v in link.section.given().items()}
-        found.append(
-            LinkDesign(
-                number=index + 1,
-                length=link.length,
-                shape=None if link.section is None else link.section.shape,
-                dimensions=MappingProxyType(dimensions),
-                material=None if link.material is None else link.material.name,
-                mass=mass,
-            )
-        )
-    return tuple(found)
+    value = problem.objective.value(after)
+    assert value is not None
+    return value

@@ -1,8 +1,8 @@
 """Which actuator each joint should have: every choice up to a number, else a search joint by joint.
 
 Stiffness, backlash and mass of the drives are constants of an error model, so each choice is a problem of its own for
-the links (`optimize.choice`). The choices are taken in the order of the error that they give the arm as it stands; one
-whose design for its binding poses alone is worse than the best so far is given up.
+the links (`optimize.choice.combinations`). The choices are taken in the order of the error that they give the arm as it
+stands; one whose design for its binding poses alone is worse than the best so far is given up.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from arm.actuators import Actuator
-from arm.chain import Arm
-from arm.worst import WorstSearch
+from arm.chain.chain import Arm
+from arm.worst.search import WorstSearch
+from optimize.exchange.design import numeric_beams
+from optimize.exchange.exchange import Context, context_of
+from optimize.exchange.program import carried_mass, drives_cost
+from optimize.problem import Problem
+from optimize.result import DriveCandidate, Iteration
+from units.quantities import NoAnswer
 
-from .choice import Choice, Progress, choose
-from .design import numeric_beams
-from .exchange import Context, context_of
-from .problem import NoAnswer, Problem
-from .program import carried_mass, drives_cost
-from .result import DriveCandidate, Iteration
+from .combinations import Choice, Progress, choose
 
 Log = Callable[[Iteration], None]
 Assignment = tuple[Actuator | None, ...]
@@ -108,6 +109,8 @@ class _Search:
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:
                     self.best = (pick, context, choice)
+                if choice.interrupted:
+                    raise KeyboardInterrupt
             else:
                 self._note(pick, None, "infeasible" if math.isinf(before) else "bounded out")
 
@@ -145,19 +148,28 @@ class _Search:
 
 
 def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Log | None = None) -> Driven:
-    """The best actuators with the best links for them; without a choice of actuators, the best links."""
+    """The best actuators with the best links for them; without a choice of actuators, the best links.
+
+    A `KeyboardInterrupt` of `progress` or `log` ends the search as in `choose`.
+    """
     if problem.actuators is None:
         context = context_of(problem)
         return Driven(context, choose(context, progress=progress, log=log), (), True, "")
     search = _Search(problem, progress, log)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
-    if exhaustive:
-        picks = assignments(problem)
-        if not picks:
-            raise NoAnswer("same: [actuator]: the joints' lists have no actuator in common")
-        search.try_all(picks)
-    else:
-        search.joint_by_joint()
+    picks = assignments(problem) if exhaustive else []
+    if exhaustive and not picks:
+        raise NoAnswer("same: [actuator]: the joints' lists have no actuator in common")
+    interrupted = False
+    try:
+        if exhaustive:
+            search.try_all(picks)
+        else:
+            search.joint_by_joint()
+    except KeyboardInterrupt:
+        if search.best is None:
+            raise
+        interrupted = True
     candidates = [
         replace(each, outcome="best") if search.best is not None and pick == search.best[0] else each
         for pick, each in search.candidates.items()
@@ -165,7 +177,8 @@ def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Lo
     ranked = tuple(sorted(candidates, key=lambda each: math.inf if each.objective is None else each.objective))
     if search.best is not None:
         pick, context, choice = search.best
-        return Driven(context, choice, ranked, exhaustive, names_of(pick))
+        ended = replace(choice, interrupted=interrupted)
+        return Driven(context, ended, ranked, exhaustive and not interrupted, names_of(pick))
     first = next(iter(search.candidates))
     return Driven(context_of(search.problem_with(first)), None, ranked, exhaustive, names_of(first))
 

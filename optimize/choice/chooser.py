@@ -1,4 +1,4 @@
-"""Which shape and material each link should have: every combination up to a thousand, else a search link by link.
+"""Combinations of shapes and materials worked through with one pool of poses and one best design.
 
 The binding poses of one combination serve all others. A combination whose best design for those poses alone is already
 worse than a finished one needs no exchange of its own: it is bounded out.
@@ -6,90 +6,56 @@ worse than a finished one needs no exchange of its own: it is bounded out.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from materials.material import Material
+from arm.worst.workspace import Unreachable
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.design import (
+    DesignSpace,
+    arm_of,
+    design_space,
+    ladder,
+    material_row,
+    numeric_beams,
+    starting_points,
+)
+from optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
+from optimize.exchange.program import Program, Solution, carried_mass
+from optimize.exchange.signs import one_signed
+from optimize.limits import OfDesign, Totals, excess
+from optimize.result import Candidate, Iteration
 
-from .design import DesignSpace, design_space, material_row, starting_points
-from .exchange import Context, Exchange, Exchanged, first_pool, objective_of
-from .pool import Pool
-from .problem import Problem
-from .result import Candidate, Iteration
+from .picks import Combination, one_link_changed, uniform
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int, str], None]
 """(combinations done, combinations in all, what is being done)"""
 
-MOST_COMBINATIONS = 1000
-"""Up to this many combinations every one is tried."""
 _FINAL_STARTS = 5
+_RUNGS = 24
+"""Steps from the lightest sections to the heaviest at which the error is looked at where it may have several minima."""
+_NEAR = 0.3
+"""How far a descent into one of them may lead, in each of the optimiser's numbers (a third more or less, of a size)."""
+_KEPT = 2
+"""Compiled programs are large: so many are kept."""
 
 
 @dataclass(frozen=True)
-class Combination:
-    """A shape and a material for each link; None for links that are rigid."""
+class Solved:
+    """A combination solved for the pool alone: its objective (SI) and solution, both None where it has none; `relaxed`
+    is then the solution in which limits give way as little as they must, where they have to."""
 
-    shapes: tuple[str | None, ...]
-    materials: tuple[Material | None, ...]
-
-
-@dataclass(frozen=True)
-class Choice:
-    """The best combination, its finished exchange and objective (SI), and what became of the others."""
-
-    combination: Combination
-    space: DesignSpace
-    materials: Array
     exchange: Exchange
-    exchanged: Exchanged
-    objective: float
-    candidates: tuple[Candidate, ...]
-    exhaustive: bool
-    history: tuple[Iteration, ...]
-
-
-def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[Material | None, ...]]]:
-    """The shapes and the materials that each link may have."""
-    shapes: list[tuple[str | None, ...]] = []
-    materials: list[tuple[Material | None, ...]] = []
-    for link in problem.arm.links:
-        if link.section is None:
-            shapes.append((None,))
-            materials.append((None,))
-        else:
-            shapes.append(problem.shapes or (link.section.shape,))
-            materials.append(problem.materials or (link.material,))
-    return shapes, materials
-
-
-def _agreeing(picks: Iterable[tuple[object, ...]], same: bool) -> list[tuple[object, ...]]:
-    """The picks in which all links that have a choice agree, where they must."""
-    return [pick for pick in picks if not same or len({item for item in pick if item is not None}) <= 1]
-
-
-def combinations(problem: Problem) -> list[Combination]:
-    """Every allowed combination."""
-    shapes, materials = options(problem)
-    shape_picks = _agreeing(itertools.product(*shapes), "section" in problem.same or "size" in problem.same)
-    material_picks = _agreeing(itertools.product(*materials), "material" in problem.same)
-    return [Combination(s, m) for s in shape_picks for m in material_picks]  # type: ignore[arg-type]
-
-
-def count(problem: Problem) -> int:
-    """How many combinations there are, without listing them."""
-    total = 1
-    for picks, same in zip(
-        options(problem), ("section" in problem.same or "size" in problem.same, "material" in problem.same), strict=True
-    ):
-        sizes = [len(pick) for pick in picks]
-        total *= max(sizes) if same else math.prod(sizes)
-    return total
+    materials: Array
+    pool: Pool
+    objective: float | None
+    solution: Solution | None
+    relaxed: Solution | None = None
 
 
 class Chooser:
@@ -109,6 +75,7 @@ class Chooser:
         self.pool: Pool | None = None
         self.best: tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float] | None = None
         self.candidates: dict[Combination, Candidate] = {}
+        self.kept = _KEPT
         self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
 
     @property
@@ -126,11 +93,9 @@ class Chooser:
                 continue
             if self.progress is not None:
                 self.progress(number, len(picks), "bounding combinations")
-            found = self._bound(pick)
-            if found is None:
-                self._note(pick, None, "infeasible")
-            else:
-                bounds.append((found[0], number, found[1]))
+            found = self.solve(pick)
+            if found.objective is not None and found.solution is not None:
+                bounds.append((found.objective, number, found.solution.x))
         bounds.sort(key=lambda entry: entry[:2])
         for done, (bound, number, start) in enumerate(bounds):
             if self.progress is not None:
@@ -138,23 +103,26 @@ class Chooser:
             if bound >= self.objective:
                 self._note(picks[number], bound, "bounded out")
             else:
-                self._finish(picks[number], start)
+                self.finish(picks[number], start)
 
     def _first(self, picks: list[Combination]) -> None:
         """Finish the first feasible combination: the poses that hold it are what the others are bounded with."""
         for pick in picks:
             exchange = self._exchange(pick.shapes)
             materials = material_row(pick.materials, self.context.problem)
+            unsolved = False
             for start in starting_points(exchange.space, materials, 2):
                 self.pool = first_pool(self.context, exchange.space, start, pick.materials)
                 if exchange.bound(materials, self.pool, start) is None:
+                    unsolved = unsolved or not exchange.infeasible
                     continue
-                self._finish(pick, start)
+                self.finish(pick, start)
                 if self.best is not None:
                     self.pool = self.best[4].solution.active
-                if pick in self.candidates and self.candidates[pick].outcome != "infeasible":
+                if pick in self.candidates and self.candidates[pick].objective is not None:
                     return
-            self._note(pick, None, "infeasible")
+            if pick not in self.candidates:
+                self._note(pick, None, "unsolved" if unsolved else "infeasible")
 
     def polish(self) -> None:
         """Further starts for the best combination: a better local optimum replaces it."""
@@ -165,33 +133,105 @@ class Chooser:
         for number, start in enumerate(starting_points(space, materials, start_count)):
             if self.progress is not None:
                 self.progress(number, start_count, "further starts")
-            self._finish(pick, start)
+            self.finish(pick, start)
+        if not self.one_signed():
+            self._descend(pick, space, materials)
+
+    def one_signed(self, *, everywhere: bool = False) -> bool:
+        """Whether no terms of the error cancel at the poses that hold the best design, so that it has no pits; or
+        `everywhere` that any design was held against."""
+        if self.best is None or not self.context.uses_error:
+            return True
+        pick, space, _, _, exchanged, _ = self.best
+        p = numeric_beams(arm_of(space, exchanged.x, pick.materials), self.context.problem.load_cases)
+        cuts = exchanged.solution.active.errors
+        if everywhere and self.pool is not None:
+            cuts = self.pool.errors
+        return one_signed(self.context.model, cuts, p)
+
+    def _descend(self, pick: Combination, space: DesignSpace, materials: Array) -> None:
+        """Where terms cancel, the error has several minima: into each that shows between light and heavy sections."""
+        rungs = ladder(space, materials, _RUNGS)
+        errors = [self._error(pick, space, rung) for rung in rungs]
+        for index, rung in enumerate(rungs):
+            if errors[index] <= min(errors[max(index - 1, 0) : index + 2]):
+                self.finish(pick, rung, within=_NEAR)
+
+    def _error(self, pick: Combination, space: DesignSpace, x: Array) -> float:
+        p = numeric_beams(arm_of(space, x, pick.materials), self.context.problem.load_cases)
+        try:
+            return self.context.search.worst(p, certify=False).error
+        except Unreachable:
+            return math.inf
+
+    def no_worse_than(self, pick: Combination, x: Array) -> None:
+        """Hold the best design against another that may be kept as it is: descents from there that stay near it."""
+        space = design_space(self.context.problem, pick.shapes)
+        materials = material_row(pick.materials, self.context.problem)
+        exchange = self._exchange(pick.shapes)
+        self.pool = self.pool or first_pool(self.context, space, x, pick.materials)
+        program = exchange.program(self.pool)
+        known = objective_of(self.context, program, x, materials, self._error(pick, space, x))
+        if known >= self.objective or not self._light_enough(program, x, materials):
+            return
+        for within in (_NEAR, 0.1 * _NEAR, 1e-4):
+            self.finish(pick, x, within=within)
+            if self.objective <= known * (1.0 + 1e-6):
+                return
+
+    def _light_enough(self, program: Program, x: Array, materials: Array) -> bool:
+        """Whether a design keeps the limits that cost nothing to look at."""
+        totals = Totals(*program.mass_cost_reach(x, materials), carried_mass(self.context.problem))
+        return all(
+            excess(limit, float(limit.figure.follows.value(totals))) <= 1e-6
+            for limit in self.context.problem.limits
+            if isinstance(limit.figure.follows, OfDesign)
+        )
 
     def _exchange(self, shapes: tuple[str | None, ...]) -> Exchange:
         if shapes not in self._exchanges:
-            if len(self._exchanges) > 1:
-                self._exchanges.pop(next(iter(self._exchanges)))  # compiled programs are large
+            if len(self._exchanges) >= self.kept:
+                self._exchanges.pop(next(iter(self._exchanges)))
             self._exchanges[shapes] = Exchange(self.context, design_space(self.context.problem, shapes))
         return self._exchanges[shapes]
 
-    def _bound(self, pick: Combination) -> tuple[float, Array] | None:
+    def solve(self, pick: Combination, *, explain: bool = False) -> Solved:
+        """A combination for the pool alone; with `explain` also how little the limits would have to give way."""
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        assert self.pool is not None
-        for start in starting_points(exchange.space, materials, 2):
+        unsolved = False
+        starts = starting_points(exchange.space, materials, 2)
+        self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
+        for start in starts:
             found = exchange.bound(materials, self.pool, start)
             if found is not None:
-                return found[1], found[0].x
-        return None
+                return Solved(exchange, materials, self.pool, found[1], found[0])
+            unsolved = unsolved or not exchange.infeasible
+        self._note(pick, None, "unsolved" if unsolved else "infeasible")
+        relaxed = None
+        if explain and not unsolved:
+            program = exchange.program(self.pool, spare=False)
+            relaxed = program.solve(starts[0], materials, self.pool, relax=True, limits=self.context.problem.limits)
+        return Solved(exchange, materials, self.pool, None, None, relaxed)
 
-    def _finish(self, pick: Combination, start: Array) -> None:
+    def finish(self, pick: Combination, start: Array, *, within: float | None = None) -> None:
+        """The exchange of a combination from a start, unless it is given up; the best design so far is kept."""
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.objective, log=self._heard)
+        known = self.objective
+        try:
+            done = exchange.run(
+                materials, pick.materials, self.pool, start, give_up_above=known, log=self._heard, within=within
+            )
+        except Unreachable:
+            # Lengths that lead nowhere say nothing of the others.
+            if pick not in self.candidates:
+                self._note(pick, None, "unsolved")
+            return
         if done is None:
             if pick not in self.candidates:
-                self._note(pick, None, "infeasible")
+                self._note(pick, None, "infeasible" if exchange.infeasible else "unsolved")
             return
         self.pool = self.pool.joined(done.solution.active)
         program = exchange.program(done.pool)
@@ -216,78 +256,15 @@ class Chooser:
         names = tuple(None if material is None else material.name for material in pick.materials)
         self.candidates[pick] = Candidate(pick.shapes, names, objective, outcome)  # type: ignore[arg-type]
 
-
-def choose(
-    context: Context,
-    *,
-    progress: Progress | None = None,
-    log: Callable[[Iteration], None] | None = None,
-    known: float = math.inf,
-) -> Choice | None:
-    """The best combination of shapes and materials; None where none has a solution (better than `known`, SI)."""
-    problem = context.problem
-    chooser = Chooser(context, progress, log, known)
-    exhaustive = count(problem) <= MOST_COMBINATIONS
-    if exhaustive:
-        chooser.try_all(combinations(problem))
-    else:
-        _link_by_link(problem, chooser)
-    chooser.polish()
-    if chooser.best is None:
-        return None
-    pick, space, materials, exchange, exchanged, objective = chooser.best
-    noted: list[Candidate] = []
-    for other, candidate in chooser.candidates.items():
-        outcome = "best" if other == pick else candidate.outcome
-        value = objective if other == pick else candidate.objective
-        noted.append(Candidate(candidate.shapes, candidate.materials, value, outcome))
-    noted.sort(key=_rank)
-    return Choice(pick, space, materials, exchange, exchanged, objective, tuple(noted), exhaustive,
-    tuple(chooser.history))
-
-
-def _rank(candidate: Candidate) -> float:
-    return math.inf if candidate.objective is None else candidate.objective
-
-
-def uniform(problem: Problem) -> list[Combination]:
-    """The combinations in which all links that can agree do."""
-    shapes, materials = options(problem)
-    kinds = list(dict.fromkeys(itertools.chain.from_iterable(shapes)))
-    stuffs = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
-    found = [
-        Combination(
-            tuple(shape if shape in own else next(iter(own)) for own in shapes),
-            tuple(material if material in own else next(iter(own)) for own in materials),
-        )
-        for shape in kinds
-        for material in stuffs
-    ]
-    return list(dict.fromkeys(found))
-
-
-def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Combination]:
-    """The combinations that differ from one in a link (from 0), or in all links where they must agree."""
-    shapes, materials = options(problem)
-    trials: list[Combination] = []
-    for shape, material in itertools.product(shapes[link], materials[link]):
-        new_shapes = tuple(shape if k == link else own for k, own in enumerate(pick.shapes))
-        new_materials = tuple(material if k == link else own for k, own in enumerate(pick.materials))
-        if "section" in problem.same or "size" in problem.same:
-            new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
-        if "material" in problem.same:
-            new_materials = tuple(material if own is not None else None for own in pick.materials)
-        trials.append(Combination(new_shapes, new_materials))
-    return list(dict.fromkeys(trials))
-
-
-def _link_by_link(problem: Problem, chooser: Chooser) -> None:
-    """Coordinate search: the best combination in which all links agree, then one link at a time until none improves."""
-    chooser.try_all(uniform(problem))
-    improved = True
-    while improved and chooser.best is not None:
-        before = chooser.objective
-        for link in range(problem.arm.size):
-            trials = one_link_changed(problem, chooser.best[0], link)
-            chooser.try_all([trial for trial in trials if trial not in chooser.candidates])
-        improved = chooser.objective < before * (1.0 - 1e-6)
+    def link_by_link(self) -> None:
+        """Coordinate search: the best combination in which all links agree, then one link at a time until none
+        improves."""
+        problem = self.context.problem
+        self.try_all(uniform(problem))
+        improved = True
+        while improved and self.best is not None:
+            before = self.objective
+            for link in range(problem.arm.size):
+                trials = one_link_changed(problem, self.best[0], link)
+                self.try_all([trial for trial in trials if trial not in self.candidates])
+            improved = self.objective < before * (1.0 - 1e-6)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+
+from optimize.limits import Cut
 
 
 @dataclass(frozen=True)
@@ -29,47 +32,37 @@ class ErrorCut:
     shift: tuple[float, float, float]
     anchor: Anchor | None = None
 
-
-@dataclass(frozen=True)
-class StrengthCut:
-    """A pose at which a stress, a compression or the load on a drive binds."""
-
-    q: tuple[float, ...]
-    load_case: int
-
-
-@dataclass(frozen=True)
-class ModeCut:
-    """A pose and trial shape at which the first frequency binds, with the payload (kg) then carried."""
-
-    q: tuple[float, ...]
-    payload: float
-    shape: tuple[float, ...]
+    @property
+    def group(self) -> int:
+        """The load case, by the name that it has for other poses."""
+        return self.load_case
 
 
 @dataclass(frozen=True)
 class Room:
-    """Slots of a compiled program: for each load case's errors, for each load case's strengths, for modes, and for each
-    load case's drive loads."""
+    """Slots of a compiled program: for each load case's errors, and for each group of poses of each family of figures
+    (by its name)."""
 
     errors: tuple[int, ...]
-    strengths: tuple[int, ...]
-    modes: int
-    torques: tuple[int, ...] = ()
+    held: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+    def slots(self, family: str, groups: int) -> tuple[int, ...]:
+        """The slots of each group of a family's poses."""
+        return dict(self.held).get(family, (0,) * groups)
 
     def holds(self, other: Room) -> bool:
-        """Whether there is room for what `other` needs; a load case without poses of its own cannot fill its slots."""
-        pairs = [*zip(self.errors, other.errors, strict=True), *zip(self.strengths, other.strengths, strict=True)]
-        pairs += zip(self.torques, other.torques, strict=True)
-        return all(_fits(have, need) for have, need in [*pairs, (self.modes, other.modes)])
+        """Whether there is room for what `other` needs; a group without poses of its own cannot fill its slots."""
+        pairs = list(zip(self.errors, other.errors, strict=True))
+        for family in dict(self.held) | dict(other.held):
+            groups = max(len(dict(each.held).get(family, ())) for each in (self, other))
+            pairs += zip(self.slots(family, groups), other.slots(family, groups), strict=True)
+        return all(_fits(have, need) for have, need in pairs)
 
     def spare(self, errors: int = 1) -> Room:
         """Room to grow: the next power of two, at least `errors` for each load case's errors."""
         return Room(
             tuple(max(_grown(need), errors if need else 0) for need in self.errors),
-            tuple(map(_grown, self.strengths)),
-            _grown(self.modes),
-            tuple(map(_grown, self.torques)),
+            tuple((family, tuple(map(_grown, slots))) for family, slots in self.held),
         )
 
 
@@ -83,32 +76,36 @@ def _grown(need: int) -> int:
 
 @dataclass(frozen=True)
 class Pool:
-    """All binding poses found so far."""
+    """All binding poses found so far: those of the error, and those of each family of figures (by its name)."""
 
     errors: tuple[ErrorCut, ...] = ()
-    strengths: tuple[StrengthCut, ...] = ()
-    modes: tuple[ModeCut, ...] = ()
-    torques: tuple[StrengthCut, ...] = ()
+    held: tuple[tuple[str, tuple[Cut, ...]], ...] = ()
 
     @property
     def size(self) -> int:
         """How many poses there are."""
-        return len(self.errors) + len(self.strengths) + len(self.modes) + len(self.torques)
+        return len(self.errors) + sum(len(cuts) for _, cuts in self.held)
 
-    def room(self, cases: int) -> Room:
-        """How many slots a program needs for these poses."""
+    def of(self, family: str) -> tuple[Cut, ...]:
+        """A family's poses."""
+        return dict(self.held).get(family, ())
+
+    def room(self, cases: int, groups: Mapping[str, int]) -> Room:
+        """How many slots a program needs for these poses, given the load cases and the groups of each family."""
         return Room(
             tuple(sum(cut.load_case == case for cut in self.errors) for case in range(cases)),
-            tuple(sum(cut.load_case == case for cut in self.strengths) for case in range(cases)),
-            len(self.modes),
-            tuple(sum(cut.load_case == case for cut in self.torques) for case in range(cases)),
+            tuple(
+                (family, tuple(sum(cut.group == group for cut in self.of(family)) for group in range(count)))
+                for family, count in groups.items()
+            ),
         )
 
     def joined(self, other: Pool) -> Pool:
         """The poses of both pools, repeats left out."""
-        modes = tuple(mode for mode in other.modes if mode not in self.modes)
-        grown = self.with_errors(other.errors).with_strengths(other.strengths).with_modes(modes)
-        return grown.with_torques(other.torques)
+        grown = self.with_errors(other.errors)
+        for family, cuts in other.held:
+            grown = grown.with_cuts(family, cuts)
+        return grown
 
     def with_errors(self, cuts: tuple[ErrorCut, ...]) -> Pool:
         """The pool with more error cuts, repeats left out."""
@@ -120,19 +117,11 @@ class Pool:
                 fresh.append(cut)
         return replace(self, errors=self.errors + tuple(fresh))
 
-    def with_strengths(self, cuts: tuple[StrengthCut, ...]) -> Pool:
-        """The pool with more strength cuts, repeats left out."""
-        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in self.strengths)
-        return replace(self, strengths=self.strengths + fresh)
-
-    def with_torques(self, cuts: tuple[StrengthCut, ...]) -> Pool:
-        """The pool with more poses at which drives are loaded most, repeats left out."""
-        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in self.torques)
-        return replace(self, torques=self.torques + fresh)
-
-    def with_modes(self, cuts: tuple[ModeCut, ...]) -> Pool:
-        """The pool with more modes."""
-        return replace(self, modes=self.modes + cuts)
+    def with_cuts(self, family: str, cuts: Sequence[Cut]) -> Pool:
+        """The pool with more poses of a family, repeats left out."""
+        own = self.of(family)
+        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in own)
+        return replace(self, held=tuple((dict(self.held) | {family: own + fresh}).items())) if fresh else self
 
 
 def _key(cut: ErrorCut) -> tuple[object, ...]:

@@ -10,22 +10,35 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.beam import Beam, elastic_beam
-from arm.chain import Arm, LoadCase
-from arm.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
-from arm.strength import STRENGTH_FIELDS
+from arm.chain.beam import Beam, elastic_beam
+from arm.chain.chain import Arm, LoadCase, askew
+from arm.errors.model import (
+    BEAM_FIELDS,
+    beam_values,
+    beams_of,
+    needs_shear_modulus,
+    needs_thermal_expansion,
+)
+from arm.limits.strength import STRENGTH_FIELDS
 from materials.material import Material, MaterialValues
+from optimize.limits import DesignExpressions
+from optimize.problem import Problem
 from sections import SHAPES
+from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.section import DesignVariable, Section
+from sections.taper import Tapered
 
-from .problem import Problem
-
-Array = NDArray[np.float64]
-
-MATERIAL_FIELDS = ("elastic_modulus", "shear_modulus", "density", "poisson_ratio", "yield_strength", "cost")
+MATERIAL_FIELDS = (
+    "elastic_modulus",
+    "shear_modulus",
+    "density",
+    "poisson_ratio",
+    "yield_strength",
+    "cost",
+    "thermal_expansion",
+)
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
 
 
@@ -119,8 +132,29 @@ def symbolic_properties(shape: str, sizes: list[Any], poisson_ratio: Any) -> Sec
     return SectionProperties(**{item.name: column[k] for k, item in enumerate(fields(SectionProperties))})
 
 
+def with_uniform_links(problem: Problem) -> Problem:
+    """The problem with a uniform link wherever the choice of shapes replaces a tapered or an askew one.
+
+    What the given section brings beside its rigidities (a taper's factors, a plane that it does not keep) is no
+    candidate's, so models are built of the arm without it.
+    """
+    if problem.shapes is None:
+        return problem
+    links = list(problem.arm.links)
+    for index, link in enumerate(links):
+        section = link.section.near if isinstance(link.section, Tapered) else link.section
+        if section is not None and askew(section):
+            section = SHAPES[problem.shapes[0]].start(1e-3, problem.section_size, problem.thickness)
+        if section is not link.section:
+            links[index] = replace(link, section=section, section_name=None)
+    if all(new is old for new, old in zip(links, problem.arm.links, strict=True)):
+        return problem
+    return replace(problem, arm=problem.arm.with_links(tuple(links)))
+
+
 def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpace:
     """The variables of a combination of shapes."""
+    problem = with_uniform_links(problem)
     variables: list[Variable] = []
     for link, shape in enumerate(shapes):
         if shape is None:
@@ -144,14 +178,14 @@ def _section_variable(link: int, variable: DesignVariable, lower: float, upper: 
 
 
 def material_row(materials: Sequence[Material | None], problem: Problem) -> Array:
-    """The materials' figures as the programs' parameters (6 a link); raises `MissingProperty` for what is needed."""
+    """The materials' figures as the programs' parameters (for each link `MATERIAL_FIELDS`); raises `MissingProperty`
+    for what is needed."""
     needed = {"elastic_modulus", "density"}
     if needs_shear_modulus(problem.arm, problem.load_cases):
         needed |= {"shear_modulus"}
-    if problem.limit("safety_factor"):
-        needed |= {"yield_strength"}
-    if problem.minimize == "cost" or problem.limit("cost"):
-        needed |= {"cost"}
+    if needs_thermal_expansion(problem.arm):
+        needed |= {"thermal_expansion"}
+    needed |= {name for name in MATERIAL_FIELDS if problem.needs(name)}
     rows: list[float] = []
     for material in materials:
         if material is None:
@@ -176,20 +210,6 @@ def material_values(row: Any, link: int) -> MaterialValues:
     return MaterialValues("chosen", 0.0, **fields)
 
 
-@dataclass(frozen=True)
-class DesignExpressions:
-    """A design's figures as expressions of the optimiser's numbers and the materials' parameters (SI)."""
-
-    sections: tuple[Section | None, ...]
-    properties: tuple[SectionProperties | None, ...]
-    beams: tuple[Beam, ...]
-    beam_column: Any
-    strength_column: Any
-    mass: Any
-    cost: Any
-    reach: Any
-
-
 def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:
     """The design's figures for symbols x and the materials' parameters."""
     arm = space.problem.arm
@@ -198,6 +218,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     lengths = [length for _, length in chosen]
     own = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
     beams: list[Beam] = []
+    stuffs: list[MaterialValues | None] = []
     properties: list[SectionProperties | None] = []
     mass: Any = 0.0
     cost: Any = 0.0
@@ -205,6 +226,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         if section is None:
             assert own is not None
             beams.append(own[link])
+            stuffs.append(None)
             properties.append(None)
             mass = mass + own[link].lumped_mass
             continue
@@ -213,6 +235,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         beam = elastic_beam(length, found, material, shear=True)
         properties.append(found)
         beams.append(beam)
+        stuffs.append(material)
         weight = beam.mass_per_length * length
         mass = mass + weight
         cost = cost + weight * material.cost
@@ -220,6 +243,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
         tuple(sections),
+        tuple(stuffs),
         tuple(properties),
         tuple(beams),
         ca.vertcat(*[ca.SX(0.0 if entry is None else entry) for entry in column]),
@@ -255,7 +279,7 @@ def starting_points(space: DesignSpace, materials: Array, count: int, seed: int 
     lower, upper = space.bounds()
     lengths = _starting_lengths(space)
     starts = [_shared_mass(space, materials, lengths)]
-    own = _as_given(space, lengths)
+    own = as_given(space)
     if own is not None:
         starts.append(own)
     generator = np.random.default_rng(seed)
@@ -266,6 +290,31 @@ def starting_points(space: DesignSpace, materials: Array, count: int, seed: int 
         trials = (np.clip(starts[0] + 0.5**halved * shift, lower, upper) for halved in range(8))
         starts.append(next((trial for trial in trials if _possible(space, trial)), starts[0]))
     return starts[:count]
+
+
+def ladder(space: DesignSpace, materials: Array, count: int) -> list[Array]:
+    """Starting values of x from the lightest sections to the heaviest, all links alike, within what the mass allows."""
+    problem = space.problem
+    lengths = _starting_lengths(space)
+    most = min((limit.value for limit in problem.limit("mass") if limit.relation != ">="), default=math.inf)
+    lower, upper = space.bounds()
+    rungs: list[Array] = []
+    for share in np.linspace(0.0, 1.0, count):
+        x: list[float] = []
+        mass = 0.0
+        for link, shape in enumerate(space.shapes):
+            if shape is None:
+                continue
+            kind, ranges = SHAPES[shape], (problem.section_size, problem.thickness)
+            least, greatest = (float(kind.start(area, *ranges).properties(0.3).area) for area in (1e-12, 1e3))
+            section = kind.start(least * (greatest / least) ** float(share), *ranges)
+            density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
+            mass += float(section.properties(0.3).area) * density * lengths[link]
+            x += _own_values(space, link, section, lengths[link])
+        rung = np.clip(np.array(x), lower, upper)
+        if mass <= most * (1.0 + 1e-9) and len(x) == len(lower) and _possible(space, rung):
+            rungs.append(rung)
+    return rungs
 
 
 def _possible(space: DesignSpace, x: Array) -> bool:
@@ -312,7 +361,9 @@ def _own_values(space: DesignSpace, link: int, section: Section, length: float) 
     ]
 
 
-def _as_given(space: DesignSpace, lengths: list[float]) -> Array | None:
+def as_given(space: DesignSpace) -> Array | None:
+    """The numbers of the arm as given, or the nearest within the bounds; None where its shapes are others."""
+    lengths = _starting_lengths(space)
     x: list[float] = []
     for link, (shape, own) in enumerate(zip(space.shapes, space.problem.arm.links, strict=True)):
         if shape is None:

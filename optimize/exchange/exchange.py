@@ -10,28 +10,25 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-from arm.drive_load import DriveCase, DriveLoads, drive_case, greatest_drive_loads
-from arm.evaluation import least_frequency, strength_over
-from arm.model import ErrorModel, beams_of, error_model
-from arm.modes import first_modes
-from arm.strength import StrengthCase, StrengthResult, strength_case
-from arm.workspace import Unreachable, pull
-from arm.worst import WorstCase, WorstPose, WorstSearch
+from arm.errors.model import ErrorModel, error_model
+from arm.worst.search import WorstCase, WorstPose, WorstSearch
+from arm.worst.workspace import Unreachable, pull
 from materials.material import Material
-from materials.quantities import InputError
+from optimize.limits import Cut, Limit, OfDesign, PoseFamily, Totals, families_of, shortfall
+from optimize.problem import Problem
+from optimize.result import Iteration
+from sections.numeric import Array
+from units.quantities import InputError
 
-from .design import DesignSpace, arm_of, numeric_beams
-from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
-from .problem import Limit, Problem
-from .program import Program, Solution, anchored, carried_mass, fixed_error
-from .result import Iteration
+from .binding_poses import Anchor, ErrorCut, Pool
+from .design import DesignSpace, arm_of, numeric_beams, with_uniform_links
+from .program import Program, Solution, anchored, carried_mass, fixed_error, groups_of
+from .rescue import LEAST_ERROR, solved
 
-Array = NDArray[np.float64]
 Log = Callable[[Iteration], None]
 
 TOLERANCE = 2e-5
@@ -39,27 +36,22 @@ TOLERANCE = 2e-5
 CERTIFICATE_GAP = 3e-5
 _MOST_ROUNDS = 40
 _MOST_ADDED = 6
-_STRENGTH_POSES = 2048
 
 
 @dataclass(frozen=True)
 class Context:
-    """What all combinations of a problem share: the error model, the search for worst poses, the strength of links."""
+    """What all combinations of a problem share: the error model, the search for worst poses, and the families of
+    figures that hold a limit through poses, each with what it prepared."""
 
     problem: Problem
     model: ErrorModel
     search: WorstSearch
-    strengths: tuple[StrengthCase, ...]
-    drives: tuple[DriveCase, ...] = ()
+    families: tuple[tuple[PoseFamily, Any], ...] = ()
 
     @property
     def uses_error(self) -> bool:
         """Whether the error is minimised or limited."""
         return self.problem.minimize == "max_error" or bool(self.problem.limit("max_error"))
-
-    def limit(self, name: str) -> float | None:
-        """The strictest limit on a figure that must not fall below it."""
-        return max((limit.value for limit in self.problem.limit(name)), default=None)
 
 
 @dataclass(frozen=True)
@@ -84,23 +76,20 @@ def context_of(problem: Problem) -> Context:
     if problem.actuators is not None:
         message = "is settled by `optimize` alone; name the drives in the arm file for this"
         raise InputError(problem.file, "choose.actuator", message)
+    problem = with_uniform_links(problem)
     model = error_model(problem.arm, problem.load_cases)
     search = WorstSearch(model, problem.workspace, gap=CERTIFICATE_GAP)
-    wanted = problem.limit("safety_factor") or problem.limit("buckling")
-    strengths = tuple(strength_case(problem.arm, load) for load in problem.load_cases) if wanted else ()
-    drives = tuple(drive_case(problem.arm, load) for load in problem.load_cases) if problem.limit("torque_use") else ()
-    return Context(problem, model, search, strengths, drives)
+    limited = families_of({limit.name: limit.figure for limit in problem.limits})
+    families = [family for family in families_of(problem.figures) if family in limited]
+    return Context(problem, model, search, tuple((family, family.prepare(problem)) for family in families))
 
 
 def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
     """The value (SI) of what is minimised."""
-    mass, cost, _ = program.mass_cost_reach(x, materials)
-    return {
-        "max_error": error,
-        "mass": mass,
-        "total_mass": mass + carried_mass(context.problem),
-        "cost": cost,
-    }[context.problem.minimize]
+    follows = context.problem.objective.follows
+    if not isinstance(follows, OfDesign):
+        return error
+    return follows.value(Totals(*program.mass_cost_reach(x, materials), carried_mass(context.problem)))
 
 
 class Exchange:
@@ -110,14 +99,17 @@ class Exchange:
         self.context, self.space = context, space
         self._anchors = anchored(space)
         self._program: Program | None = None
+        self.infeasible = False
+        """Whether the last failure was for limits that no design near kept, not for the solver's."""
 
     def program(self, pool: Pool, *, spare: bool = True) -> Program:
         """A compiled program with room for the pool (with `spare`, for some more)."""
         if self._program is None or not self._program.holds(pool):
-            room = pool.room(len(self.context.model.cases))
+            families = [family for family, _ in self.context.families]
+            room = pool.room(len(self.context.model.cases), groups_of(self.context.problem, families))
             # Eight slots compile about as fast as one, where poses need no unknowns of their own.
             room = room.spare(1 if self._anchors else 8) if spare else room
-            self._program = Program(self.space, self.context.model, self.context.strengths, room, self.context.drives)
+            self._program = Program(self.space, self.context.model, self.context.families, room)
         return self._program
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
@@ -133,8 +125,10 @@ class Exchange:
         """
         program = self.program(pool, spare=False)
         # Anchored poses that turn as far as they like can only make the bound lower.
-        solution = program.solve(start, materials, pool, turn=20.0, limits=self.context.problem.limits, push=push)
+        limits = self.context.problem.limits
+        solution = solved(program, start, materials, pool, turn=20.0, limits=limits, push=push)
         if not solution.solved:
+            self.infeasible = solution.infeasible
             return None
         return solution, self._objective(program, solution, materials, push)
 
@@ -155,22 +149,27 @@ class Exchange:
         give_up_above: float = math.inf,
         log: Log | None = None,
         push: int | None = None,
+        within: float | None = None,
     ) -> Exchanged | None:
-        """The exchange from a start; None where the finite problem has no solution.
+        """The exchange from a start; None where the finite problem has no solution, or none was found (`infeasible`
+        tells which).
 
         `give_up_above`: an objective that is known to be reached by other choices. With `push` the limit of that number
         is made as tight as it can be: the objective is then its value, or the reciprocal where more is better.
+        `within` keeps the design that near to the start, in each of the optimiser's numbers.
         """
         limits = self.context.problem.limits
         iterations: list[Iteration] = []
         last, error = start, 1e-3
+        near = None if within is None else (start, within)
         best: Exchanged | None = None
         for number in range(1, _MOST_ROUNDS + 1):
             program = self.program(pool)
-            solution = program.solve(last, materials, pool, error=error, limits=limits, push=push)
+            solution = solved(program, last, materials, pool, error=error, limits=limits, push=push, within=near)
             if not solution.solved:
-                solution = program.solve(start, materials, pool, error=error, limits=limits, push=push)
+                solution = solved(program, start, materials, pool, error=error, limits=limits, push=push, within=near)
             if not solution.solved:
+                self.infeasible = solution.infeasible
                 return None
             objective = self._objective(program, solution, materials, push)
             change = _change(self.space, last, solution.x) if number > 1 else math.nan
@@ -233,53 +232,19 @@ class Exchange:
                 allowed = limit
             worst = context.search.worst(p, extra=known, certify_up_to=allowed * (1.0 + TOLERANCE))
             certified = worst.certified
-            violation = worst.error / allowed - 1.0
+            violation = worst.error / max(allowed, LEAST_ERROR) - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
-            cuts = tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED])
-            grown = grown.with_errors(cuts)
-        violation, grown = self._judge_strength(arm, p, violation, grown)
-        violation, grown = self._judge_modes(context, arm, p, violation, grown)
-        violation, grown = self._judge_torque(p, violation, grown)
+            grown = grown.with_errors(tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED]))
+        for family, prepared in context.families:
+            cuts: list[Cut] = []
+            for each in family.worst(prepared, context.problem, context.search, arm, p):
+                limits = context.problem.limits if each.limit is None else (context.problem.limits[each.limit],)
+                short = [shortfall(limit, each.value) for limit in limits if limit.name == each.name]
+                violation = max([violation, *short])
+                if max(short, default=0.0) > TOLERANCE:
+                    cuts.append(each.cut)
+            grown = grown.with_cuts(family.name, cuts)
         return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
-
-    def _judge_strength(self, arm: Arm, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
-        context = self.context
-        if not context.strengths:
-            return violation, pool
-        result = strength_of(context, arm, p)
-        cuts: list[StrengthCut] = []
-        factor, buckling = context.limit("safety_factor"), context.limit("buckling")
-        if factor is not None:
-            for have, place in zip(result.safety_factor, result.poses, strict=True):
-                assert have is not None
-                violation = max(violation, factor / have - 1.0)
-                if factor / have - 1.0 > TOLERANCE:
-                    cuts.append(StrengthCut(*place))
-        if buckling is not None:
-            for have, place in zip(result.buckling, result.buckling_poses, strict=True):
-                violation = max(violation, buckling / have - 1.0)
-                if buckling / have - 1.0 > TOLERANCE:
-                    cuts.append(StrengthCut(*place))
-        return violation, pool.with_strengths(tuple(cuts))
-
-    def _judge_torque(self, p: Array, violation: float, pool: Pool) -> tuple[float, Pool]:
-        limit = min((each.value for each in self.context.problem.limit("torque_use")), default=None)
-        if limit is None:
-            return violation, pool
-        found = drive_loads_of(self.context, p)
-        uses = [(0.0 if use is None else use) / limit - 1.0 for use in found.use]
-        worse = [StrengthCut(*at) for at, over in zip(found.poses, uses, strict=True) if over > TOLERANCE]
-        return max([violation, *uses]), pool.with_torques(tuple(worse))
-
-    def _judge_modes(
-        self, context: Context, arm: Arm, p: Array, violation: float, pool: Pool
-    ) -> tuple[float, Pool]:
-        limit = context.limit("first_frequency")
-        if limit is None:
-            return violation, pool
-        cut, frequency = slowest_mode(context, arm, p)
-        short = limit / frequency - 1.0
-        return max(violation, short), pool.with_modes((cut,)) if short > TOLERANCE else pool
 
 
 @dataclass(frozen=True)
@@ -303,29 +268,6 @@ def _change(space: DesignSpace, old: Array, new: Array) -> float:
     """The largest relative change of a design quantity."""
     before, after = np.array(space.values(list(old)), dtype=float), np.array(space.values(list(new)), dtype=float)
     return float(np.abs(after / before - 1.0).max(initial=0.0))
-
-
-def strength_of(context: Context, arm: Arm, p: Array) -> StrengthResult:
-    """The strength of a design over spread poses of the workspace and the worst poses for each link."""
-    poses = context.search.poses(p, _STRENGTH_POSES)
-    return strength_over(arm, context.problem.load_cases, poses, p, context.search)
-
-
-def drive_loads_of(context: Context, p: Array) -> DriveLoads:
-    """What the drives of a design p hold over the workspace."""
-    poses = context.search.poses(p, _STRENGTH_POSES)
-    return greatest_drive_loads(context.problem.arm, context.drives, poses, p, context.search)
-
-
-def slowest_mode(context: Context, arm: Arm, p: Array) -> tuple[ModeCut, float]:
-    """The mode of the least first frequency over the workspace, and that frequency (Hz)."""
-    beams = beams_of(arm, context.problem.load_cases)
-    slowest = least_frequency(arm, context.search, beams, p, context.problem.load_cases)
-    if slowest is None:
-        raise ValueError("nothing in the model gives, so a limit on the first frequency means nothing")
-    payload = context.problem.load_cases[slowest.load_case].mass
-    modes = first_modes(arm, beams, payload, np.array([slowest.q]))
-    return ModeCut(slowest.q, payload, tuple(modes.shape[0].tolist())), float(modes.frequency[0])
 
 
 def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -> ErrorCut:
@@ -379,12 +321,7 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
         worst = context.search.worst(p, certify=False)
         poses = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:4]
         pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in poses))
-    if context.strengths:
-        result = strength_of(context, arm, p)
-        cuts = [StrengthCut(*place) for place in (*result.poses, *result.buckling_poses)]
-        pool = pool.with_strengths(tuple(cuts))
-    if context.limit("first_frequency") is not None:
-        pool = pool.with_modes((slowest_mode(context, arm, p)[0],))
-    if context.drives:
-        pool = pool.with_torques(tuple(StrengthCut(*at) for at in drive_loads_of(context, p).poses))
+    for family, prepared in context.families:
+        found = family.worst(prepared, context.problem, context.search, arm, p)
+        pool = pool.with_cuts(family.name, family.first(found))
     return pool

@@ -1,48 +1,45 @@
 """The finite problem of the exchange: the best design for the binding poses found so far, by IPOPT with exact
 derivatives.
 
-minimise y over (x, y) subject to log |e(x; pose)|^2 <= 2 y for every pose of the pool: the worst error is then exp(y)
-mm
-plus the sum of the clearance discs' radii, which no design changes. Masses and errors enter through their logarithms:
-where they are posynomials of the dimensions, the problem is convex. Poses, play, materials and the values of limits are
-parameters, so one compiled program serves every round of the exchange, every choice of materials and every point of a
-trade-off. Every limit has a slack, fixed at zero unless an infeasible problem is to be explained, or that limit itself
-is pushed as far as it goes.
+minimise y over (x, y) subject to log (|e(x; pose)|^2 + floor) <= 2 y for every pose of the pool: the worst error is
+then sqrt(exp(2 y) - floor) mm plus the sum of the clearance discs' radii, which no design changes. Masses and errors
+enter through their logarithms: where they are posynomials of the dimensions, the problem is convex. Poses, play,
+materials and the values of limits are parameters, so one compiled program serves every round of the exchange, every
+choice of materials and every point of a trade-off. Every limit has a slack, fixed at zero unless an infeasible problem
+is to be explained, or that limit itself is pushed as far as it goes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.drive_load import DriveCase
-from arm.model import ErrorModel
-from arm.strength import StrengthCase
-from arm.workspace import climbing_bounds, joint_box
-from materials.quantities import InputError
+from arm.errors.model import ErrorModel
+from arm.worst.workspace import climbing_bounds, joint_box
+from optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
+from optimize.problem import Problem
+from units.quantities import InputError
 
+from .binding_poses import ErrorCut, Pool, Room
 from .design import MATERIAL_FIELDS, DesignSpace, expressions
-from .pool import ErrorCut, ModeCut, Pool, Room, StrengthCut
-from .problem import Limit, Problem
 from .rows import (
+    FLOOR_MM2,
     MM,
-    OWN_ROWS,
     Rows,
     error_parameters,
     error_rows,
     filled,
     limit_rows,
-    mode_rows,
+    pose_rows,
     shape_rows,
-    strength_rows,
     symbol,
-    torque_rows,
 )
 
 Array = NDArray[np.float64]
@@ -94,6 +91,10 @@ class Solution:
     message: str
     active: Pool
     turned: bool
+    infeasible: bool = False
+    """Found without a design although limits might give way: more than a failure of the solver."""
+    multipliers: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    """The multipliers of the rows, block by block: `errors`, `own` and each family's; see `Program.slotted`."""
 
 
 def carried_mass(problem: Problem) -> float:
@@ -107,7 +108,7 @@ def drives_cost(problem: Problem) -> float:
     total = 0.0
     for number, joint in enumerate(problem.arm.joints, start=1):
         if joint.actuator is not None and joint.actuator.cost is None:
-            if problem.minimize != "cost" and not problem.limit("cost"):
+            if not problem.needs("cost"):
                 return 0.0
             message = f"no price is known of {joint.actuator.name} (joint {number}); give one in your own file"
             raise InputError(problem.file, "cost", message)
@@ -125,6 +126,16 @@ def fixed_error(model: ErrorModel) -> float:
     return float(model.cases[0].radii.sum()) if model.planar and model.arm.play == "worst" else 0.0
 
 
+def _without_floor(y: float, floor: float) -> float:
+    """The error (mm) that y stands for."""
+    return math.exp(y) if floor == FLOOR_MM2 else math.sqrt(max(math.exp(2.0 * y) - floor, FLOOR_MM2))
+
+
+def groups_of(problem: Problem, families: Sequence[PoseFamily]) -> dict[str, int]:
+    """How many groups of poses each family has, by its name."""
+    return {family.name: family.groups(problem) for family in families}
+
+
 class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
@@ -132,12 +143,13 @@ class Program:
         self,
         space: DesignSpace,
         model: ErrorModel,
-        strengths: Sequence[StrengthCase],
+        families: Sequence[tuple[PoseFamily, Any]],
         room: Room,
-        drives: Sequence[DriveCase] = (),
     ) -> None:
-        """`room`: how many binding poses of each kind there is room for."""
+        """`families`: those that hold a limit, with what they prepared; `room`: how many binding poses of each kind
+        there is room for."""
         self.space, self.model, self.room = space, model, room
+        self.pose_families = tuple(family for family, _ in families)
         problem = space.problem
         levels = symbol("level", len(problem.limits))
         limits = tuple(replace(limit, value=levels[k]) for k, limit in enumerate(problem.limits))
@@ -148,33 +160,36 @@ class Program:
         design = expressions(space, x, materials)
         design = replace(design, cost=design.cost + drives_cost(problem))
         self.fixed_error = fixed_error(model)
-        worst = self.fixed_error + ca.exp(y) / MM
-        errors = error_rows(model, design, y, room.errors, anchored=self._anchored)
-        stress = strength_rows(limits, strengths, design, materials, slack, room.strengths)
-        modes = mode_rows(space, limits, design, slack, room.modes)
-        own, equal = limit_rows(limits, design, worst, carried_mass(problem), slack)
+        floor = symbol("floor")
+        worst = self.fixed_error + ca.exp(y) * ca.sqrt(ca.fmax(1.0 - floor * ca.exp(-2.0 * y), 1e-12)) / MM
+        errors = error_rows(model, design, y, room.errors, floor, anchored=self._anchored)
+        held = Held(limits, slack)
+        by_pose = {
+            family.name: pose_rows(
+                family, prepared, problem.arm.size, held, design, room.slots(family.name, family.groups(problem))
+            )
+            for family, prepared in families
+        }
+        own, equal = limit_rows(held, design, worst, carried_mass(problem))
         shapes = shape_rows(space, design)
         sides = Rows(errors.sides)
-        families = {"errors": errors, "stress": stress, "modes": modes, "own": own, "shapes": shapes, "sides": sides}
-        families["torque"] = torque = torque_rows(space, limits, drives, design, slack, room.torques)
-        self._families = families
-        rows = [row for family in families.values() for row in family.rows]
+        blocks = {"errors": errors, **by_pose, "own": own, "shapes": shapes, "sides": sides}
+        self._blocks = blocks
+        rows = [row for block in blocks.values() for row in block.rows]
         self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
         self._lower[len(rows) :] = 0.0
         self._place: dict[str, slice] = {}
         start = 0
-        for name, family in families.items():
-            self._place[name] = slice(start, start + len(family.rows))
-            start += len(family.rows)
+        for name, block in blocks.items():
+            self._place[name] = slice(start, start + len(block.rows))
+            start += len(block.rows)
         self._lower[self._place["own"]] = np.where(equal, 0.0, -np.inf)
-        objective = {
-            "max_error": y,
-            "mass": ca.log(design.mass),
-            "total_mass": ca.log(design.mass + carried_mass(problem)),
-            "cost": ca.log(ca.SX(design.cost)),
-        }[problem.minimize]
-        parameters = [materials, weights, pushed, levels, *errors.parameters, *stress.parameters, *modes.parameters]
-        parameters += torque.parameters
+        follows, objective = problem.objective.follows, y
+        if isinstance(follows, OfDesign):
+            totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem))
+            objective = ca.log(ca.SX(follows.value(totals)))
+        parameters = [materials, weights, pushed, levels, floor, *errors.parameters]
+        parameters += [parameter for block in by_pose.values() for parameter in block.parameters]
         every = [*rows, *errors.equalities]
         program = {
             "x": ca.vertcat(x, y, slack, *errors.unknowns),
@@ -186,6 +201,12 @@ class Program:
         }
         self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
         self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
+        squares = [ca.exp(row + 2.0 * y) - floor for row in errors.rows]
+        self._squares = ca.Function(
+            "squares",
+            [x, ca.vertcat(*errors.unknowns), ca.vertcat(*parameters)],
+            [ca.vertcat(*squares) if squares else ca.SX(0, 1)],
+        )
         self._mass = ca.Function("mass", [x, materials], [design.mass, design.cost, design.reach])
 
     def figures(self, x: Array, materials: Array) -> tuple[Array, Array]:
@@ -200,7 +221,11 @@ class Program:
 
     def holds(self, pool: Pool) -> bool:
         """Whether the program has room for a pool."""
-        return self.room.holds(pool.room(len(self.model.cases)))
+        return self.room.holds(self.room_for(pool))
+
+    def room_for(self, pool: Pool) -> Room:
+        """The room that a pool needs."""
+        return pool.room(len(self.model.cases), groups_of(self.space.problem, self.pose_families))
 
     def solve(
         self,
@@ -213,27 +238,28 @@ class Program:
         turn: float = TURN,
         limits: Sequence[Limit] | None = None,
         push: int | None = None,
+        floor: float = 0.0,
+        within: tuple[Array, float] | None = None,
     ) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m).
 
         With `relax` the limits may give way and the least relaxation is sought instead of the objective. `turn` is how
         far (rad) anchored poses may turn their joints. `limits` are the problem's with other values. With `push` the
         limit of that number is made as tight as it can be instead of the objective: its slack is how far it went.
+        `floor` (m) is that of the error rows: about the error itself where it may pass through zero. `within` keeps the
+        design so near (in each of the optimiser's numbers) to another one.
         """
         lower, upper = self.space.bounds()
+        if within is not None:
+            lower, upper = np.maximum(lower, within[0] - within[1]), np.minimum(upper, within[0] + within[1])
         own = self.space.problem.limits if limits is None else limits
         count = len(own)
+        squared = max(FLOOR_MM2, (floor * MM) ** 2)
         y = math.log(max(error - self.fixed_error, 1e-12) * MM)
-        errors, strengths = filled(pool.errors, self.room.errors), filled(pool.strengths, self.room.strengths)
-        modes = [pool.modes[min(slot, len(pool.modes) - 1)] for slot in range(self.room.modes)]
-        values, unknowns = error_parameters(self.model, errors, anchored=self._anchored)
-        for cut in strengths:
-            values += list(cut.q)
-        for mode in modes:
-            values += [*mode.q, mode.payload, *mode.shape]
-        torques = filled(pool.torques, self.room.torques)
-        for cut in torques:
-            values += list(cut.q)
+        if floor > 0.0:
+            y = 0.5 * math.log(math.exp(2.0 * y) + squared)
+        errors, held = self.slotted(pool)
+        values, unknowns = self._pose_values(errors, held)
         give = np.full(count, 10.0 if relax else 0.0)
         equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
         slack, pushed = 0.05 * give, np.zeros(count)
@@ -245,7 +271,7 @@ class Program:
         least, most = self._turns(np.array(unknowns), turn)
         result = self._solver(
             x0=[*inside, y, *slack, *unknowns],
-            p=[*materials, *weights, *pushed, *(limit.value for limit in own), *values],
+            p=[*materials, *weights, *pushed, *(limit.value for limit in own), squared, *values],
             lbx=[*lower, -40.0, *equal, *least],
             ubx=[*upper, 40.0, *give, *most],
             lbg=self._lower,
@@ -258,16 +284,40 @@ class Program:
         shapes = multipliers[self._place["shapes"]]
         return Solution(
             x=np.clip(point[:size], lower, upper),
-            error=self.fixed_error + math.exp(min(float(point[size]), 60.0)) / MM,
+            error=self.fixed_error + _without_floor(min(float(point[size]), 60.0), squared) / MM,
             solved=bool(stats["success"]),
             limit_prices=tuple(self._limit_prices(multipliers)),
             bound_prices=np.array(result["lam_x"]).ravel()[:size],
-            shape_prices=tuple(zip(self._families["shapes"].labels, shapes.tolist(), strict=True)),
+            shape_prices=tuple(zip(self._blocks["shapes"].labels, shapes.tolist(), strict=True)),
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
-            active=self._active(multipliers, errors, strengths, modes, torques),
+            active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
             turned=bool(np.any(np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn)),
+            multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
+
+    def slotted(self, pool: Pool) -> tuple[list[ErrorCut], dict[str, list[Cut]]]:
+        """The poses in their slots: those of the error, and those of each family by its name."""
+        problem = self.space.problem
+        slots = {family.name: self.room.slots(family.name, family.groups(problem)) for family in self.pose_families}
+        held = {name: filled(pool.of(name), each) for name, each in slots.items()}
+        return filled(pool.errors, self.room.errors), held
+
+    def _pose_values(self, errors: list[ErrorCut], held: Mapping[str, list[Cut]]) -> tuple[list[float], list[float]]:
+        """The poses' parameters, and where anchored poses start."""
+        values, unknowns = error_parameters(self.model, errors, anchored=self._anchored)
+        for cuts in held.values():
+            for cut in cuts:
+                values += [*cut.q, *cut.more]
+        return values, unknowns
+
+    def greatest_error(self, x: Array, materials: Array, pool: Pool) -> float:
+        """The worst error (m) of a design over a pool, the radii that no design changes left out; 0 without poses."""
+        values, unknowns = self._pose_values(*self.slotted(pool))
+        count = len(self.space.problem.limits)
+        fixed = [*materials, 1.0, 0.0, *[0.0] * count, *[1.0] * count, FLOOR_MM2]
+        squares = np.array(self._squares(x, unknowns, [*fixed, *values])).ravel()
+        return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 
     def _turns(self, q: Array, turn: float) -> tuple[Array, Array]:
         """Bounds of the anchored poses. Without a joint to spare a place is reached within the joints' ranges or not at
@@ -279,14 +329,7 @@ class Program:
         times = len(q) // arm.size
         return np.maximum(q - turn, np.tile(low, times)), np.minimum(q + turn, np.tile(high, times))
 
-    def _active(
-        self,
-        multipliers: Array,
-        errors: list[ErrorCut],
-        strengths: list[StrengthCut],
-        modes: list[ModeCut],
-        torques: list[StrengthCut],
-    ) -> Pool:
+    def _active(self, multipliers: Array, errors: list[ErrorCut], held: Mapping[str, list[Cut]]) -> Pool:
         """The poses that hold the solution."""
 
         def pressing(name: str, count: int) -> Array:
@@ -295,28 +338,19 @@ class Program:
                 rows.reshape(count, -1).max(axis=1) > _PRESSING if count and len(rows) else np.zeros(count, dtype=bool)
             )
 
-        pool = Pool()
-        held = pressing("errors", len(errors))
-        pool = pool.with_errors(tuple(cut for cut, holds in zip(errors, held, strict=True) if holds))
-        held = pressing("stress", len(strengths))
-        pool = pool.with_strengths(tuple(cut for cut, holds in zip(strengths, held, strict=True) if holds))
-        held = pressing("torque", len(torques))
-        pool = pool.with_torques(tuple(cut for cut, holds in zip(torques, held, strict=True) if holds))
-        held = pressing("modes", len(modes))
-        return pool.with_modes(tuple(dict.fromkeys(m for m, holds in zip(modes, held, strict=True) if holds)))
+        found = pressing("errors", len(errors))
+        pool = Pool().with_errors(tuple(cut for cut, holds in zip(errors, found, strict=True) if holds))
+        for name, cuts in held.items():
+            # Every pose of a family has equally many rows.
+            found = pressing(name, len(cuts))
+            pool = pool.with_cuts(name, [cut for cut, holds in zip(cuts, found, strict=True) if holds])
+        return pool
 
     def _limit_prices(self, multipliers: Array) -> list[float]:
-        """A multiplier for each limit: its own row's, or the sum over the poses through which it holds."""
-        sums: dict[str, float] = {}
-        for family in ("stress", "modes", "torque"):
-            for label, value in zip(self._families[family].labels, multipliers[self._place[family]], strict=True):
-                sums[label] = sums.get(label, 0.0) + float(value)
-        own = iter(multipliers[self._place["own"]].tolist())
-        prices: list[float] = []
-        for limit in self.space.problem.limits:
-            if limit.name in OWN_ROWS:
-                prices.append(next(own))
-            else:
-                # The frequency enters squared: one per cent of it is two per cent of its row.
-                prices.append(sums.get(limit.name, 0.0) * (2.0 if limit.name == "first_frequency" else 1.0))
+        """A multiplier for each limit: the sum over its rows, or over the poses through which it holds."""
+        prices = [0.0] * len(self.space.problem.limits)
+        slopes = {family.name: family.slope for family in self.pose_families}
+        for name in ("own", *slopes):
+            for number, value in zip(self._blocks[name].limits, multipliers[self._place[name]], strict=True):
+                prices[number] += slopes.get(name, 1.0) * float(value)
         return prices

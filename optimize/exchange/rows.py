@@ -8,24 +8,18 @@ from typing import Any, TypeVar
 
 import casadi as ca
 
-from arm.drive_load import DriveCase, rated_torques
-from arm.kinematics import place
-from arm.model import ErrorModel
-from arm.modes import inertia_excess, segmented
-from arm.strength import STATIONS, StrengthCase
+from arm.chain.kinematics import place
+from arm.errors.model import ErrorModel
+from optimize.limits import Cut, DesignExpressions, Held, Limit, OfLinks, PoseFamily, ThroughPoses, Totals, WorstError
 
-from .design import DesignExpressions, DesignSpace, material_values
-from .pool import ErrorCut, StrengthCut
-from .problem import Limit
+from .binding_poses import ErrorCut
+from .design import DesignSpace
 
-Cut = TypeVar("Cut", ErrorCut, StrengthCut)
+AnyCut = TypeVar("AnyCut", ErrorCut, Cut)
 
 MM = 1e3
-_FLOOR_MM2 = 1e-14
+FLOOR_MM2 = 1e-14
 """Added to squared errors (mm^2) so that an error of zero has a logarithm."""
-
-OWN_ROWS = ("max_error", "mass", "total_mass", "reach", "cost")
-"""Limits that hold through a row of their own; the others hold through the poses of the pool."""
 
 
 @dataclass
@@ -38,6 +32,8 @@ class Rows:
     equalities: list[Any] = field(default_factory=list)
     sides: list[Any] = field(default_factory=list)
     labels: list[str] = field(default_factory=list)
+    limits: list[int] = field(default_factory=list)
+    """The number of the limit that each row holds, where it holds one."""
 
 
 def symbol(name: str, size: int = 1) -> Any:
@@ -45,8 +41,14 @@ def symbol(name: str, size: int = 1) -> Any:
     return ca.SX.sym(name, size)  # pyright: ignore[reportCallIssue]
 
 
-def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], *, anchored: bool) -> Rows:
-    """log |e|^2 <= 2 y (in mm) at as many poses of each load case as `slots` says."""
+def error_rows(
+    model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], floor: Any, *, anchored: bool
+) -> Rows:
+    """log (|e|^2 + floor) <= 2 y (in mm^2) at as many poses of each load case as `slots` says.
+
+    The floor moves no optimum, as the logarithm only grows. One as large as the error keeps the row smooth where terms
+    of either sign cancel and the error passes through zero.
+    """
     out = Rows()
     size = model.arm.size
     for number, case in enumerate(model.cases):
@@ -70,7 +72,7 @@ def error_rows(model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequ
             vector = MM * (outputs[0] + shift)
             for play in range(len(case.error.intervals)):
                 vector = vector + MM * signs[play] * outputs[1][3 * play : 3 * play + 3]
-            out.rows.append(ca.log(ca.dot(vector, vector) + _FLOOR_MM2) - 2.0 * y)
+            out.rows.append(ca.log(ca.dot(vector, vector) + floor) - 2.0 * y)
     return out
 
 
@@ -91,11 +93,11 @@ def _anchored(
     return rows, -side * ca.det(square) if arm.size >= axes else ca.SX(0.0)
 
 
-def filled(cuts: Sequence[Cut], slots: Sequence[int]) -> list[Cut]:
-    """The cut in each slot, load case after load case; spare slots repeat the case's last."""
-    found: list[Cut] = []
-    for case, count in enumerate(slots):
-        own = [cut for cut in cuts if cut.load_case == case]
+def filled(cuts: Sequence[AnyCut], slots: Sequence[int]) -> list[AnyCut]:
+    """The cut in each slot, group after group (load cases, for the error); spare slots repeat the group's last."""
+    found: list[AnyCut] = []
+    for group, count in enumerate(slots):
+        own = [cut for cut in cuts if cut.group == group]
         found += [own[min(slot, len(own) - 1)] for slot in range(count)]
     return found
 
@@ -115,106 +117,55 @@ def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: b
     return values, unknowns
 
 
-def strength_rows(
-    limits: Sequence[Limit],
-    cases: Sequence[StrengthCase],
-    design: DesignExpressions,
-    materials: Any,
-    slack: Any,
-    slots: Sequence[int],
+def pose_rows(
+    family: PoseFamily, prepared: Any, size: int, held: Held, design: DesignExpressions, slots: Sequence[int]
 ) -> Rows:
-    """Stress against yield strength and compression against Euler's load at as many poses of each load case as `slots`
-    says."""
+    """A family's rows at as many poses of each group as `slots` says, for an arm of so many joints."""
     out = Rows()
-    size = len(design.beams)
-    for number, case in enumerate(cases):
-        for slot in range(slots[number]):
-            q = symbol(f"strength{number}_{slot}", size)
-            out.parameters.append(q)
-            stress, compression, _ = case.function(q, design.beam_column, design.strength_column)
-            for index, limit in enumerate(limits):
-                for entry, link in enumerate(case.links):
-                    if limit.name == "buckling":
-                        out.rows.append(compression[entry] * limit.value - ca.exp(slack[index]))
-                        out.labels.append(limit.name)
-                    elif limit.name == "safety_factor":
-                        strength = material_values(materials, link).yield_strength
-                        for station in range(len(STATIONS)):
-                            share = stress[len(STATIONS) * entry + station] * limit.value / strength
-                            out.rows.append(ca.log(share) - slack[index])
-                            out.labels.append(limit.name)
+    further = family.more(prepared)
+    for group, count in enumerate(slots):
+        for slot in range(count):
+            q = symbol(f"{family.name}{group}_{slot}", size)
+            more = symbol(f"{family.name}_more{group}_{slot}", further) if further else ca.SX(0, 1)
+            out.parameters += [q, more] if further else [q]
+            for number, row in family.rows(prepared, group, (q, more), design, held):
+                out.rows.append(row)
+                out.limits.append(number)
     return out
 
 
-def torque_rows(
-    space: DesignSpace,
-    limits: Sequence[Limit],
-    cases: Sequence[DriveCase],
-    design: DesignExpressions,
-    slack: Any,
-    slots: Sequence[int],
-) -> Rows:
-    """The loads on the drives, to either side, against the rated torques of their actuators."""
-    out = Rows()
-    rated = rated_torques(space.problem.arm)
-    for number, case in enumerate(cases):
-        for slot in range(slots[number]):
-            q = symbol(f"torque{number}_{slot}", len(design.beams))
-            out.parameters.append(q)
-            loads = case.function(q, design.beam_column)
-            for index, limit in enumerate(limits):
-                for joint, torque in enumerate(rated):
-                    if limit.name == "torque_use" and torque is not None:
-                        use = loads[joint] / (torque * limit.value)
-                        out.rows += [use - ca.exp(slack[index]), -use - ca.exp(slack[index])]
-                        out.labels += [limit.name] * 2
-    return out
-
-
-def mode_rows(space: DesignSpace, limits: Sequence[Limit], design: DesignExpressions, slack: Any, slots: int) -> Rows:
-    """The first frequency, by Rayleigh's quotient of `slots` trial shapes."""
-    out = Rows()
-    arm = space.problem.arm
-    segments = segmented(arm)
-    for slot in range(slots):
-        q = symbol(f"mode{slot}", arm.size)
-        payload = symbol(f"carried{slot}")
-        shape = symbol(f"shape{slot}", 3 * len(segments.owner))
-        out.parameters += [q, payload, shape]
-        for index, limit in enumerate(limits):
-            if limit.name == "first_frequency":
-                places, shapes = [q[k] for k in range(arm.size)], [shape[k] for k in range(shape.numel())]
-                excess = inertia_excess(arm, segments, places, design.beams, payload, shapes, limit.value)
-                # Inertia over stiffness goes with the frequency squared.
-                out.rows.append(excess + 1.0 - ca.exp(2.0 * slack[index]))
-                out.labels.append(limit.name)
-    return out
-
-
-def limit_rows(
-    limits: Sequence[Limit], design: DesignExpressions, error: Any, carried: float, slack: Any
-) -> tuple[Rows, list[bool]]:
-    """The limits on figures of the design itself, as logarithms of ratios; and which of the rows are equalities."""
-    figures = {
-        "max_error": error,
-        "mass": design.mass,
-        "total_mass": design.mass + carried,
-        "reach": design.reach,
-        "cost": design.cost,
-    }
+def limit_rows(held: Held, design: DesignExpressions, error: Any, carried: float) -> tuple[Rows, list[bool]]:
+    """The limits on figures of the design itself, as ratios or their logarithms; and which of the rows are
+    equalities."""
+    totals = Totals(design.mass, design.cost, design.reach, carried)
     out = Rows()
     equal: list[bool] = []
-    for index, limit in enumerate(limits):
-        if limit.name in OWN_ROWS:
-            ratio = ca.log(ca.SX(figures[limit.name]) / limit.value)
-            if limit.relation == "==":
-                # Two one-sided rows would have no interior; an equality takes a slack of either sign.
-                out.rows.append(ratio - slack[index])
-            else:
-                out.rows.append((-ratio if limit.relation == ">=" else ratio) - slack[index])
-            equal.append(limit.relation == "==")
-            out.labels.append(limit.name)
+    for number, limit in enumerate(held.limits):
+        follows = limit.figure.follows
+        own: list[Any] = []
+        if isinstance(follows, OfLinks):
+            own = _link_rows(limit, follows, held.slack[number], design)
+        elif not isinstance(follows, ThroughPoses):
+            value = error if isinstance(follows, WorstError) else follows.value(totals)
+            ratio = ca.log(ca.SX(value) / limit.value)
+            # Two one-sided rows would have no interior; an equality takes a slack of either sign.
+            own = [(-ratio if limit.relation == ">=" else ratio) - held.slack[number]]
+        out.rows += own
+        out.limits += [number] * len(own)
+        equal += [limit.relation == "=="] * len(own)
     return out, equal
+
+
+def _link_rows(limit: Limit, follows: OfLinks, slack: Any, design: DesignExpressions) -> list[Any]:
+    """A row for each value of each link; what is not known of a link cannot be held."""
+    rows: list[Any] = []
+    for section, material in zip(design.sections, design.materials, strict=True):
+        values = None if section is None or material is None else follows.values(section, material)
+        # Not in logarithms: a wall may be as thick as it is wide, and its slenderness nothing.
+        for value in values or ():
+            ratio = ca.SX(value) / limit.value
+            rows.append(ca.exp(-slack) - ratio if limit.relation == ">=" else ratio - ca.exp(slack))
+    return rows
 
 
 def shape_rows(space: DesignSpace, design: DesignExpressions) -> Rows:

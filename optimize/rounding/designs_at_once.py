@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.beam import elastic_beam
-from arm.chain import Arm
-from arm.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
-from arm.strength import STRENGTH_FIELDS, strength_values
+from arm.chain.beam import elastic_beam
+from arm.chain.chain import Arm
+from arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from arm.limits.strength import STRENGTH_FIELDS, strength_values
+from optimize.exchange.program import carried_mass, drives_cost
+from optimize.limits import Figure, OfLinks, Totals
+from optimize.problem import Problem
+from sections.numeric import Array
 
-from .problem import Problem
-from .program import carried_mass, drives_cost
-from .round_options import Option
+from .options import Option
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.intp]
 
 
@@ -61,12 +62,12 @@ class Table:
             [None if link.section is None else link.section.properties(0.3) for link in arm.links]
         ).reshape(arm.size, -1)
         shear = needs_shear_modulus(arm, problem.load_cases)
-        strong = bool(problem.limit("safety_factor"))
-        priced = problem.minimize == "cost" or bool(problem.limit("cost"))
+        strong, priced = problem.needs("yield_strength"), problem.needs("cost")
         rows = [[self._rows(option, shear, priced, strong) for option in group.options] for group in self.groups]
         self._beams = [np.array([[entry[0] for entry in own] for own in group]) for group in rows]
         self._sections = [np.array([[entry[1] for entry in own] for own in group]) for group in rows]
         self._prices = [np.array([[entry[2] for entry in own] for own in group]) for group in rows]
+        self._by_link: dict[str, list[Array]] = {}
         self.yields = [np.array([[entry[3] for entry in own] for own in group]) for group in rows]
 
     def _rows(
@@ -106,6 +107,33 @@ class Table:
         p[:, :, BEAM_FIELDS.index("length")] = lengths
         width = len(STRENGTH_FIELDS) * size
         return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))
+
+    def totals(self, figures: Figures) -> Totals:
+        """The sums over designs, as arrays."""
+        return Totals(figures.mass, figures.cost, figures.reach, self.carried)
+
+    def of_links(self, figure: Figure, follows: OfLinks, picks: Integers) -> Array:
+        """A figure of the links (N) of designs, the worst over each design's links; 0 where none has anything to
+        limit. What is not known of a link is left out."""
+        if figure.name not in self._by_link:
+            self._by_link[figure.name] = [
+                np.array([self._worst_of(figure, follows, option) for option in group.options]) for group in self.groups
+            ]
+        columns = [worst[picks[:, number]] for number, worst in enumerate(self._by_link[figure.name])]
+        least = figure.more_is_better
+        empty = np.inf if least else -np.inf
+        found = np.full(len(picks), empty)
+        for column in columns:
+            found = np.fmin(found, column) if least else np.fmax(found, column)
+        return np.where(found == empty, 0.0, found)
+
+    def _worst_of(self, figure: Figure, follows: OfLinks, option: tuple[Option, ...]) -> float:
+        found: list[float] = []
+        for each in option:
+            assert each.section is not None
+            assert each.material is not None
+            found += [float(x) for x in follows.values(each.section, each.material.at(self.arm.temperature)) or ()]
+        return figure.worst(found) if found else np.nan
 
     def add_lengths(self, lengths: Sequence[tuple[float, ...]]) -> list[int]:
         """The numbers of choices of lengths (m), added where they are new."""

@@ -8,35 +8,28 @@ at which it turns out worse join the others. A design whose score does not beat 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
-from arm.drive_load import greatest_drive_loads, rated_torques
-from arm.evaluation import least_frequency
-from arm.model import beams_of
-from arm.modes import first_frequencies
-from arm.play import played
-from arm.strength import STATIONS
-from arm.workspace import Unreachable, pull
+from arm.chain.chain import Arm
+from arm.errors.lost_motion import played
+from arm.worst.workspace import Unreachable, pull
+from optimize.exchange.exchange import Context
+from optimize.limits import KEPT_WITHIN, Cut, Designs, Limit, OfDesign, OfLinks, PoseFamily, ThroughPoses, Worst, excess
+from sections.numeric import Array
 
-from .exchange import Context, strength_of
-from .figures import KEPT_WITHIN, excess
-from .problem import Limit
-from .round_options import Rounding
-from .round_table import Figures, Table
+from .designs_at_once import Figures, Table
+from .options import Rounding
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.intp]
 
 CHUNK = 4096
 """Designs scored at once."""
 MOST_SEARCHED = 600
 """Designs searched over their whole workspace before the search is given up as not exhaustive."""
-_EXACT = ("mass", "total_mass", "cost", "reach")
 _ADDED = 3
 _SAME = 0.01
 """Poses whose joints differ by less (rad, m) bound a design alike."""
@@ -58,7 +51,6 @@ class _Scores:
     picks: Integers
     bound: Array
     seen: Integers
-    figures: Figures = field(repr=False)
 
 
 class RoundSearch:
@@ -76,7 +68,8 @@ class RoundSearch:
         self.nearest: tuple[float, Limit] | None = None
         """The limit most broken by the design that breaks its worst one least."""
         self._poses: list[Pose] = []
-        self._slow: list[tuple[Array, float]] = []
+        self._cuts: dict[str, list[Cut]] = {}
+        """Poses that broke a limit of a family that looks at designs one by one."""
         self._moved: dict[tuple[int, int], Array | None] = {}
         self._done: set[tuple[int, ...]] = set()
         self._excluded: set[tuple[int, ...]] = set()
@@ -130,17 +123,40 @@ class RoundSearch:
 
     def _scored(self, picks: Integers) -> _Scores:
         """Designs with what is known of them without a pose."""
-        parts = [self.table.figures(picks[k : k + CHUNK]) for k in range(0, len(picks), CHUNK)]
-        joined = {name: [getattr(part, name) for part in parts] for name in ("mass", "cost", "reach")}
-        mass, cost, reach = (np.concatenate(each) if each else np.zeros(0) for each in joined.values())
-        empty = np.zeros((0, 0))
-        figures = Figures(empty, empty, mass, cost, reach)
-        values = {"mass": mass, "total_mass": mass + self.table.carried, "cost": cost, "reach": reach}
-        bound = np.zeros(len(picks)) if self.problem.minimize == "max_error" else values[self.problem.minimize].copy()
-        # Equal bounds are taken in the order of mass, so that ties do not hang on the order of the options.
-        over = {limit: _excesses(limit, values[limit.name]) for limit in self.problem.limits if limit.name in _EXACT}
+        parts = [self._known(picks[k : k + CHUNK]) for k in range(0, len(picks), CHUNK)]
+        bound = np.concatenate([part[0] for part in parts]) if parts else np.zeros(0)
+        over = {limit: np.concatenate([part[1][limit] for part in parts]) for limit in (parts[0][1] if parts else ())}
         bound[self._broken(over, np.isfinite(bound))] = math.inf
-        return _Scores(picks, bound, np.zeros(len(picks), dtype=np.intp), figures)
+        return _Scores(picks, bound, np.zeros(len(picks), dtype=np.intp))
+
+    def _known(self, picks: Integers) -> tuple[Array, dict[Limit, Array]]:
+        """A bound on the objective (0 where it is the error), and how far each limit that takes no search of the
+        workspace is exceeded, of designs."""
+        figures = self.table.figures(picks)
+        over: dict[Limit, Array] = {}
+        for limit in self.problem.limits:
+            values = self._exactly(limit, picks, figures)
+            if values is not None:
+                over[limit] = _excesses(limit, values)
+        follows = self.problem.objective.follows
+        totals = self.table.totals(figures)
+        objective = follows.value(totals) if isinstance(follows, OfDesign) else np.zeros(len(picks))
+        return np.array(objective), over
+
+    def _exactly(self, limit: Limit, picks: Integers, figures: Figures) -> Array | None:
+        """The figure (N) that a limit is on, of designs; None where it takes a search of their workspaces."""
+        follows = limit.figure.follows
+        if isinstance(follows, OfDesign):
+            return follows.value(self.table.totals(figures))
+        if isinstance(follows, OfLinks):
+            return self.table.of_links(limit.figure, follows, picks)
+        if isinstance(follows, ThroughPoses):
+            prepared = next(each for family, each in self.context.families if family is follows.family)
+            return follows.family.exactly(prepared, limit, self._designs(picks, figures))
+        return None
+
+    def _designs(self, picks: Integers, figures: Figures) -> Designs:
+        return Designs(figures.p, figures.sections, self.table.yield_strengths(picks))
 
     def _broken(self, over: Mapping[Limit, Array], alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which designs break a limit; how near each limit came to being kept is noted."""
@@ -218,28 +234,14 @@ class RoundSearch:
         for limit in self.problem.limits:
             if limit.name == "max_error":
                 over[limit] = _excesses(limit, error)
-        if self.context.strengths:
-            over |= self._strength(case, q, picks, figures)
-        if self.context.drives:
-            loads = np.abs(self.context.drives[case].vectorised(q, figures.p)[0])
-            rated = np.array([math.inf if r is None else r for r in rated_torques(self.context.problem.arm)])
-            over |= {x: _excesses(x, (loads / rated).max(axis=1)) for x in self.problem.limit("torque_use")}
+        designs = self._designs(picks, figures)
+        for family, prepared in self.context.families:
+            values = family.at_pose(prepared, case, q, designs)
+            over |= {x: _excesses(x, values[x.name]) for x in self.problem.limits if x.name in values and not x.poses}
         over = {limit: np.where(there, values, -1.0) for limit, values in over.items()}
         bound = np.where(there & (self.problem.minimize == "max_error"), error, 0.0)
         broken = self._broken(over, np.ones(len(q), dtype=bool)) if over else np.zeros(len(q), dtype=bool)
         return np.where(broken, math.inf, bound)
-
-    def _strength(self, case: int, q: Array, picks: Integers, figures: Figures) -> dict[Limit, Array]:
-        strength = self.context.strengths[case]
-        stress, compression, _ = strength.vectorised(q, figures.p, figures.sections)
-        greatest = np.reshape(stress, (len(q), len(strength.links), len(STATIONS))).max(axis=2)
-        yields = self.table.yield_strengths(picks)[:, list(strength.links)]
-        factor = (yields / np.maximum(greatest, 1e-300)).min(axis=1)
-        with np.errstate(divide="ignore"):
-            pressed = np.maximum(compression.max(axis=1), 0.0)
-            buckling = np.where(pressed > 0.0, 1.0 / np.maximum(pressed, 1e-300), math.inf)
-        found = {limit: _excesses(limit, factor) for limit in self.problem.limit("safety_factor")}
-        return found | {limit: _excesses(limit, buckling) for limit in self.problem.limit("buckling")}
 
     # ---- one design over its whole workspace
 
@@ -251,17 +253,17 @@ class RoundSearch:
         arm = self.table.arm_of(pick)
         figures = self.table.figures(np.array([pick]))
         p = figures.p[0]
-        values = {"mass": float(figures.mass[0]), "cost": float(figures.cost[0]), "reach": float(figures.reach[0])}
-        values["total_mass"] = values["mass"] + self.table.carried
+        values = {"objective": float(self._known(np.array([pick]))[0][0])}
         try:
-            kept = self._keeps_frequency(arm, p) and self._keeps_rest(arm, p, values)
+            kept = self._keeps_one_by_one(arm, p) and self._keeps_rest(arm, p, values)
         except Unreachable:
             return
-        if kept and (self.best is None or values[self.problem.minimize] < self.best[1]):
-            self.best = (pick, values[self.problem.minimize])
+        if kept and (self.best is None or values["objective"] < self.best[1]):
+            self.best = (pick, values["objective"])
 
-    def _kept(self, name: str, value: float) -> bool:
-        for limit in self.problem.limit(name):
+    def _kept(self, name: str, value: float, number: int | None = None) -> bool:
+        limits = self.problem.limit(name) if number is None else (self.problem.limits[number],)
+        for limit in limits:
             over = excess(limit, value)
             self._note(limit, over)
             if over > KEPT_WITHIN:
@@ -269,45 +271,54 @@ class RoundSearch:
                 return False
         return True
 
-    def _keeps_frequency(self, arm: Arm, p: Array) -> bool:
-        if not self.problem.limit("first_frequency"):
-            return True
-        cases = self.problem.load_cases
-        beams = beams_of(arm, cases)
-        if not self._turning:
-            for q, payload in self._slow:
-                if not self._kept("first_frequency", float(first_frequencies(arm, beams, payload, q[None])[0])):
+    def _keeps(self, found: Sequence[Worst]) -> bool:
+        """Whether the worst of each figure keeps its limits; each is noted."""
+        values: dict[tuple[str, int | None], list[float]] = {}
+        for each in found:
+            values.setdefault((each.name, each.limit), []).append(each.value)
+        figures = self.problem.figures
+        kept = [self._kept(name, figures[name].worst(own), limit) for (name, limit), own in values.items()]
+        return all(kept)
+
+    def _keeps_one_by_one(self, arm: Arm, p: Array) -> bool:
+        """The limits of families that look at designs one by one, first at the poses that others failed at."""
+        for family, prepared in self.context.families:
+            if family.bounds_many:
+                continue
+            for cut in () if self._turning else self._cuts.get(family.name, ()):
+                for limit in self._through(family):
+                    value = family.at_cut(prepared, self.problem, arm, cut)
+                    if value is not None and not self._kept(limit.name, value):
+                        return False
+            for each in family.worst(prepared, self.problem, self.context.search, arm, p):
+                if not self._kept(each.name, each.value, each.limit):
+                    self._cuts.setdefault(family.name, []).append(each.cut)
                     return False
-        slowest = least_frequency(arm, self.context.search, beams, p, cases)
-        if slowest is None:
-            return True
-        if self._kept("first_frequency", slowest.value):
-            return True
-        self._slow.append((np.array(slowest.q), cases[slowest.load_case].mass))
-        return False
+        return True
+
+    def _through(self, family: PoseFamily) -> list[Limit]:
+        follow = ((limit, limit.figure.follows) for limit in self.problem.limits)
+        return [limit for limit, each in follow if isinstance(each, ThroughPoses) and each.family is family]
 
     def _keeps_rest(self, arm: Arm, p: Array, values: dict[str, float]) -> bool:
         kept = True
         if self.context.uses_error:
             known = np.array([pose.q for pose in self._poses]) if self._poses and not self._turning else None
             worst = self.context.search.worst(p, certify=False, extra=known)
-            values["max_error"] = worst.error
+            if self.problem.minimize == "max_error":
+                values["objective"] = worst.error
             near = [pose for pose in worst.poses if pose.error > 0.98 * worst.error][:_ADDED]
             self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
             kept = self._kept("max_error", worst.error)
-        if kept and self.context.strengths:
-            result = strength_of(self.context, arm, p)
-            places = [*result.poses, *result.buckling_poses]
-            kept = self._kept("safety_factor", result.least_safety_factor or math.inf)
-            kept = self._kept("buckling", result.least_buckling or math.inf) and kept
+        for family, prepared in self.context.families:
             if not kept:
-                self.add_poses(np.array([q for q, _ in places]), [case for _, case in places], p)
-        if kept and self.context.drives:
-            poses = self.context.search.poses(p, 1024)
-            found = greatest_drive_loads(arm, self.context.drives, poses, p, self.context.search)
-            kept = self._kept("torque_use", found.greatest_use or 0.0)
-            if not kept:
-                self.add_poses(np.array([q for q, _ in found.poses]), [case for _, case in found.poses], p)
+                break
+            if family.bounds_many:
+                found = family.worst(prepared, self.problem, self.context.search, arm, p)
+                kept = self._keeps(found)
+                if not kept:
+                    cases = [family.load_case(each.cut) for each in found]
+                    self.add_poses(np.array([each.cut.q for each in found]), cases, p)
         return kept
 
 

@@ -9,14 +9,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from arm.chain import Link
+from arm.chain.chain import Link
 from materials.catalogue import shipped_layers
 from materials.material import Material
-from materials.quantities import InputError, format_quantity, read_quantity
+from optimize.problem import Problem
 from sections import SHAPES, StockSize, load_stock
 from sections.section import Section
-
-from .problem import NoAnswer, Problem
+from units.quantities import InputError, NoAnswer, format_quantity, read_quantity
 
 LENGTH_STEP = 1e-3
 """The grid of link lengths unless another is given, m."""
@@ -33,9 +32,7 @@ _WROUGHT = (
     "aluminium-6082-t6",
     "aluminium-7075-t6",
 )
-GRADES = MappingProxyType(
-    {"EN 10210": _STEELS, "EN 10219": _STEELS, "EN 10365": _STEELS, "EN 755": _WROUGHT}
-)
+GRADES = MappingProxyType({"EN 10210": _STEELS, "EN 10219": _STEELS, "EN 10365": _STEELS, "EN 755": _WROUGHT})
 """The shipped materials that a standard of dimensions is delivered in, by the technical conditions that go with it:
 EN 10210-1, EN 10219-1, EN 10025 (for EN 10365) and EN 755-2."""
 

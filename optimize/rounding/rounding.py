@@ -1,8 +1,8 @@
 """An optimum moved to sizes that a workshop can get: a grid of sizes or the stock tables, certified anew.
 
 Rounding each size to its nearest neighbour seldom gives the best design, and often breaks a limit. Here every
-combination of the nearest sizes is compared (`optimize.round_search`), up to a number; what is beyond that is reached
-by exchanging two links at a time among wider choices until nothing improves.
+combination of the nearest sizes is compared (`optimize.rounding.fixed_sizes`), up to a number; what is beyond that is
+reached by exchanging two links at a time among wider choices until nothing improves.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Link
-from arm.error import active_effects
 from arm.evaluation import Evaluation, evaluate
-from materials.material import Material
-from materials.quantities import format_quantity
+from optimize.choice.combinations import Progress
+from optimize.exchange.design import numeric_beams
+from optimize.exchange.exchange import context_of
+from optimize.limits import Limit, broken
+from optimize.problem import Problem
+from optimize.result import KeptLimit, OptimizationResult, Rounded
+from optimize.run import Log, optimise
+from units.quantities import NoAnswer, format_quantity
 
-from .choice import Progress
-from .design import numeric_beams
-from .exchange import context_of, drive_loads_of, strength_of
-from .figures import broken, figures_of
-from .problem import LIMIT_KINDS, Limit, NoAnswer, Problem
-from .result import KeptLimit, OptimizationResult, Rounded
-from .round_options import (
+from .designs_at_once import Group, Table
+from .fixed_sizes import RoundSearch
+from .options import (
     Option,
     Rounding,
     allowed_materials,
@@ -39,11 +39,7 @@ from .round_options import (
     on_grid,
     stock_options,
 )
-from .round_search import RoundSearch
-from .round_table import Group, Table
-from .run import Log, links_of, optimise
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.intp]
 
 MOST_DESIGNS = 100_000
@@ -61,6 +57,8 @@ def optimise_rounded(
     Raises `NoAnswer` where no design, or no rounded one, keeps the limits.
     """
     result = optimise(problem, log=log, progress=progress)
+    if result.interrupted:
+        return result
     return replace(result, rounded=rounded(problem, result, rounding, progress=progress))
 
 
@@ -85,7 +83,7 @@ def rounded(
         pick, _ = search.best
         made = search.table.arm_of(pick)
         after = evaluate(made, own.workspace, own.load_cases)
-        if not broken(own.limits, figures_of(after)):
+        if not broken(own.limits, after):
             return _rounded(own, result, rounding, search, after, time.perf_counter() - began)
         # The last word is that of the evaluation, which looks closer than a search does.
         search.exclude(pick)
@@ -100,11 +98,10 @@ def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress:
     search = RoundSearch(context, Table(problem, problem.arm, groups, lengths), rounding, _telling(progress))
     p = numeric_beams(problem.arm, problem.load_cases)
     poses = [(pose.q, pose.load_case) for pose in optimum.worst.poses] if context.uses_error else []
-    if context.strengths:
-        result = strength_of(context, problem.arm, p)
-        poses += [*result.poses, *result.buckling_poses]
-    if context.drives:
-        poses += drive_loads_of(context, p).poses
+    for family, prepared in context.families:
+        if family.bounds_many:
+            found = family.worst(prepared, problem, context.search, problem.arm, p)
+            poses += [(each.cut.q, family.load_case(each.cut)) for each in found]
     if poses:
         search.add_poses(np.array([q for q, _ in poses]), [case for _, case in poses], p)
     _compare(search)
@@ -159,7 +156,7 @@ def _grid_group(problem: Problem, links: Sequence[int], step: float) -> Group:
 
 def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
     shapes = allowed_shapes(problem)
-    each = [stock_options(problem, shapes, _materials(problem, problem.arm.links[index])) for index in links]
+    each = [stock_options(problem, shapes, allowed_materials(problem, problem.arm.links[index])) for index in links]
     if len(links) == 1:
         options = [(option,) for option in each[0]]
     else:
@@ -168,19 +165,11 @@ def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
             pick for name in names for pick in itertools.product(*[[o for o in own if o.stock == name] for own in each])
         ]
     if not options:
-        named = " or ".join(material.name for material in _materials(problem, problem.arm.links[links[0]]))
+        named = " or ".join(material.name for material in allowed_materials(problem, problem.arm.links[links[0]]))
         what = f"no stock size of shape {' or '.join(shapes)} within section_size and thickness comes in {named}"
         raise NoAnswer(f"link {links[0] + 1}: {what}; `linkwright sections list` has them all")
     options.sort(key=lambda option: _distance(option, problem, links))
     return Group(tuple(links), tuple(options), len(options))
-
-
-def _materials(problem: Problem, link: Link) -> tuple[Material, ...]:
-    """The materials that a link may be changed to: its own alone where warmth moves it, which the model holds fixed."""
-    if link.material is None:
-        return ()
-    warmed = any(active.effect.id.startswith("thermal") for active in active_effects(problem.arm))
-    return (link.material,) if warmed else allowed_materials(problem, link)
 
 
 def _distance(option: tuple[Option, ...], problem: Problem, links: Sequence[int]) -> float:
@@ -210,16 +199,12 @@ def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
 def _compare(search: RoundSearch) -> None:
     """Offer the combinations of the nearest sizes, then exchanges of two among the wider ones."""
     groups, lengths = search.table.groups, len(search.table.lengths)
-    sizes = [group.near for group in groups]
-    while math.prod(sizes) * lengths > MOST_DESIGNS:
-        largest = max(range(len(sizes)), key=lambda k: sizes[k])
-        if sizes[largest] == 1:
-            break
-        sizes[largest] = max(1, int(0.9 * sizes[largest]))
-        search.complete = False
+    near, every = [group.near for group in groups], [len(group.options) for group in groups]
+    sizes = _few_enough(near, lengths)
+    search.complete = search.complete and sizes == near
     search.offer(_product([range(size) for size in sizes], range(lengths)))
-    if search.best is None and sum(sizes) < sum(len(group.options) for group in groups):
-        search.offer(_product([range(size) for size in _widest(search)], range(lengths)))
+    if search.best is None and sum(sizes) < sum(every):
+        search.offer(_product([range(size) for size in _few_enough(every, lengths)], range(lengths)))
     for _ in range(_ROUNDS):
         if search.best is None:
             break
@@ -228,10 +213,10 @@ def _compare(search: RoundSearch) -> None:
             break
 
 
-def _widest(search: RoundSearch) -> list[int]:
-    """How many options of each group there can be in combinations of all that are still few enough."""
-    sizes = [len(group.options) for group in search.table.groups]
-    while math.prod(sizes) * len(search.table.lengths) > MOST_DESIGNS and max(sizes) > 1:
+def _few_enough(counts: Sequence[int], lengths: int) -> list[int]:
+    """How many options of each group, at most so many, there can be in combinations of all that are few enough."""
+    sizes = list(counts)
+    while math.prod(sizes) * lengths > MOST_DESIGNS and max(sizes) > 1:
         largest = max(range(len(sizes)), key=lambda k: sizes[k])
         sizes[largest] = max(1, int(0.9 * sizes[largest]))
     return sizes
@@ -291,16 +276,20 @@ def _rounded(
     after: Evaluation,
     seconds: float,
 ) -> Rounded:
-    figures, before = figures_of(after), figures_of(result.after)
-    kept = [KeptLimit(x.name, x.text, before[x.name], figures[x.name], x.relation, x.value) for x in problem.limits]
+    kept = [
+        KeptLimit(x.name, x.text, x.of(result.after), x.of(after), x.relation, x.value, x.figure)
+        for x in problem.limits
+    ]
+    objective, before = (problem.objective.value(each) for each in (after, result.after))
+    assert objective is not None
+    assert before is not None
     return Rounded(
         to=rounding.text,
         length_step=rounding.length_step if problem.link_length is not None else None,
         arm=after.arm,
         evaluation=after,
-        links=links_of(after.arm, after),
-        objective=figures[problem.minimize],
-        before=before[problem.minimize],
+        objective=objective,
+        before=before,
         limits=tuple(kept),
         compared=search.offered,
         searched=search.searched,
@@ -325,4 +314,4 @@ def _why_not(search: RoundSearch, rounding: Rounding) -> str:
 
 def _had(limit: Limit, over: float) -> str:
     way = -1.0 if limit.relation == ">=" else 1.0
-    return format_quantity(limit.value * (1.0 + way * over), LIMIT_KINDS[limit.name], digits=4)
+    return format_quantity(limit.value * (1.0 + way * over), limit.figure.kind, digits=4)

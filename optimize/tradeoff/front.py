@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
 
-from .tradeoff_question import Question
+from .question import Question
 
 Figures = Mapping[str, Any]
 
@@ -80,6 +80,8 @@ class Tradeoff:
     seconds: float
     solved: int
     resumed: int
+    interrupted: bool = False
+    """Whether an interrupt ended the work: these are then the points that it had."""
 
     def of(self, front: Front) -> tuple[Point, ...]:
         """The points of a front."""

@@ -2,34 +2,33 @@
 
 The first line names the question by its digest. Each further line is written whole by one call and flushed to the disk;
 a line that a kill cut short, and only that, is passed over on reading. While a process writes, it holds a lock that the
-operating system gives up when the process ends, however it ends.
+operating system frees when the process ends, however it ends.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import sys
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 from typing import Any, cast
 
-from materials.quantities import InputError
+from optimize.choice.combinations import Combination
+from optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
+from optimize.limits import Cut
+from optimize.problem import Problem
+from units.files import lock_path, locked
+from units.quantities import InputError
 
-from .choice import Combination
-from .pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
-from .problem import Problem
-from .tradeoff_search import Design
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
+from .point import Design
 
 JOURNAL = "journal.jsonl"
-VERSION = 1
+LOCK = lock_path(Path(JOURNAL)).name
+"""What stands beside a journal as soon as one is begun."""
+VERSION = 2
 Record = Mapping[str, Any]
 
 
@@ -44,15 +43,17 @@ class Journal:
         """
         self._records: dict[tuple[str, ...], Record | None] = {}
         self._stream: int | None = None
+        self._held = ExitStack()
         if path is None:
             return
+        self._held.enter_context(locked(path, wait=False))
         try:
             before = path.read_bytes() if resume and path.exists() else b""
             self._stream = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-            self._lock(path)
             if not resume:
                 os.ftruncate(self._stream, 0)
         except OSError as error:
+            self.close()
             raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
         try:
             self._begin(path, before, digest, made_by)
@@ -83,6 +84,7 @@ class Journal:
         if self._stream is not None:
             os.close(self._stream)
             self._stream = None
+        self._held.close()
 
     def __enter__(self) -> Journal:
         return self
@@ -97,17 +99,6 @@ class Journal:
         self._read(path, before, digest)
         if self._stream is not None and not before.endswith(b"\n"):
             os.write(self._stream, b"\n")
-
-    def _lock(self, path: Path) -> None:
-        assert self._stream is not None
-        try:
-            if sys.platform == "win32":
-                msvcrt.locking(self._stream, msvcrt.LK_NBLCK, 1)
-            else:
-                fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            self.close()
-            raise InputError(path, "", "another process is at work in this folder") from None
 
     def _write(self, content: Mapping[str, Any]) -> None:
         if self._stream is not None:
@@ -184,13 +175,11 @@ def _pool(content: Mapping[str, Any]) -> Pool:
             null = tuple(tuple(row) for row in anchor["null"])
             anchor = Anchor(_three(anchor["tip"]), null, anchor["side"])
         errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
-    strengths, torques = (
-        tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content[name])
-        for name in ("strengths", "torques")
+    held = tuple(
+        (family, tuple(Cut(tuple(cut["q"]), cut["group"], tuple(cut["more"])) for cut in cuts))
+        for family, cuts in content["held"]
     )
-    modes = tuple(ModeCut(tuple(cut["q"]), cut["payload"], tuple(cut["shape"])) for cut in content["modes"])
-    torques = tuple(StrengthCut(tuple(cut["q"]), cut["load_case"]) for cut in content.get("torques", ()))
-    return Pool(tuple(errors), strengths, modes, torques)
+    return Pool(tuple(errors), held)
 
 
 def _three(values: list[float]) -> tuple[float, float, float]:

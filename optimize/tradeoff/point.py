@@ -13,18 +13,19 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .choice import MOST_COMBINATIONS, Combination, combinations, count, one_link_changed, uniform
-from .design import design_space, material_row, starting_points
-from .exchange import Context, Exchange, Exchanged, context_of, first_pool
-from .pool import ErrorCut, Pool, StrengthCut
-from .problem import Problem
-from .tradeoff_question import Question
+from optimize.choice.combinations import MOST_COMBINATIONS
+from optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
+from optimize.exchange.binding_poses import ErrorCut, Pool
+from optimize.exchange.design import design_space, material_row, starting_points
+from optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
+from optimize.limits import Cut
+from optimize.problem import Problem
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .question import Question
 
-AnyCut = TypeVar("AnyCut", ErrorCut, StrengthCut)
+AnyCut = TypeVar("AnyCut", ErrorCut, Cut)
 Told = Callable[[str], None]
 """Hears what is being done, often; may raise to stop."""
 
@@ -121,9 +122,10 @@ class Search:
     def few_poses(self, pool: Pool) -> Pool:
         """A pool with at least one pose of every kind that ever held a design, so that what is compiled can stay."""
         met = self._met = self._met.joined(pool)
-        spare_modes = () if pool.modes else met.modes[:1]
-        spare = Pool(_others(met.errors, pool.errors), _others(met.strengths, pool.strengths), spare_modes)
-        return pool.joined(spare.with_torques(_others(met.torques, pool.torques)))
+        spare = Pool(_others(met.errors, pool.errors))
+        for family, cuts in met.held:
+            spare = spare.with_cuts(family, _others(cuts, pool.of(family)))
+        return pool.joined(spare)
 
     def starts(self, pick: Combination, number: int = 2) -> list[Array]:
         """Where to start for a combination: where it ended last, or its starting points."""
@@ -147,9 +149,9 @@ class Search:
 
 
 def _others(met: tuple[AnyCut, ...], own: tuple[AnyCut, ...]) -> tuple[AnyCut, ...]:
-    """A cut of each load case that has none of its own."""
-    covered = {cut.load_case for cut in own}
-    return tuple({cut.load_case: cut for cut in met if cut.load_case not in covered}.values())
+    """A cut of each group (load case) that has none of its own."""
+    covered = {cut.group for cut in own}
+    return tuple({cut.group: cut for cut in met if cut.group not in covered}.values())
 
 
 class _Trial:

@@ -7,14 +7,13 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from types import MappingProxyType
 from typing import Any, Literal
 
-from arm.writing import arm_to_yaml
+from arm.files.write import arm_to_yaml
 from materials.material import Material
-from materials.quantities import InputError, format_quantity
-
-from .problem import LIMIT_KINDS, Limit, Problem
+from optimize.limits import Figure, Limit
+from optimize.problem import Problem
+from units.quantities import InputError, format_quantity
 
 By = Literal["material", "shape"]
 Reach = Literal["long", "short"]
@@ -25,18 +24,39 @@ _LOOSE = 1e9
 
 @dataclass(frozen=True)
 class Axis:
-    """A figure of a design: its name, words for it, the unit people read and what one SI unit is in it, and whether
-    more of it is better.
+    """A figure of a design, and whether more of it is better.
 
     A figure's *badness* is the figure itself where less is better and its reciprocal where more is: less badness is
     always better, and relative changes keep their size.
     """
 
-    name: str
-    title: str
-    unit: str
-    factor: float
+    figure: Figure
     more_is_better: bool
+
+    @property
+    def name(self) -> str:
+        """The figure's name."""
+        return self.figure.name
+
+    @property
+    def title(self) -> str:
+        """Words for the figure."""
+        return self.figure.title
+
+    @property
+    def unit(self) -> str:
+        """The unit that people read; empty for a pure number."""
+        return self.figure.unit
+
+    @property
+    def factor(self) -> float:
+        """What one SI unit is in the unit that people read."""
+        return self.figure.factor
+
+    @property
+    def heading(self) -> str:
+        """Words with the unit."""
+        return f"{self.title} in {self.unit}" if self.unit else self.title
 
     def badness(self, value: float) -> float:
         """The badness of a value (SI); its own inverse."""
@@ -44,24 +64,16 @@ class Axis:
 
     def limit(self, badness: float = _LOOSE) -> Limit:
         """The limit that allows no more badness than that; without one, it holds nothing back."""
-        return Limit(self.name, ">=" if self.more_is_better else "<=", self.badness(badness))
+        return Limit(self.figure, ">=" if self.more_is_better else "<=", self.badness(badness))
 
     def written(self, value: float, digits: int = 4) -> str:
         """A value (SI) with its unit."""
-        return format_quantity(value, LIMIT_KINDS[self.name], self.unit, digits)
+        return format_quantity(value, self.figure.kind, self.unit or None, digits)
 
 
-AXES: Mapping[str, Axis] = MappingProxyType(
-    {
-        "max_error": Axis("max_error", "worst error", "mm", 1e3, more_is_better=False),
-        "mass": Axis("mass", "mass of the links", "kg", 1.0, more_is_better=False),
-        "total_mass": Axis("total_mass", "total mass", "kg", 1.0, more_is_better=False),
-        "cost": Axis("cost", "material cost", "EUR", 1.0, more_is_better=False),
-        "reach": Axis("reach", "reach", "mm", 1e3, more_is_better=True),
-        "first_frequency": Axis("first_frequency", "first frequency", "Hz", 1.0, more_is_better=True),
-    }
-)
-"""The figures between which a trade-off can be asked for."""
+def axes_of(figures: Mapping[str, Figure]) -> dict[str, Axis]:
+    """The figures between which a trade-off can be asked for, by name."""
+    return {name: Axis(figure, figure.more_is_better) for name, figure in figures.items() if figure.traded}
 
 
 @dataclass(frozen=True)
@@ -116,14 +128,15 @@ class Question:
 
 
 def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: Reach = "long") -> Question:
-    """The trade-off between two figures of a problem's designs (names of `AXES`).
+    """The trade-off between two figures of a problem's designs (names of `axes_of`).
 
     The problem's own limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
     is nothing to trade.
     """
+    known = axes_of(problem.figures)
     for option, name in (("--x", x), ("--y", y)):
-        if name not in AXES:
-            raise InputError("", option, f"there is no figure '{name}'; take one of {', '.join(AXES)}")
+        if name not in known:
+            raise InputError("", option, f"there is no figure '{name}'; take one of {', '.join(known)}")
     if x == y:
         raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
     if {x, y} == {"mass", "total_mass"}:
@@ -132,13 +145,17 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
         raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
     if by == "shape" and problem.shapes is None:
         raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
-    axes = [replace(AXES[n], more_is_better=reach == "long") if n == "reach" else AXES[n] for n in (x, y)]
+    axes = [replace(known[n], more_is_better=reach == "long") if n == "reach" else known[n] for n in (x, y)]
     caps: list[float | None] = []
     rest = problem.limits
     for axis in axes:
         if axis.name == "reach" and problem.link_length is None:
             raise InputError(problem.file, "subject_to", "gives no link_length, so that the reach cannot change")
-        same = [limit for limit in problem.limit(axis.name) if limit.relation == axis.limit().relation]
+        same = [
+            limit
+            for limit in problem.limit(axis.name)
+            if limit.relation == axis.limit().relation and limit.poses is None
+        ]
         if any(limit.relation == "==" for limit in problem.limit(axis.name)):
             would_do = "a trade-off needs it free, or limited by <= or >="
             raise InputError(problem.file, axis.name, f"is fixed by ==; {would_do}")
@@ -166,13 +183,13 @@ def digest(asked: Question, accuracy: float) -> str:
         "arm": arm_to_yaml(problem.arm),
         "workspace": asdict(problem.workspace),
         "load_cases": [asdict(case) for case in problem.load_cases],
-        "limits": [limit.text for limit in asked.problem.limits],
+        "limits": [[limit.text, limit.poses] for limit in asked.problem.limits],
         "ranges": [problem.link_length, problem.section_size, problem.thickness],
         "shapes": problem.shapes,
         "materials": [_figures(m, problem.arm.temperature) for m in (*own.values(), *chosen.values())],
         "chosen": list(chosen),
         "same": sorted(problem.same),
-        "axes": [asdict(asked.x), asdict(asked.y)],
+        "axes": [[axis.name, axis.more_is_better] for axis in (asked.x, asked.y)],
         "caps": [asked.x_cap, asked.y_cap],
         "by": asked.by,
         "accuracy": accuracy,

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from .tradeoff_question import Axis
+from .question import Axis
 
 NARROWEST = 1e-3
 """Relative width of x below which a stretch is not halved again: what still jumps there is called a step."""

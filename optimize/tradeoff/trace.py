@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
 from arm.evaluation import Evaluation, evaluate
+from optimize.choice.combinations import MOST_COMBINATIONS, count
+from optimize.exchange.design import arm_of, design_space
+from optimize.limits import Figure, figures_of
+from optimize.problem import Problem
 
-from .choice import MOST_COMBINATIONS, count
-from .design import arm_of, design_space
-from .problem import Problem
-from .tradeoff_journal import Journal, design_of, design_record
-from .tradeoff_question import Axis, Question
-from .tradeoff_refine import Refined, refine, undominated
-from .tradeoff_result import Figures
-from .tradeoff_search import Design, Search
+from .front import Figures
+from .journal import Journal, design_of, design_record
+from .point import Design, Search
+from .question import Axis, Question
+from .refinement import Refined, refine, undominated
 
 _STEP = 0.2
 """First distance of the points, in the logarithm of x."""
@@ -105,7 +106,7 @@ class Tracer:
             self._book.put(key, None)
             return None
         problem = self.asked.problem
-        figures = _figures(evaluate(self.arm(design), problem.workspace, problem.load_cases))
+        figures = _figures(evaluate(self.arm(design), problem.workspace, problem.load_cases), problem.figures)
         self._book.put(key, {"design": design_record(design), "figures": figures})
         return self._node(push, held, design, figures)
 
@@ -183,20 +184,13 @@ class Tracer:
         return node
 
 
-def _figures(evaluation: Evaluation) -> dict[str, Any]:
-    """What is told of a point, by the names that `evaluate --json` has, in SI."""
-    strength, frequency = evaluation.strength, evaluation.frequency
+def _figures(evaluation: Evaluation, figures: Mapping[str, Figure]) -> dict[str, Any]:
+    """What is told of a point in SI; None where it is not known."""
+    values = figures_of(evaluation, figures)
     return {
-        "max_error": evaluation.max_error,
-        "upper_bound": evaluation.worst.upper_bound,
+        **{name: None if math.isnan(value) else value for name, value in values.items()},
+        "upper_bound": evaluation.upper_bound,
         "certified": evaluation.worst.certified,
-        "mass": evaluation.mass,
-        "total_mass": evaluation.total_mass,
-        "cost": evaluation.cost,
-        "reach": evaluation.reach,
-        "min_safety_factor": strength.least_safety_factor,
-        "min_buckling": strength.least_buckling,
-        "first_frequency": None if frequency is None else frequency.value,
         "link_masses": list(evaluation.link_masses),
         "warnings": list(evaluation.warnings),
     }

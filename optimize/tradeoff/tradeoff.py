@@ -16,18 +16,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.workspace import Unreachable
+from arm.worst.workspace import Unreachable
+from optimize.choice.picks import options
+from optimize.exchange.design import material_row
+from optimize.explain import why_infeasible
+from units.quantities import NoAnswer
 
-from .choice import options
-from .design import material_row
-from .explain import why_infeasible
-from .problem import NoAnswer
-from .tradeoff_journal import Journal
-from .tradeoff_question import Question
-from .tradeoff_refine import Refined, envelope, knee, logarithmic, refine, undominated
-from .tradeoff_result import Front, Point, Tradeoff
-from .tradeoff_search import Search
-from .tradeoff_trace import Node, Told, Tracer
+from .front import Front, Point, Tradeoff
+from .journal import Journal
+from .point import Search
+from .question import Question
+from .refinement import Refined, envelope, knee, logarithmic, refine, undominated
+from .trace import Node, Told, Tracer
 
 ACCURACY = 0.01
 """The relative error that straight lines between the points may have."""
@@ -40,7 +40,8 @@ def trade_off(
 ) -> Tradeoff:
     """The fronts of a question and their envelope.
 
-    `journal` answers what it knows and notes what is found; `told` hears of progress and may raise to stop. Raises
+    `journal` answers what it knows and notes what is found; `told` hears of progress. Where that raises
+    `KeyboardInterrupt`, the points so far are the result, marked `interrupted`. Raises
     `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the question needs.
     """
     began = time.perf_counter()
@@ -50,6 +51,7 @@ def trade_off(
         material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
+    interrupted = False
     for name, problem in asked.groups():
         tracer = Tracer(asked, name, problem, accuracy, book, told)
         try:
@@ -60,14 +62,38 @@ def trade_off(
         except Unreachable as error:
             hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
             without.append((name, f"workspace: {error}{hint}"))
+        except KeyboardInterrupt:
+            if tracer.nodes:
+                tracers.append(tracer)
+            if not tracers:
+                raise
+            interrupted = True
+            break
     if not tracers:
         raise NoAnswer(without[0][1])
-    best = _envelope(asked, tracers, accuracy) if len(tracers) > 1 else None
-    return _result(asked, accuracy, tracers, best, tuple(without), time.perf_counter() - began, book.size - known)
+    best = None
+    if len(tracers) > 1:
+        try:
+            best = _unrefined(asked, tracers) if interrupted else _envelope(asked, tracers, accuracy)
+        except KeyboardInterrupt:
+            best, interrupted = _unrefined(asked, tracers), True
+    seconds, solved = time.perf_counter() - began, book.size - known
+    found = _result(asked, accuracy, tracers, best, tuple(without), seconds, solved)
+    if not interrupted:
+        return found
+    fronts = tuple(replace(each, complete=False) for each in found.fronts)
+    return replace(found, fronts=fronts, envelope=replace(found.envelope, complete=False), interrupted=True)
 
 
 def _silent(_: str) -> None:
     return None
+
+
+def _unrefined(asked: Question, tracers: Sequence[Tracer]) -> Refined[Node]:
+    """The best of all fronts as far as they came."""
+    axes = (asked.x, asked.y)
+    nodes = envelope(axes, [undominated(axes, tracer.nodes) for tracer in tracers])
+    return Refined(tuple(nodes), 0.0, (), (), complete=False)
 
 
 def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Refined[Node]:

@@ -1,0 +1,1 @@
+"""Choices that are no numbers: shapes, materials and actuators."""

@@ -1,0 +1,281 @@
+"""Bounds from below for every combination at once, from the multipliers of the combinations that were solved.
+
+The multipliers of a solved combination make one sum of its objective, its binding poses and its limits that no design
+of any combination can have above its objective (Lagrange). Taken apart link by link (`optimize.choice.products`) it
+bounds each combination by a sum of one number a link and option.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.errors.model import beams_of
+from arm.limits.strength import STATIONS
+from materials.material import Material
+from optimize.exchange.binding_poses import ErrorCut, Pool
+from optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
+from optimize.exchange.exchange import Context, Exchange
+from optimize.exchange.program import Solution, carried_mass, drives_cost, fixed_error
+from optimize.limits import Cut
+from optimize.problem import Problem
+from sections.numeric import Array
+
+from .link_options import LinkOptions
+from .picks import Combination, options
+from .pose_products import (
+    compression_products,
+    error_products,
+    features_of,
+    inertia_products,
+    stress_products,
+)
+from .products import Products, minorant, total
+
+MOST_AT_ONCE = 3_000_000
+"""Combinations for which a bound each is kept."""
+_FELT = 1e-9
+"""A multiplier below this (per cent for per cent) is left out."""
+_SURE = 1e-3
+"""A sum of limits counts as above nought from this on, relative to its largest term."""
+
+
+@dataclass
+class CombinationBounds:
+    """A bound from below (SI) for every combination: `bounds` has an axis for each elastic link, with its options."""
+
+    context: Context
+    links: tuple[int, ...]
+    choices: tuple[tuple[tuple[str, Material], ...], ...]
+    tables: tuple[LinkOptions, ...]
+    bounds: Array
+    impossible: NDArray[np.bool_]
+    closed: NDArray[np.bool_]
+    """Those that were solved or cannot be: nothing more is to be learnt about them."""
+
+    def combination(self, place: Sequence[int]) -> Combination:
+        """The combination at a place of `bounds`."""
+        size = self.context.problem.arm.size
+        shapes: list[str | None] = [None] * size
+        materials: list[Material | None] = [None] * size
+        for link, own, k in zip(self.links, self.choices, place, strict=True):
+            shapes[link], materials[link] = own[k]
+        return Combination(tuple(shapes), tuple(materials))
+
+    def place(self, pick: Combination) -> tuple[int, ...]:
+        """Where a combination stands in `bounds`."""
+        return tuple(
+            own.index((pick.shapes[link] or "", pick.materials[link]))  # type: ignore[arg-type]
+            for link, own in zip(self.links, self.choices, strict=True)
+        )
+
+    def learn(
+        self, exchange: Exchange, solution: Solution, materials: Array, pick: Combination, pool: Pool, *, relaxed: bool
+    ) -> bool:
+        """Raise the bounds by a solution for the pool; with `relaxed` (the limits gave way as little as they could)
+        tell what cannot keep the limits. False where the model is no sum of products."""
+        found = _lagrangian(self.context, exchange, solution, materials, pick, pool, relaxed=relaxed)
+        if found is None:
+            return False
+        products, per_cost, at = found
+        constant, parts = minorant(products, at)
+        lengths = self.context.problem.arm.lengths
+        bound = np.array(constant)
+        largest = max((abs(c) for c in (constant, *products.terms.values())), default=0.0) if relaxed else 0.0
+        for axis, (link, table) in enumerate(zip(self.links, self.tables, strict=True)):
+            least = table.least(parts[link], per_cost * float(lengths[link]))
+            largest = max(largest, float(np.abs(least[np.isfinite(least)]).max(initial=0.0))) if relaxed else 0.0
+            shape = [1] * len(self.links)
+            shape[axis] = len(least)
+            bound = bound + least.reshape(shape)
+        if relaxed:
+            self.impossible |= bound > _SURE * largest
+            self.closed |= self.impossible
+        else:
+            np.maximum(self.bounds, bound, out=self.bounds)
+        return True
+
+
+def combination_bounds(context: Context) -> CombinationBounds | None:
+    """Bounds for all combinations of a problem, none known yet; None where there can be none: too many combinations,
+    lengths to be chosen, or play that depends on the design."""
+    problem = context.problem
+    if problem.link_length is not None or (problem.arm.play != "worst" and context.uses_error):
+        return None
+    links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
+    shapes, materials = options(problem)
+    choices = tuple(
+        tuple((shape, material) for shape in shapes[k] if shape for material in materials[k] if material) for k in links
+    )
+    if math.prod(len(own) for own in choices) > MOST_AT_ONCE:
+        return None
+    tables = tuple(LinkOptions(problem, own) for own in choices)
+    sizes = tuple(len(own) for own in choices)
+    out = ~_agreeing(problem, choices, sizes)
+    return CombinationBounds(context, links, choices, tables, np.full(sizes, -np.inf), out, out.copy())
+
+
+def _agreeing(
+    problem: Problem, choices: Sequence[Sequence[tuple[str, Material]]], sizes: tuple[int, ...]
+) -> NDArray[np.bool_]:
+    """Which combinations agree in what must be the same."""
+    found = np.ones(sizes, dtype=bool)
+    sames: list[int] = []
+    if "section" in problem.same or "size" in problem.same:
+        sames.append(0)
+    if "material" in problem.same:
+        sames.append(1)
+    for part in sames:
+        names: dict[object, int] = {}
+        first: Array | None = None
+        for axis, own in enumerate(choices):
+            kinds = [entry[0] if part == 0 else entry[1].name for entry in own]
+            shape = [1] * len(choices)
+            shape[axis] = len(own)
+            codes = np.array([names.setdefault(kind, len(names)) for kind in kinds], dtype=float).reshape(shape)
+            if first is None:
+                first = codes
+            else:
+                found &= codes == first
+    return found
+
+
+def _lagrangian(
+    context: Context,
+    exchange: Exchange,
+    solution: Solution,
+    materials: Array,
+    pick: Combination,
+    pool: Pool,
+    *,
+    relaxed: bool,
+) -> tuple[Products, float, Array] | None:
+    """The sum of objective, poses and limits with their multipliers; what each EUR of the links' cost adds to it; and
+    the links' features at the solution."""
+    problem = context.problem
+    program = exchange.program(pool, spare=False)
+    errors, held = program.slotted(pool)
+    arm = arm_of(exchange.space, solution.x, pick.materials)
+    p = numeric_beams(arm, problem.load_cases)
+    _, strength = program.figures(solution.x, materials)
+    features = features_of(p, arm.size, _strengths(strength, materials, arm.size))
+    mass = Products({((k, 0),): float(link.length) for k, link in enumerate(arm.links) if link.section is not None})
+    rigid = sum(link.mass or 0.0 for link in arm.links if link.section is None)
+    own_mass, cost, _ = program.mass_cost_reach(solution.x, materials)
+    rest = {"mass": rigid, "total_mass": rigid + carried_mass(problem)}
+    sums: list[Products] = []
+    per_cost = 0.0
+    fixed = fixed_error(context.model)
+    worth = 1.0
+    if not relaxed:
+        if problem.minimize in rest:
+            worth = own_mass + rest[problem.minimize] - rigid
+            sums += [mass, Products({(): rest[problem.minimize]})]
+        elif problem.minimize == "cost":
+            worth, per_cost = cost, 1.0
+            sums.append(Products({(): drives_cost(problem)}))
+        elif problem.minimize == "max_error":
+            worth = solution.error - fixed
+            sums.append(Products({(): fixed}))
+        else:
+            return None
+    minimised = problem.minimize == "max_error" and not relaxed
+    limit = min((each.value for each in problem.limit("max_error")), default=math.inf)
+    weights = np.maximum(2.0 * solution.multipliers["errors"], 0.0)
+    if minimised:
+        if weights.sum() <= 0.0:
+            return None
+        weights = weights / weights.sum()
+        allowed = 0.0
+    else:
+        allowed = limit - fixed
+    for cut, weight in _merged(errors, weights):
+        if weight <= _FELT or not (minimised or math.isfinite(limit)):
+            continue
+        error = error_products(context.model, cut, p)
+        if error is None:
+            return None
+        scale = weight if minimised else worth * weight / error.value(features)
+        sums += [error.scaled(scale), Products({(): -scale * allowed})]
+    for price, own in zip(solution.limit_prices, problem.limits, strict=True):
+        if own.name not in ("mass", "total_mass", "cost") or abs(price) <= _FELT:
+            continue
+        scale = worth * price * (-1.0 if own.relation == ">=" else 1.0)
+        if own.name == "cost":
+            per_cost += scale / own.value
+            sums.append(Products({(): scale * (drives_cost(problem) / own.value - 1.0)}))
+        else:
+            sums.append(mass.scaled(scale / own.value))
+            sums.append(Products({(): scale * (rest[own.name] / own.value - 1.0)}))
+    for family, prepared in context.families:
+        multipliers = solution.multipliers[family.name]
+        sums += _of_family(context, family.name, prepared, held[family.name], multipliers * worth, arm, p)
+    return total(sums), per_cost, features
+
+
+def _merged(cuts: Sequence[ErrorCut], weights: Array) -> list[tuple[ErrorCut, float]]:
+    """Each pose once: spare slots repeat one."""
+    found: dict[ErrorCut, float] = {}
+    for cut, weight in zip(cuts, weights.tolist(), strict=True):
+        found[cut] = found.get(cut, 0.0) + weight
+    return list(found.items())
+
+
+def _strengths(strength: Array, materials: Array, size: int) -> Array:
+    """The links' features of stress (n, 3); 1 where the yield strength is not known."""
+    yields = materials.reshape(size, -1)[:, MATERIAL_FIELDS.index("yield_strength")]
+    moduli = strength.reshape(size, -1)[:, :3]
+    return np.where(yields[:, None] > 0.0, 1.0 / np.maximum(moduli * yields[:, None], 1e-300), 1.0)
+
+
+def _of_family(
+    context: Context, name: str, prepared: object, cuts: Sequence[Cut], multipliers: Array, arm: object, p: Array
+) -> list[Products]:
+    """The rows of a family's poses with their multipliers; of a family that is not known here, nothing: the bound is
+    then lower than it could be."""
+    problem = context.problem
+    found: list[Products] = []
+    if not len(cuts):
+        return found
+    merged: dict[Cut, Array] = {}
+    for cut, own in zip(cuts, multipliers.reshape(len(cuts), -1), strict=True):
+        merged[cut] = merged.get(cut, 0.0) + own
+    for cut, own in merged.items():
+        if own.max(initial=0.0) <= _FELT:
+            continue
+        if name == "strengths":
+            found += _strength_rows(problem, prepared[cut.group], cut, own, p)  # type: ignore[index]
+        elif name == "modes":
+            beams = beams_of(arm, problem.load_cases)  # type: ignore[arg-type]
+            limits = [limit for limit in problem.limits if limit.name == "first_frequency"]
+            for limit, multiplier in zip(limits, own.tolist(), strict=True):
+                sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)  # type: ignore[index]
+                if sums is not None and multiplier > _FELT:
+                    found.append(sums[0].scaled(multiplier / sums[1]))
+    return found
+
+
+def _strength_rows(problem: Problem, case: object, cut: Cut, multipliers: Array, p: Array) -> list[Products]:
+    found: list[Products] = []
+    one = Products({(): -1.0})
+    place = 0
+    stresses = stress_products(case, cut, p)  # type: ignore[arg-type]
+    presses = compression_products(case, cut, p)  # type: ignore[arg-type]
+    for limit in problem.limits:
+        for entry in range(len(presses)):
+            if limit.name == "buckling":
+                rows = [presses[entry]]
+            elif limit.name == "safety_factor":
+                rows = [stresses[entry, station] for station in range(len(STATIONS))]
+            else:
+                continue
+            for row in rows:
+                weight = float(multipliers[place])
+                place += 1
+                if weight > _FELT:
+                    found += [row.scaled(weight * limit.value), one.scaled(weight)]
+    return found

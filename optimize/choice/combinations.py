@@ -1,0 +1,112 @@
+"""Which shape and material each link should have: every combination up to a thousand, else those that bounds leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from optimize.exchange.design import DesignSpace
+from optimize.exchange.exchange import Context, Exchange, Exchanged
+from optimize.result import Candidate, Iteration
+
+from .chooser import Chooser, Progress
+from .given import given_design
+from .many import CLOSE, among_many
+from .picks import Combination, combinations, count
+
+Array = NDArray[np.float64]
+
+MOST_COMBINATIONS = 1000
+"""Up to this many combinations every one is tried."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The best combination, its finished exchange and objective (SI), and what became of the others.
+
+    `one_signed`: no terms of the error cancel at the poses that designs were held against (`optimize.exchange.signs`).
+    """
+
+    combination: Combination
+    space: DesignSpace
+    materials: Array
+    exchange: Exchange
+    exchanged: Exchanged
+    objective: float
+    candidates: tuple[Candidate, ...]
+    exhaustive: bool
+    history: tuple[Iteration, ...]
+    one_signed: bool = True
+    interrupted: bool = False
+    """Whether an interrupt ended the search."""
+    gap: float | None = 0.0
+    """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
+
+
+def choose(
+    context: Context,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    known: float = math.inf,
+) -> Choice | None:
+    """The best combination of shapes and materials; None where none has a solution (better than `known`, SI).
+
+    A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
+    is none yet.
+    """
+    problem = context.problem
+    chooser = Chooser(context, progress, log, known)
+    exhaustive = count(problem) <= MOST_COMBINATIONS
+    interrupted = False
+    gap: float | None = None
+    try:
+        if exhaustive:
+            chooser.try_all(combinations(problem))
+            gap = 0.0
+        else:
+            gap = among_many(chooser)
+            gap = gap if gap is not None and math.isfinite(gap) else None
+            exhaustive = gap is not None and gap <= CLOSE
+        chooser.polish()
+        own = given_design(problem)
+        if own is not None:
+            chooser.no_worse_than(own.combination, own.x)
+    except KeyboardInterrupt:
+        if chooser.best is None:
+            raise
+        interrupted = True
+    if chooser.best is None:
+        return None
+    pick, space, materials, exchange, exchanged, objective = chooser.best
+    noted: list[Candidate] = []
+    for other, candidate in chooser.candidates.items():
+        outcome = "best" if other == pick else candidate.outcome
+        value = objective if other == pick else candidate.objective
+        noted.append(Candidate(candidate.shapes, candidate.materials, value, outcome))
+    noted.sort(key=_rank)
+    return Choice(
+        pick,
+        space,
+        materials,
+        exchange,
+        exchanged,
+        objective,
+        tuple(noted),
+        exhaustive and not interrupted,
+        tuple(chooser.history),
+        chooser.one_signed() and chooser.one_signed(everywhere=True),
+        interrupted,
+        None if interrupted else gap,
+    )
+
+
+def _rank(candidate: Candidate) -> float:
+    return math.inf if candidate.objective is None else candidate.objective
+
+
+__all__ = ["MOST_COMBINATIONS", "Choice", "Chooser", "Combination", "Progress", "choose", "combinations", "count"]

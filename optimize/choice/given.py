@@ -1,0 +1,49 @@
+"""The arm as given as one of the designs to choose from, so that no answer is worse than what was there already."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from optimize.exchange.design import arm_of, as_given, design_space, numeric_beams
+from optimize.problem import Problem
+from sections.numeric import Array
+
+from .picks import Combination, options
+
+_ALIKE = 1e-9
+
+
+@dataclass(frozen=True)
+class Given:
+    """The arm as given: its combination of shapes and materials, and the optimiser's numbers for it."""
+
+    combination: Combination
+    x: Array
+
+
+def given_design(problem: Problem) -> Given | None:
+    """The arm as given as a design; None where the problem would not allow it, or cannot say it in its variables."""
+    shapes, materials = options(problem)
+    own = Combination(
+        tuple(None if link.section is None else link.section.shape for link in problem.arm.links),
+        tuple(None if link.section is None else link.material for link in problem.arm.links),
+    )
+    if any(shape not in allowed for shape, allowed in zip(own.shapes, shapes, strict=True)):
+        return None
+    if any(material not in allowed for material, allowed in zip(own.materials, materials, strict=True)):
+        return None
+    if not own.agrees(problem.same):
+        return None
+    space = design_space(problem, own.shapes)
+    x = as_given(space)
+    if x is None or not np.all(np.isfinite(x)):
+        return None
+    arm = arm_of(space, x, own.materials)
+    if space.problem.arm is not problem.arm:
+        return None  # a taper is no candidate
+    was, now = (numeric_beams(each, problem.load_cases) for each in (problem.arm, arm))
+    same = np.abs(now - was) <= _ALIKE * np.maximum(np.abs(was), np.abs(now))
+    return Given(own, x) if bool(np.all(same)) and math.isfinite(float(np.abs(now).sum())) else None

@@ -1,0 +1,205 @@
+"""The least that each option of a link can bring to a sum over links: every shape with every material, all its sizes.
+
+A shape has one to four sizes. Its part of the sum is looked at on a grid over all of them; from the best there, and
+the best far from it, a descent with exact derivatives ends at the least.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.beam import elastic_beam
+from arm.errors.model import needs_shear_modulus
+from materials.material import Material, MaterialValues
+from optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values, symbolic_properties
+from optimize.exchange.program import ipopt_options
+from optimize.exchange.rows import symbol
+from optimize.limits import Limit, OfLinks
+from optimize.problem import Problem
+from sections import SHAPES
+from sections.numeric import Array
+from sections.properties import SectionProperties
+from sections.section import Section
+
+from .products import EXPANSION, OfLink
+
+_GRID = MappingProxyType({1: 129, 2: 40, 3: 14, 4: 8})
+"""Steps of the grid for each size, by how many sizes there are."""
+_ON_GRID = 1e-9
+_FAR = 0.25
+"""How far from the best on the grid (as a share of a size's range) the second start is, at least."""
+_GIVES = 1e-7
+"""By how much a section may break its own limits and still count."""
+_MOST_FEATURE = 1e30
+"""A rigidity of nothing has no reciprocal; this will do, as no least is there."""
+
+
+@dataclass(frozen=True)
+class _Group:
+    """The options of one shape: their places in the link's list, their materials' figures (M, 7), and on the grid
+    (N, v) the logarithms of their features (M, N, K) and which of them are allowed (M, N)."""
+
+    shape: str
+    places: NDArray[np.intp]
+    rows: Array
+    grid: Array
+    logarithms: Array
+    allowed: NDArray[np.bool_]
+
+
+class LinkOptions:
+    """What one link can be, ready to be searched again and again."""
+
+    def __init__(self, problem: Problem, options: Sequence[tuple[str, Material]]) -> None:
+        self.problem, self.options = problem, tuple(options)
+        self._shear = needs_shear_modulus(problem.arm, problem.load_cases)
+        self._limits = tuple(limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks))
+        self._groups = tuple(self._group(shape) for shape in dict.fromkeys(shape for shape, _ in self.options))
+        self._solvers: dict[tuple[str, int], Any] = {}
+
+    def least(self, part: OfLink, per_price: float = 0.0) -> Array:
+        """The least of a link's part over each option's sizes; -inf where no least was found.
+
+        `per_price` is what each (EUR/kg)(kg/m) adds.
+        """
+        found = np.full(len(self.options), -np.inf)
+        for group in self._groups:
+            found[group.places] = self._least(group, part, per_price)
+        return found
+
+    def _group(self, shape: str) -> _Group:
+        places = np.array([k for k, (own, _) in enumerate(self.options) if own == shape])
+        rows = np.array([material_row((self.options[k][1],), self.problem) for k in places])
+        materials = material_values(rows.T[:, :, None], 0)
+        kind = SHAPES[shape]
+        steps = np.linspace(0.0, 1.0, _GRID.get(len(kind.variables), 5))
+        grid = np.stack(np.meshgrid(*[steps] * len(kind.variables), indexing="ij"), axis=-1)
+        grid = grid.reshape(-1, len(kind.variables))
+        with np.errstate(all="ignore"):
+            section = kind.from_variables([*self._sizes(shape, grid.T[:, None])])
+            columns = self._features(section.properties(materials.poisson_ratio), materials)
+            size = (len(places), len(grid))
+            logarithms = np.log(np.stack([np.broadcast_to(each, size) for each in columns], axis=-1))
+            allowed = np.ones(size, dtype=bool)
+            for value in self._rows(section, materials):
+                allowed &= np.asarray(value) <= _ON_GRID
+        allowed &= np.isfinite(logarithms[..., :4]).all(axis=-1)
+        # A feature that is not known (a yield strength nobody asks for) is in no sum.
+        return _Group(shape, places, rows, grid, np.where(np.isfinite(logarithms), logarithms, 0.0), allowed)
+
+    def _sizes(self, shape: str, at: Any) -> list[Any]:
+        """The values of a shape's variables (SI) for shares of the ranges of their logarithms."""
+        bounds = SHAPES[shape].variable_bounds(self.problem.section_size, self.problem.thickness)
+        return [low * (high / low) ** at[k] for k, (low, high) in enumerate(bounds)]
+
+    def _features(self, found: SectionProperties, materials: MaterialValues) -> list[Any]:
+        """A section's features but for expansion (see `products.FEATURES`), in floats, arrays or symbols."""
+        beam = elastic_beam(1.0, found, materials, shear=self._shear)
+        shear = (beam.torsional_rigidity, beam.shear_rigidity_height, beam.shear_rigidity_width)
+        rigid = [beam.axial_rigidity, beam.flexural_rigidity_height, beam.flexural_rigidity_width, *shear]
+        strong = [
+            each * materials.yield_strength for each in (found.area, found.section_modulus_y, found.section_modulus_z)
+        ]
+        return [
+            beam.mass_per_length,
+            *(1.0 if each is None or (k > 2 and not self._shear) else 1.0 / each for k, each in enumerate(rigid)),
+            *(1.0 / each for each in strong),
+        ]
+
+    def _rows(self, section: Section, materials: MaterialValues) -> list[Any]:
+        """What must not be above zero for a section to be possible and keep the limits on single links."""
+        problem = self.problem
+        own = (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness))
+        return [*(each.value for each in own), *(x for limit in self._limits for x in _held(limit, section, materials))]
+
+    def _least(self, group: _Group, part: OfLink, per_price: float) -> Array:
+        growth = group.rows[:, MATERIAL_FIELDS.index("thermal_expansion"), None]
+        prices = group.rows[:, MATERIAL_FIELDS.index("cost"), None]
+        values = part.values(group.logarithms, growth) + per_price * prices * np.exp(group.logarithms[..., 0])
+        values = np.where(group.allowed, values, np.inf)
+        found = np.full(len(values), -np.inf)
+        scale = float(np.median(np.abs(values[np.isfinite(values)]))) if np.isfinite(values).any() else 1.0
+        solver, numbers = self._solver(group.shape, part, per_price, scale or 1.0)
+        for k, own in enumerate(values):
+            if not np.isfinite(own).any():
+                continue
+            first = int(own.argmin())
+            far = np.abs(group.grid - group.grid[first]).max(axis=1) >= _FAR
+            second = int(np.where(far, own, np.inf).argmin())
+            ends = [solver(group.grid[start], group.rows[k], numbers) for start in dict.fromkeys((first, second))]
+            ended = [end for end in ends if end is not None]
+            if ended:
+                found[k] = min(float(own[first]), *ended)
+        return found
+
+    def _solver(self, shape: str, part: OfLink, per_price: float, scale: float) -> tuple[Any, list[float]]:
+        """A descent from a start for a material's figures, and the numbers that say what is to be least."""
+        count = 2 ** int(np.ceil(np.log2(max(len(part.coefficients), 1))))
+        key = (shape, count)
+        if key not in self._solvers:
+            self._solvers[key] = self._compiled(shape, count)
+        solver, rows = self._solvers[key]
+        spare = count - len(part.coefficients)
+        powers = np.vstack([part.powers, np.zeros((spare, part.powers.shape[1]))])
+        coefficients = np.concatenate([part.coefficients, np.zeros(spare)])
+        numbers = [*(coefficients / scale), *powers.ravel(), *(part.logs / scale), per_price / scale]
+
+        def descend(start: Array, row: Array, numbers: list[float]) -> float | None:
+            # A start on a bound leaves no interior.
+            result = solver(
+                x0=np.clip(start, 1e-3, 1.0 - 1e-3),
+                p=[*row, *numbers],
+                lbx=0.0,
+                ubx=1.0,
+                lbg=-np.inf,
+                ubg=np.full(rows, _GIVES),
+            )
+            return scale * float(result["f"]) if solver.stats()["success"] else None
+
+        return descend, numbers
+
+    def _compiled(self, shape: str, count: int) -> tuple[Any, int]:
+        kind = SHAPES[shape]
+        at = symbol("at", len(kind.variables))
+        row, price = symbol("row", len(MATERIAL_FIELDS)), symbol("price")
+        width = EXPANSION + 1
+        coefficients, logs = symbol("c", count), symbol("logs", width)
+        powers = symbol("powers", count * width)
+        materials = material_values(row, 0)
+        # A yield strength that is not known is nought, which has no reciprocal.
+        strong: Any = materials.yield_strength
+        materials = replace(materials, yield_strength=ca.fmax(strong, 1.0))
+        sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
+        found = symbolic_properties(shape, sizes, materials.poisson_ratio)
+        features = self._features(found, materials)
+        logarithms = ca.log(ca.vertcat(*[ca.fmin(each, _MOST_FEATURE) for each in features]))
+        growth = row[MATERIAL_FIELDS.index("thermal_expansion")]
+        table = ca.reshape(powers, width, count).T
+        products = ca.exp(ca.mtimes(table[:, :EXPANSION], logarithms))
+        # Expansion may be nought or below: it enters as it is.
+        products = products * ca.if_else(table[:, EXPANSION] > 0.0, growth, 1.0)
+        least = ca.dot(coefficients, products) + ca.dot(logs[:EXPANSION], logarithms)
+        least = least + price * row[MATERIAL_FIELDS.index("cost")] * features[0]
+        rows = [ca.SX(value) for value in self._rows(kind.from_variables(sizes), materials)]
+        rows = [value for value in rows if not value.is_constant()]
+        program = {
+            "x": at,
+            "p": ca.vertcat(row, coefficients, powers, logs, price),
+            "f": least,
+            "g": ca.vertcat(*rows) if rows else ca.SX(0, 1),
+        }
+        return ca.nlpsol("least", "ipopt", program, ipopt_options()), len(rows)
+
+
+def _held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]:
+    follows = limit.figure.follows
+    assert isinstance(follows, OfLinks)
+    sign = -1.0 if limit.relation == ">=" else 1.0
+    return [sign * (value / limit.value - 1.0) for value in follows.values(section, materials) or ()]

@@ -1,0 +1,98 @@
+"""The best of many combinations: those that their bounds leave in the running are solved, the most promising first.
+
+Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
+the best design are out without a solution of their own.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .bounds import CombinationBounds, combination_bounds
+from .chooser import Chooser
+from .picks import Combination, uniform
+
+CLOSE = 1e-4
+"""A bound this near to the best design (relative) leaves nothing to win: the exchange's own gap."""
+WANTED = 1e-2
+"""The gap that is always worth more solutions."""
+_MOST_CLOSING, _MOST_SOLVED = 200, 600
+"""Combinations solved to close the gap wholly, and to bring it down to what is wanted."""
+_LOOSE = 2e-3
+"""A solution this far (relative) above its combination's bound can raise bounds."""
+
+
+def among_many(chooser: Chooser) -> float | None:
+    """Look for the best of all combinations; returns how much better (relative) one that was not solved could be, or
+    None where nothing bounds them: they were then searched link by link.
+
+    A combination at which the solver failed counts as not solved.
+    """
+    context = chooser.context
+    bounds = combination_bounds(context)
+    if bounds is None or _begin(chooser, bounds) is False:
+        chooser.link_by_link()
+        return None
+    for number in range(_MOST_SOLVED):
+        gap = _gap(chooser, bounds)
+        running = ~bounds.closed & (bounds.bounds < chooser.objective * (1.0 - CLOSE))
+        left = int(running.sum())
+        if not left or (gap <= WANTED and number >= _MOST_CLOSING):
+            return gap
+        if chooser.progress is not None:
+            told = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
+            chooser.progress(number, number + left, f"solving combinations{told}")
+        place = np.unravel_index(int(np.argmin(np.where(running, bounds.bounds, np.inf))), running.shape)
+        _solve(chooser, bounds, bounds.combination([int(k) for k in place]))
+    chooser.link_by_link()
+    return _gap(chooser, bounds)
+
+
+def _gap(chooser: Chooser, bounds: CombinationBounds) -> float:
+    """How much better than the best design (relative) a combination that was not solved could be."""
+    least = float(np.where(bounds.impossible, np.inf, bounds.bounds).min())
+    if least == math.inf:
+        return 0.0
+    if math.isinf(chooser.objective):
+        return math.inf
+    return max(0.0, 1.0 - least / chooser.objective)
+
+
+def _begin(chooser: Chooser, bounds: CombinationBounds) -> bool | None:
+    """Solve a first combination; False where it raises no bound: there is no such sum for this model. None where no
+    combination in which the links agree has a solution."""
+    starts = [pick for pick in uniform(chooser.context.problem) if not bounds.impossible[bounds.place(pick)]]
+    for pick in starts:
+        if pick in chooser.candidates or bounds.impossible[bounds.place(pick)]:
+            continue
+        learnt = _solve(chooser, bounds, pick)
+        if learnt is not None:
+            return learnt
+    return None
+
+
+def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bool | None:
+    """Solve a combination, with an exchange where it could win; whether bounds could be raised by it, None where it has
+    no solution that could."""
+    place = bounds.place(pick)
+    known = float(bounds.bounds[place])
+    solved = chooser.solve(pick, explain=True)
+    bounds.closed[place] = True
+    if solved.objective is None or solved.solution is None:
+        if solved.relaxed is not None:
+            bounds.impossible[place] = True
+            bounds.learn(solved.exchange, solved.relaxed, solved.materials, pick, solved.pool, relaxed=True)
+        return None
+    learnt = True
+    if known < solved.objective * (1.0 - _LOOSE):
+        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool, relaxed=False)
+    bounds.bounds[place] = max(float(bounds.bounds[place]), solved.objective)
+    if solved.objective < chooser.objective:
+        chooser.finish(pick, solved.solution.x)
+        candidate = chooser.candidates[pick]
+        if candidate.objective is not None:
+            bounds.bounds[place] = max(float(bounds.bounds[place]), candidate.objective)
+        bounds.impossible[place] = candidate.outcome == "infeasible"
+    return learnt

@@ -1,0 +1,104 @@
+"""Which combinations of shapes and materials a problem allows."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from materials.material import Material
+from optimize.problem import Problem
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A shape and a material for each link; None for links that are rigid."""
+
+    shapes: tuple[str | None, ...]
+    materials: tuple[Material | None, ...]
+
+    def agrees(self, same: frozenset[str]) -> bool:
+        """Whether the links agree in what must be the same for all."""
+        shapes, materials = ({each for each in own if each is not None} for own in (self.shapes, self.materials))
+        alike = "section" in same or "size" in same
+        return (len(shapes) <= 1 or not alike) and (len(materials) <= 1 or "material" not in same)
+
+
+def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[Material | None, ...]]]:
+    """The shapes and the materials that each link may have."""
+    shapes: list[tuple[str | None, ...]] = []
+    materials: list[tuple[Material | None, ...]] = []
+    for link in problem.arm.links:
+        if link.section is None:
+            shapes.append((None,))
+            materials.append((None,))
+        else:
+            shapes.append(problem.shapes or (link.section.shape,))
+            materials.append(problem.materials or (link.material,))
+    return shapes, materials
+
+
+def _agreeing(picks: Iterable[tuple[object, ...]], same: bool) -> list[tuple[object, ...]]:
+    """The picks in which all links that have a choice agree, where they must."""
+    return [pick for pick in picks if not same or len({item for item in pick if item is not None}) <= 1]
+
+
+def some_combinations(problem: Problem, number: int) -> list[Combination]:
+    """About so many allowed combinations (fewer than twice that), spread over all of them."""
+    shapes, materials = options(problem)
+    every = itertools.product(itertools.product(*shapes), itertools.product(*materials))
+    picks = (Combination(s, m) for s, m in every)
+    agreeing = picks if not problem.same else (pick for pick in picks if pick.agrees(problem.same))
+    step = max(1, count(problem) // number)
+    return list(itertools.islice(agreeing, 0, None, step))
+
+
+def combinations(problem: Problem) -> list[Combination]:
+    """Every allowed combination."""
+    shapes, materials = options(problem)
+    shape_picks = _agreeing(itertools.product(*shapes), "section" in problem.same or "size" in problem.same)
+    material_picks = _agreeing(itertools.product(*materials), "material" in problem.same)
+    return [Combination(s, m) for s in shape_picks for m in material_picks]  # type: ignore[arg-type]
+
+
+def count(problem: Problem) -> int:
+    """How many combinations there are, without listing them."""
+    total = 1
+    for picks, same in zip(
+        options(problem), ("section" in problem.same or "size" in problem.same, "material" in problem.same), strict=True
+    ):
+        sizes = [len(pick) for pick in picks]
+        total *= max(sizes) if same else math.prod(sizes)
+    return total
+
+
+def uniform(problem: Problem) -> list[Combination]:
+    """The combinations in which all links that can agree do."""
+    shapes, materials = options(problem)
+    kinds = list(dict.fromkeys(itertools.chain.from_iterable(shapes)))
+    stuffs = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
+    found = [
+        Combination(
+            tuple(shape if shape in own else next(iter(own)) for own in shapes),
+            tuple(material if material in own else next(iter(own)) for own in materials),
+        )
+        for shape in kinds
+        for material in stuffs
+    ]
+    return list(dict.fromkeys(found))
+
+
+def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Combination]:
+    """The combinations that differ from one in a link (from 0), or in all links where they must agree."""
+    shapes, materials = options(problem)
+    trials: list[Combination] = []
+    for shape, material in itertools.product(shapes[link], materials[link]):
+        new_shapes = tuple(shape if k == link else own for k, own in enumerate(pick.shapes))
+        new_materials = tuple(material if k == link else own for k, own in enumerate(pick.materials))
+        if "section" in problem.same or "size" in problem.same:
+            new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
+        if "material" in problem.same:
+            new_materials = tuple(material if own is not None else None for own in pick.materials)
+        trials.append(Combination(new_shapes, new_materials))
+    return list(dict.fromkeys(trials))

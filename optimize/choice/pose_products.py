@@ -1,0 +1,278 @@
+"""Errors, stresses, compressions and inertias at a pose as sums of products of what a design gives its links.
+
+The coefficients are those of the models themselves, read off by differences: an error, say, has one factor a weight
+and one a flexibility, so that it is measured with each alone and with each pair. What does not come out as such a sum
+at a second design has none (None).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm
+from arm.errors.model import BEAM_FIELDS, ErrorModel
+from arm.limits.modes import SegmentedArm, work_and_inertia
+from arm.limits.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
+from optimize.exchange.binding_poses import ErrorCut
+from optimize.limits import Cut
+from sections.numeric import Array
+
+from .products import EXPANSION, FEATURES, Power, Products
+
+WEIGHT = BEAM_FIELDS.index("mass_per_length")
+SOFT: Mapping[int, int] = MappingProxyType(
+    {
+        BEAM_FIELDS.index(field): FEATURES.index(name)
+        for field, name in (
+            ("axial_rigidity", "stretching"),
+            ("flexural_rigidity_height", "bending_height"),
+            ("flexural_rigidity_width", "bending_width"),
+            ("torsional_rigidity", "twisting"),
+            ("shear_rigidity_height", "shear_height"),
+            ("shear_rigidity_width", "shear_width"),
+        )
+    }
+)
+"""The rigidities among a link's beam values, and the features that are their reciprocals."""
+_GROWTH = BEAM_FIELDS.index("thermal_expansion")
+_FEATURE: Mapping[int, int] = MappingProxyType({WEIGHT: 0, _GROWTH: EXPANSION, **SOFT})
+_RIGID = 1e300
+_CLOSE = 1e-6
+"""How far (relative to the sum of the terms' sizes) the sum may be from what it is the sum of."""
+_NOTHING = 1e-12
+"""A term below this share of the largest is left out."""
+_APART = (1.7, 0.6, 1.3, 0.8, 1.9)
+"""Factors from a design to another one, at which the sum is tried."""
+
+
+def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
+    """The links' features (n, K) for beam values p; 1 where a link has none. `strength` (n, 3) are those of stress."""
+    own = p.reshape(size, len(BEAM_FIELDS))
+    found = np.ones((size, len(FEATURES)))
+    for link in range(size):
+        if own[link, WEIGHT] != 0.0:
+            found[link, 0] = own[link, WEIGHT]
+        for place, feature in SOFT.items():
+            if own[link, place] != 0.0:
+                found[link, feature] = 1.0 / own[link, place]
+    found[:, EXPANSION] = own[:, _GROWTH]
+    if strength is not None:
+        found[:, FEATURES.index("stress_axial") : EXPANSION] = strength
+    return found
+
+
+def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | None:
+    """The error (m) at a pose along the direction that it has for a design p: never more than the error itself."""
+    size = model.arm.size
+    own = p.reshape(size, len(BEAM_FIELDS))
+    weights = [(link, WEIGHT) for link in range(size) if own[link, WEIGHT] != 0.0]
+    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
+    growing = [(link, _GROWTH) for link in range(size) if own[link, _GROWTH] != 0.0]
+
+    def vectors(designs: Array) -> Array:
+        arrays = model.cases[cut.load_case].arrays(np.tile(cut.q, (len(designs), 1)), designs)
+        play = np.einsum("k,nki->ni", np.array(cut.signs), arrays.intervals) if len(cut.signs) else 0.0
+        return arrays.vector + np.array(cut.shift) + play
+
+    present = [(), *((each,) for each in (*weights, *soft, *growing)), *itertools.product(weights, soft)]
+    bare = own.copy()
+    for place in (*weights, *growing):
+        bare[place] = 0.0
+    for place in soft:
+        bare[place] = np.copysign(_RIGID, own[place])
+    designs = np.repeat(bare[None], len(present) + 1, axis=0)
+    for row, places in zip(designs, present, strict=False):
+        for place in places:
+            row[place] = own[place]
+    designs[-1] = own
+    found = vectors(designs.reshape(len(designs), -1))
+    whole = found[-1]
+    if not np.all(np.isfinite(found)) or not np.any(whole):
+        return None
+    along = found @ (whole / np.linalg.norm(whole))
+    terms: dict[Power, float] = {}
+    alone = dict(zip(present, along, strict=False))
+    for places, value in alone.items():
+        term = value
+        if places:
+            term -= alone[()]
+        if len(places) == 2:
+            term -= sum(alone[(place,)] - alone[()] for place in places)
+        power = tuple(sorted((link, _FEATURE[k]) for link, k in places))
+        features = features_of(p, size)
+        terms[power] = float(term) / float(np.prod([features[place] for place in power]))
+    other = own.copy()
+    for number, place in enumerate((*weights, *soft, *growing)):
+        other[place] *= _APART[number % len(_APART)]
+    along_there = float((vectors(other.reshape(1, -1)) @ (whole / np.linalg.norm(whole)))[0])
+    return _agreed(terms, [(features_of(p, size), along[-1]), (features_of(other.ravel(), size), along_there)])
+
+
+def _agreed(terms: dict[Power, float], trials: Sequence[tuple[Array, float]]) -> Products | None:
+    """The sum of the terms that count, where it is what was measured at each of the designs."""
+    for features, value in trials:
+        sizes = [abs(c) * float(np.prod([abs(features[place]) for place in power])) for power, c in terms.items()]
+        if not abs(Products(terms).value(features) - value) <= _CLOSE * sum(sizes):
+            return None
+    features = trials[0][0]
+    sizes = {p: abs(c) * float(np.prod([abs(features[place]) for place in p])) for p, c in terms.items()}
+    largest = max(sizes.values(), default=0.0)
+    return Products({power: c for power, c in terms.items() if not power or sizes[power] > _NOTHING * largest})
+
+
+def stress_products(case: StrengthCase, cut: Cut, p: Array) -> dict[tuple[int, int], Products]:
+    """For each link's entry and station the share of the yield strength that axial force and bending take, safety left
+    out; torsion is left out, and each takes the sign that it has for a design p, so that it is never more."""
+    size = len(p) // len(BEAM_FIELDS)
+    weights = [k for k in range(size) if p.reshape(size, -1)[k, WEIGHT] != 0.0]
+    small = 1e-3
+
+    def forces(designs: Array, counted: int) -> Array:
+        sections = np.full((size, len(STRENGTH_FIELDS)), _RIGID)
+        sections[:, counted] = 1e-6
+        stress, _, _ = case.vectorised(np.tile(cut.q, (len(designs), 1)), designs, sections.ravel())
+        return 1e-6 * stress
+
+    designs = np.repeat(p[None], len(weights) + 1, axis=0)
+    for number, link in enumerate(weights):
+        designs[number + 1, len(BEAM_FIELDS) * link + WEIGHT] *= 1.0 + small
+    found: dict[tuple[int, int], Products] = {}
+    names = ("stress_axial", "stress_height", "stress_width")
+    every = [forces(designs, counted) for counted in range(len(names))]
+    for entry, link in enumerate(case.links):
+        for station in range(len(STATIONS)):
+            terms: dict[Power, float] = {}
+            for name, values in zip(names, every, strict=True):
+                column = values[:, len(STATIONS) * entry + station]
+                own = (link, FEATURES.index(name))
+                slopes = (column[1:] - column[0]) / small
+                terms[(own,)] = float(column[0] - slopes.sum())
+                for weight, slope in zip(weights, slopes, strict=True):
+                    power = tuple(sorted(((weight, 0), own)))
+                    terms[power] = float(slope) / float(p[len(BEAM_FIELDS) * weight + WEIGHT])
+            found[entry, station] = Products(terms)
+    return found
+
+
+def compression_products(case: StrengthCase, cut: Cut, p: Array) -> dict[int, Products]:
+    """For each link's entry the share of Euler's load that presses it, in the plane that is weaker for a design p."""
+    size = len(p) // len(BEAM_FIELDS)
+    own = p.reshape(size, -1)
+    weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]
+    planes = [BEAM_FIELDS.index(f"flexural_rigidity_{name}") for name in ("height", "width")]
+    unit = own.copy()
+    unit[:, planes] = 1.0
+    designs = np.repeat(unit[None], len(weights) + 1, axis=0)
+    designs[:, weights, WEIGHT] = 0.0
+    for number, link in enumerate(weights):
+        designs[number + 1, link, WEIGHT] = 1.0
+    _, shares, _ = case.vectorised(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1), _ones(size))
+    found: dict[int, Products] = {}
+    for entry, link in enumerate(case.links):
+        weaker = (link, SOFT[min(planes, key=lambda k: own[link, k])])
+        terms: dict[Power, float] = {(weaker,): float(shares[0, entry])}
+        for number, weight in enumerate(weights):
+            terms[tuple(sorted(((weight, 0), weaker)))] = float(shares[number + 1, entry] - shares[0, entry])
+        found[entry] = Products(terms)
+    return found
+
+
+def _ones(size: int) -> Array:
+    return np.ones(size * len(STRENGTH_FIELDS))
+
+
+def inertia_products(
+    arm: Arm, segments: SegmentedArm, cut: Cut, beams: Sequence[Beam], p: Array, frequency: float
+) -> tuple[Products, float] | None:
+    """(M phi)' F (M phi) omega^2 - phi' M phi for a cut's trial shape (kg m^2), above zero where the frequency (Hz) is
+    missed; and phi' M phi of a design p, whose beams are given."""
+    size = len(beams)
+    own = p.reshape(size, len(BEAM_FIELDS))
+    weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]
+    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
+    payload, shape = cut.more[0], cut.more[1:]
+    omega = 2.0 * np.pi * frequency
+
+    def measured(designs: Array) -> tuple[Array, Array]:
+        varied: list[Beam] = []
+        for k, beam in enumerate(beams):
+            values: dict[str, Any] = {
+                name: designs[:, k, place] for place, name in enumerate(BEAM_FIELDS) if own[k, place] != 0.0
+            }
+            varied.append(Beam(**values) if beam.lumped_mass == 0.0 else beam)
+        work, inertia = work_and_inertia(arm, segments, cut.q, varied, payload, shape)
+        return omega**2 * np.broadcast_to(work, len(designs)), np.broadcast_to(inertia, len(designs))
+
+    return _inertia_terms(measured, own, weights, soft)
+
+
+def _inertia_terms(
+    measured: Callable[[Array], tuple[Array, Array]],
+    own: Array,
+    weights: Sequence[int],
+    soft: Sequence[tuple[int, int]],
+) -> tuple[Products, float] | None:
+    size = len(own)
+    # Quadratic in the weights for each flexibility: at nought, at one and two of each, at one of each pair.
+    steps = [(), *((k,) for k in weights), *((k, k) for k in weights), *itertools.combinations(weights, 2)]
+    bare = own.copy()
+    bare[weights, WEIGHT] = 0.0
+    for place in soft:
+        bare[place] = np.copysign(_RIGID, own[place])
+    rows: list[Array] = []
+    for place in (None, *soft):
+        for step in steps:
+            row = bare.copy()
+            if place is not None:
+                row[place] = own[place]
+            for link in step:
+                row[link, WEIGHT] += own[link, WEIGHT]
+            rows.append(row)
+    other = own.copy()
+    other[weights, WEIGHT] *= np.resize(_APART, len(weights))
+    for number, place in enumerate(soft):
+        other[place] *= _APART[number % len(_APART)]
+    work, inertia = measured(np.array([*rows, own, other]))
+    if not np.all(np.isfinite(work)):
+        return None
+    terms: dict[Power, float] = {}
+    features, there = features_of(own.ravel(), size), features_of(other.ravel(), size)
+
+    def add(power: Power, value: float) -> None:
+        power = tuple(sorted(power))
+        terms[power] = terms.get(power, 0.0) + value / float(np.prod([features[place] for place in power]))
+
+    base = work[: len(steps)]
+    for number, place in enumerate((None, *soft)):
+        values = dict(zip(steps, work[number * len(steps) : (number + 1) * len(steps)], strict=True))
+        if place is not None:
+            values = {step: value - base[k] for k, (step, value) in enumerate(values.items())}
+        flexible: Power = () if place is None else ((place[0], SOFT[place[1]]),)
+        zero = values[()]
+        add(flexible, zero)
+        for k in weights:
+            one, two = values[(k,)] - zero, values[(k, k)] - zero
+            add((*flexible, (k, 0)), 2.0 * one - 0.5 * two)
+            add((*flexible, (k, 0), (k, 0)), 0.5 * two - one)
+        for k, m in itertools.combinations(weights, 2):
+            add((*flexible, (k, 0), (m, 0)), values[k, m] - values[(k,)] - values[(m,)] + zero)
+    add((), -float(inertia[0]))
+    for number, k in enumerate(weights):
+        add(((k, 0),), -float(inertia[1 + number] - inertia[0]))
+    agreed = _agreed(terms, [(features, float(work[-2] - inertia[-2])), (there, float(work[-1] - inertia[-1]))])
+    return None if agreed is None else (agreed, float(inertia[-2]))
+
+
+__all__ = [
+    "compression_products",
+    "error_products",
+    "features_of",
+    "inertia_products",
+    "stress_products",
+]

@@ -1,0 +1,69 @@
+"""Which materials of the catalogue keep a problem's conditions, in place of a list of names."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from arm.chain.chain import Arm
+from arm.errors.model import needs_shear_modulus, needs_thermal_expansion
+from materials.catalogue import Catalogue
+from materials.material import Material, MissingProperty, OutOfRange, PropertyName, property_kinds
+from units.reading import Mapping, nearest
+
+_ALIASES = MappingProxyType({"service_temperature": "highest_service_temperature"})
+
+
+def materials_where(mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: frozenset[str]) -> tuple[Material, ...]:
+    """The materials that keep every condition of a `where`, by name, among those of which all is known, at the arm's
+    temperature, that its model and the problem's limits need (`needs`).
+
+    Conditions are `magnetic: false`, `family: [aluminium, stainless]` and a bound on any property,
+    `density: "<= 3000 kg/m^3"`; `service_temperature` is the highest at which a material serves. What is not known of a
+    material keeps no condition. Raises `InputError` where none is left.
+    """
+    temperature = arm.temperature
+    needed = {"elastic_modulus", "density", *needs}
+    if needs_shear_modulus(arm):
+        needed.add("shear_modulus")
+    if needs_thermal_expansion(arm):
+        needed.add("thermal_expansion")
+    with mapping.mapping("where").reading() as body:
+        found = list(catalogue)
+        if body.has("family"):
+            raw = body.raw("family")
+            families = [str(each) for each in (raw if isinstance(raw, list) else [raw])]  # type: ignore[union-attr]
+            known = sorted({material.family for material in found})
+            for number, family in enumerate(families, start=1):
+                if family not in known:
+                    raise body.error(f"family[{number}]", f"there is no family '{family}'{nearest(family, known)}")
+            found = [material for material in found if material.family in families]
+        if body.has("magnetic"):
+            magnetic = body.boolean("magnetic")
+            found = [material for material in found if material.magnetic is magnetic]
+        kinds = property_kinds()
+        for name in (*kinds, *_ALIASES):
+            if not body.has(name):
+                continue
+            own: PropertyName = _ALIASES.get(name, name)  # type: ignore[assignment]
+            bound = body.bound(name, kinds[own])
+            found = [material for material in found if _keeps(material, own, bound.relation, bound.value, temperature)]
+    found = [material for material in found if all(_known(material, name, temperature) for name in needed)]
+    if not found:
+        would_do = "loosen one, or add what is not known with `linkwright materials edit`"
+        raise mapping.error("where", f"no material of the catalogue keeps all conditions; {would_do}")
+    return tuple(found)
+
+
+def _known(material: Material, name: str, temperature: float) -> bool:
+    try:
+        material.need(name, temperature)  # type: ignore[arg-type]
+    except (MissingProperty, OutOfRange):
+        return False
+    return True
+
+
+def _keeps(material: Material, name: PropertyName, relation: str, value: float, temperature: float) -> bool:
+    if not _known(material, name, temperature):
+        return False
+    own = material.need(name, temperature)
+    return own <= value if relation == "<=" else own >= value if relation == ">=" else own == value

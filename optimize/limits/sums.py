@@ -1,0 +1,66 @@
+"""What adds up over the links: masses, cost and reach."""
+
+from __future__ import annotations
+
+from arm.chain.chain import Arm
+
+from .figure import Figure, OfDesign
+
+MASS = Figure(
+    name="mass",
+    title="mass of the links",
+    kind="mass",
+    unit="kg",
+    senses=("<=", "==", ">="),
+    key="mass_kg",
+    follows=OfDesign(lambda totals: totals.mass),
+    of=lambda evaluation: evaluation.mass,
+    minimised=True,
+)
+TOTAL_MASS = Figure(
+    name="total_mass",
+    title="total mass",
+    kind="mass",
+    unit="kg",
+    senses=("<=", "==", ">="),
+    key="total_mass_kg",
+    follows=OfDesign(lambda totals: totals.mass + totals.carried),
+    of=lambda evaluation: evaluation.total_mass,
+    note="with joints and the heaviest payload",
+    minimised=True,
+)
+
+
+def _cost_title(arm: Arm) -> str:
+    """What the cost of an arm is that of."""
+    driven = any(joint.actuator is not None for joint in arm.joints)
+    return "cost of material and actuators" if driven else "material cost"
+
+
+COST = Figure(
+    name="cost",
+    title="material cost",
+    kind="cost",
+    unit="EUR",
+    senses=("<=",),
+    key="cost_EUR",
+    follows=OfDesign(lambda totals: totals.cost),
+    of=lambda evaluation: evaluation.cost,
+    needs=("cost",),
+    note="without machining",
+    titled=_cost_title,
+    minimised=True,
+)
+REACH = Figure(
+    name="reach",
+    title="reach",
+    kind="length",
+    unit="mm",
+    factor=1e3,
+    senses=("<=", "==", ">="),
+    key="reach_mm",
+    follows=OfDesign(lambda totals: totals.reach),
+    of=lambda evaluation: evaluation.reach,
+    more_is_better=True,
+    note="sum of the link lengths",
+)

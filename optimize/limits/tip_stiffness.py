@@ -1,0 +1,133 @@
+"""The least stiffness at the tip, in the workspace or at given poses.
+
+A limit holds through cuts, each a pose with a direction u of the force: |C u| is at most the largest singular value
+of the compliance C, whatever u, and equals it where u is its own direction. So every cut is valid for every design,
+smooth, and exact where it was made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from arm.errors.model import beam_values, beams_of
+from arm.limits.tip_stiffness import (
+    TipCompliance,
+    least_stiffness,
+    stiffness_at,
+    stiffnesses,
+    tip_compliance,
+)
+from sections.numeric import Array
+
+from .design import DesignExpressions, Designs
+from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
+from .strength import POSES
+
+if TYPE_CHECKING:
+    from arm.chain.chain import Arm
+    from arm.evaluation import Evaluation
+    from arm.worst.search import WorstSearch
+
+
+_LEAST = 1e-24
+"""Keeps the logarithm of a compliance of nothing finite."""
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """The compliance, and the numbers of the problem's limits on it: each has a group of poses of its own."""
+
+    compliance: TipCompliance
+    limits: tuple[int, ...]
+
+
+class Stiffness(PoseFamily):
+    """The compliance under a force of some direction: a cut holds the direction beside the pose."""
+
+    name: ClassVar[str] = "stiffness"
+
+    def prepare(self, problem: Asked) -> _Prepared:
+        """The compliance of the problem's arm."""
+        planar = all(problem.arm.planar(load) for load in problem.load_cases)
+        numbers = tuple(k for k, limit in enumerate(problem.limits) if limit.name == TIP_STIFFNESS.name)
+        return _Prepared(tip_compliance(problem.arm, planar=planar), numbers)
+
+    def groups(self, problem: Asked) -> int:
+        """One for each limit, as each may have poses of its own."""
+        return sum(limit.name == TIP_STIFFNESS.name for limit in problem.limits)
+
+    def more(self, prepared: _Prepared) -> int:
+        """The direction of the force."""
+        return prepared.compliance.size
+
+    def load_case(self, cut: Cut) -> int:
+        """Any: what the arm carries does not change what gives."""
+        del cut
+        return 0
+
+    def rows(
+        self, prepared: _Prepared, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+    ) -> Iterator[tuple[int, Any]]:
+        """The compliance over what is allowed, in its logarithm."""
+        q, force = pose
+        size, number = prepared.compliance.size, prepared.limits[group]
+        columns = ca.reshape(prepared.compliance.function(q, design.beam_column), size, size)
+        moved = ca.mtimes(columns, force) * held.limits[number].value
+        yield number, 0.5 * ca.log(ca.dot(moved, moved) + _LEAST) - held.slack[number]
+
+    def worst(self, prepared: _Prepared, problem: Asked, search: WorstSearch, arm: Arm, p: Array) -> list[Worst]:
+        """The softest pose of the workspace, or each of the poses that a limit names."""
+        del arm
+        found: list[Worst] = []
+        for group, number in enumerate(prepared.limits):
+            poses = problem.limits[number].poses
+            if poses is None:
+                softest = least_stiffness(prepared.compliance, search.poses(p, POSES), p, search)
+                own = [] if softest is None else [softest]
+            else:
+                own = stiffness_at(prepared.compliance, np.array(poses), p)
+            cuts = [(each.value, Cut(each.q, group, each.direction)) for each in own]
+            found += [Worst(TIP_STIFFNESS.name, value, cut, number) for value, cut in cuts]
+        return found
+
+    def at_pose(self, prepared: _Prepared, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+        """The stiffness of each design at its pose."""
+        del group
+        return {TIP_STIFFNESS.name: stiffnesses(prepared.compliance.matrices(q, designs.p))}
+
+    def exactly(self, prepared: _Prepared, limit: Limit, designs: Designs) -> Array | None:
+        """The least stiffness of each design at the poses that the limit names."""
+        if limit.poses is None:
+            return None
+        places = [np.tile(np.array(q), (len(designs.p), 1)) for q in limit.poses]
+        return np.min([stiffnesses(prepared.compliance.matrices(q, designs.p)) for q in places], axis=0)
+
+
+def _at_poses(evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> float | None:
+    arm = evaluation.arm
+    planar = all(arm.planar(load) for load in evaluation.load_cases)
+    p = beam_values(beams_of(arm, evaluation.load_cases))
+    found = least_stiffness(tip_compliance(arm, planar=planar), poses, p)
+    return None if found is None else found.value
+
+
+TIP_STIFFNESS = Figure(
+    name="tip_stiffness",
+    title="tip stiffness",
+    kind="linear_stiffness",
+    unit="N/mm",
+    factor=1e-3,
+    senses=(">=",),
+    key="tip_stiffness_N_per_mm",
+    follows=ThroughPoses(Stiffness()),
+    of=lambda evaluation: None if evaluation.stiffness is None else evaluation.stiffness.value,
+    more_is_better=True,
+    note="least",
+    where=lambda evaluation: None if evaluation.stiffness is None else evaluation.stiffness.q,
+    at_poses=_at_poses,
+)

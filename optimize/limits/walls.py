@@ -1,0 +1,43 @@
+"""The slenderness of walls over what lets them yield before they buckle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sections import SHAPES, is_solid, local_buckling
+
+from .figure import Asked, Figure, OfLinks
+
+if TYPE_CHECKING:
+    from materials.material import MaterialValues
+    from sections import Section
+
+
+def _utilisations(section: Section, material: MaterialValues) -> tuple[Any, ...] | None:
+    """Each wall's slenderness over the greatest (see `arm.limits.walls`)."""
+    if is_solid(type(section)):
+        return ()
+    if material.yield_strength is None or material.elastic_modulus is None:
+        return None
+    found = local_buckling(section, material.yield_strength, material.elastic_modulus)
+    return None if found is None else tuple(each.utilisation for each in found)
+
+
+def _assumed(problem: Asked) -> float | None:
+    """A design whose walls buckle before they carry their load is none, whether or not anybody asks for it."""
+    own = [link.section.shape for link in problem.arm.links if link.section is not None]
+    walled = any(not is_solid(SHAPES[shape]) for shape in problem.shapes or own)
+    return 1.0 if walled else None
+
+
+WALL_SLENDERNESS = Figure(
+    name="wall_slenderness",
+    title="wall slenderness",
+    senses=("<=",),
+    key="wall_slenderness",
+    follows=OfLinks(_utilisations),
+    of=lambda evaluation: evaluation.walls.worst,
+    note="greatest; up to 1 walls yield first",
+    needs=("yield_strength",),
+    assumed=_assumed,
+)

@@ -1,0 +1,1 @@
+"""An optimum moved to sizes that can be bought or made."""

@@ -1,0 +1,118 @@
+"""What every answer is held against before it is given, and how far "the best" reaches.
+
+An answer that fails one of these is given with the word `doubtful` and the reason, never as certified.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from arm.evaluation import Evaluation
+from optimize.choice.combinations import Choice
+from optimize.choice.given import given_design
+from optimize.exchange.design import arm_of
+from optimize.exchange.exchange import Context
+from sections import SHAPES
+from units.quantities import format_quantity
+
+from .limits import OfLinks, broken, excess
+from .problem import Problem
+
+Optimum = Literal["global", "local"]
+"""`global`: no design of any shape and size allowed does better, within the gap; `local`: none near it, from several
+starts, and none that the search came across."""
+
+GAP = 2e-4
+"""The exchange's tolerance and both certificates' gaps together, relative."""
+NOTHING = 1e-9
+"""Errors (m) that differ by less are the same."""
+_ONE_SIDED = frozenset({"max_error", "mass", "total_mass", "cost"})
+_BENDING = ("area", "second_moment_y", "second_moment_z", "shear_area_y", "shear_area_z")
+
+
+def doubts_of(
+    context: Context, choice: Choice, before: Evaluation, after: Evaluation, lower_bound: float
+) -> tuple[str, ...]:
+    """What is not as it must be in an answer, one line each; `before` and `after` are the evaluations of the arm as
+    given and of the design."""
+    problem = context.problem
+    figure = problem.objective
+    objective = figure.value(after)
+    assert objective is not None
+    room = GAP * abs(objective) + (NOTHING if problem.minimize == "max_error" else 0.0)
+
+    def shown(value: float) -> str:
+        return format_quantity(value, figure.kind, digits=6)
+
+    found: list[str] = []
+    if not abs(objective - choice.objective) <= room:
+        found.append(f"the design does {shown(objective)}, not the {shown(choice.objective)} that it was found with")
+    if not lower_bound <= objective + room:
+        found.append(f"the design does {shown(objective)}, below its own bound {shown(lower_bound)}")
+    worst = after.worst
+    if worst.upper_bound is not None and not worst.error <= worst.upper_bound * (1.0 + 1e-9) + NOTHING:
+        found.append("the error is above its own upper bound")
+    for limit in problem.limits:
+        value = limit.of(after)
+        if excess(limit, value) > GAP:
+            found.append(f"{limit.text} is not kept: {format_quantity(value, limit.figure.kind, digits=6)}")
+    less, more = (0.0 if each.unreached is None else each.unreached.share for each in (before, after))
+    if more > less:
+        kind, shares = problem.workspace.kind, (f"{100.0 * share:.2g} %" for share in (more, less))
+        found.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
+    was = figure.value(before)
+    own = before.arm.joints == problem.arm.joints and given_design(problem) is not None
+    if own and was is not None and was < objective - room and keeps_limits(problem, before):
+        found.append(f"the arm as given keeps all limits and does {shown(was)}")
+    return tuple(found)
+
+
+def keeps_limits(problem: Problem, evaluation: Evaluation) -> bool:
+    """Whether an evaluated arm keeps all limits of a problem; a figure that is not known breaks none."""
+    return not broken(problem.limits, evaluation)
+
+
+def optimum_of(context: Context, choice: Choice) -> Optimum:
+    """How far "the best" reaches: `global` only where the finite problem is a geometric program.
+
+    Sections whose properties are products of powers of their dimensions, fixed lengths, limits from above on masses,
+    cost and error, no terms of the error that cancel at any pose it was held against (Boyd et al. 2007), and every
+    combination looked at.
+    """
+    problem = context.problem
+    arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
+    # A limit on walls, say, says nothing of solid links.
+    telling = [
+        limit
+        for limit in problem.limits
+        if not (isinstance(limit.figure.follows, OfLinks) and limit.figure.of_links(limit.figure.follows, arm) == 0.0)
+    ]
+    plain = all(limit.name in _ONE_SIDED and limit.relation == "<=" for limit in telling)
+    shapes = {shape for candidate in choice.candidates for shape in candidate.shapes if shape is not None}
+    shapes |= set(problem.shapes or ())  # of many combinations few are candidates
+    sound = all(each.outcome != "unsolved" for each in choice.candidates)
+    if not (plain and sound and choice.exhaustive and choice.one_signed and not choice.space.free_lengths):
+        return "local"
+    return "global" if all(_product_of_powers(shape, context.model.planar) for shape in shapes) else "local"
+
+
+def _product_of_powers(shape: str, planar: bool) -> bool:
+    """Whether each property of a shape is a product of powers of its design variables, by values of random sizes."""
+    kind = SHAPES[shape]
+    if not all(variable.logarithmic for variable in kind.variables):
+        return False
+    names = _BENDING if planar else (*_BENDING, "torsion_constant")
+    generator = np.random.default_rng(5)
+    size = len(kind.variables)
+    logs = generator.uniform(math.log(0.02), math.log(0.2), (2 * size + 4, size))
+    rows = [kind.from_variables(row.tolist()).properties(0.3) for row in np.exp(logs)]
+    properties = np.array([[float(getattr(row, name)) for name in names] for row in rows])
+    if not (properties > 0).all():
+        return False
+    columns = np.log(properties)
+    fitted = np.column_stack([logs, np.ones(len(logs))])
+    rest = columns - fitted @ np.linalg.lstsq(fitted, columns, rcond=None)[0]
+    return bool(np.abs(rest).max() < 1e-9)
