@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from diagnose.rules.rules import RULES, Rules
+
 Progress = Callable[[str, float], None]
 """Hears what is being done, and what share of the whole is behind it (0 to 1)."""
 
@@ -12,8 +14,9 @@ Progress = Callable[[str, float], None]
 @dataclass(frozen=True)
 class Options:
     """`thorough` calibrates the whole search, selection included, with more draws; `without` takes effects out of the
-    candidates; `seed` fixes all random draws."""
+    candidates; `seed` fixes all random draws; `rules` are the thresholds that everything is judged by."""
 
     thorough: bool = False
     without: frozenset[str] = frozenset()
     seed: int = 1
+    rules: Rules = RULES

@@ -10,10 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-SAME_ANGLE, SAME_LENGTH = 2e-4, 2e-5
-"""Coordinates (rad, m) closer than this are the same pose: what servos come back to, and finer than any grid."""
+from sections.numeric import Array
 
 
 @dataclass(frozen=True)
@@ -74,11 +71,7 @@ class Recording:
         """The readings that `keep` (N) marks; `rejected` and `warnings` stay as they are."""
         if keep.all():
             return self
-        chosen = {
-            name: value[keep]
-            for name in _READINGS
-            if isinstance(value := getattr(self, name), np.ndarray)
-        }
+        chosen = {name: value[keep] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         other = MappingProxyType({name: values[keep] for name, values in self.other.items()})
         return replace(self, **chosen, other=other)
 
@@ -93,23 +86,3 @@ class Recording:
             return self
         kept = self.kept(np.array([row not in more for row in self.row.tolist()], dtype=bool))
         return replace(kept, rejected=tuple(sorted((*self.rejected, *more.values()), key=lambda each: each.row)))
-
-
-_READINGS = (
-    "q",
-    "tip",
-    "row",
-    "orientation",
-    "time",
-    "sides",
-    "payload_mass",
-    "temperature",
-    "link_temperature",
-    "velocity",
-    "acceleration",
-    "commanded",
-    "joint_side",
-    "torque",
-    "force",
-    "base_target",
-)

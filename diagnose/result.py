@@ -6,14 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from arm.chain import Arm
+from arm.chain.chain import Arm
+from sections.numeric import Array
 
 from .recording import Recording, RejectedRow
-
-Array = NDArray[np.float64]
 
 Verdict = Literal["none", "named", "alias_class", "unknown", "insufficient_data"]
 

@@ -11,21 +11,21 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import qmc
 
-from arm.chain import REFERENCE_TEMPERATURE, Arm
-from arm.error import active_effects
-from arm.model import beams_of
-from arm.recorded import Asked, Channels, seen, seen_of_model
-from arm.statics import PoseState, solve
+from arm.chain.arrays import columns, matrices
+from arm.chain.chain import Arm
+from arm.chain.statics import PoseState, solve
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, Channels, seen, seen_of_model
+from arm.errors.tip import active_effects
+from diagnose.residual.recorded_conditions import conditions_of
+from sections.numeric import Array
+from units.temperature import ZERO_CELSIUS
 
-from .conditions import conditions_of
-from .orientation import modelled_orientation
 from .recording import Recording
 
-Array = NDArray[np.float64]
 Sides = Literal["both", "one", "random"]
 
 _BETWEEN_READINGS, _BETWEEN_VISITS = 2.0, 20.0
@@ -81,7 +81,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
 
     Poses are a scrambled Sobol sequence over the joint ranges, in the order in which it runs, so that neighbours in
     time are not neighbours in space. Rows come out as poses * payloads * sides * repeats.
-    Raises what `arm.model.beams_of` raises where the arm lacks a figure, ValueError for a plan without rows.
+    Raises what `arm.errors.model.beams_of` raises where the arm lacks a figure, ValueError for a plan without rows.
     """
     if plan.poses < 1 or plan.repeats < 1:
         raise ValueError("a recording has at least one pose and one reading of it")
@@ -97,7 +97,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     )
     moved = seen_of_model(state, active_effects(arm), asked)
     width = 2 if arm.planar() else 3
-    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (bare.size,)) for x in state.tip()], axis=1)
+    nominal = columns(state.tip(), bare.size)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
     tip = tip + _outliers(plan, random, tip.shape)
     base = None
@@ -106,7 +106,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     orientation = None
     if moved.turn is not None:
         turn = moved.turn + plan.turn_noise * random.standard_normal((bare.size, 3)) * ([0, 0, 1] if width == 2 else 1)
-        orientation = Rotation.from_rotvec(turn).as_matrix() @ modelled_orientation(state, bare.size)
+        orientation = Rotation.from_rotvec(turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
     if plan.free_frame:
         tip, base, orientation = _elsewhere(random, tip, base, orientation)
     recording = replace(
@@ -170,8 +170,8 @@ def _temperature(time: Array, limits: tuple[float, float], random: np.random.Gen
         waves += np.sin(2.0 * math.pi * (cycles * phase + random.uniform())) / cycles
     spread = float(np.ptp(waves))
     share = (waves - waves.min()) / spread if spread > 0.0 else np.zeros_like(waves)
-    celsius = limits[0] + (limits[1] - limits[0]) * share - (REFERENCE_TEMPERATURE - 20.0)
-    return np.round(celsius, 3) + (REFERENCE_TEMPERATURE - 20.0)
+    celsius = limits[0] + (limits[1] - limits[0]) * share - ZERO_CELSIUS
+    return np.round(celsius, 3) + ZERO_CELSIUS
 
 
 def _state(recording: Recording, arm: Arm) -> PoseState:
@@ -225,6 +225,4 @@ def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
         )  # fmt: skip
         return all(part is None or not np.any(part) for part in parts)
 
-    return tuple(
-        each.effect.id for each in added if silent(seen(state, each.effect, each.settings, asked))
-    )
+    return tuple(each.effect.id for each in added if silent(seen(state, each.effect, each.settings, asked)))

@@ -7,28 +7,25 @@ from collections.abc import Sequence
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
 from arm.effects import EFFECTS
+from diagnose.fitting.corrected_arm import corrected_arm
+from diagnose.fitting.fit import displacement, fit, remaining
+from diagnose.fitting.held_out import hardest, splits
+from diagnose.recording import Recording
+from diagnose.residual.observed import beyond_first_order, rms_length
+from diagnose.result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
+from diagnose.search.aliases import Rival
+from sections.numeric import Array
 
-from .confirmed import Confirmed
-from .correct import corrected_arm
+from .confirmation import Confirmed
 from .detectable import detectable
-from .fit import displacement, fit, remaining
-from .held_out import hardest, splits
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
-from .naming import FALSE_ALARM
 from .next_poses import next_poses
-from .observed import beyond_first_order, rms_length
-from .recording import Recording
-from .result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
-from .rivals import Rival
 from .sentences import null_vectors, reading_of, verdict_sentence
 from .unknown import describe, largest_first, rejected_forms
-
-Array = NDArray[np.float64]
 
 
 class Conclusion(Confirmed):
@@ -49,7 +46,7 @@ class Conclusion(Confirmed):
             folds = hardest(splits(self.search.observed, self.options.seed))
             unknown = describe(self.namer, self.found, self.forms, found, folds)
         findings = self._findings()
-        corrected, notes = corrected_arm(arm, self.refit)
+        corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
             self.namer,
@@ -76,7 +73,7 @@ class Conclusion(Confirmed):
             where=Location(
                 joint=self._joint(shares, rows),
                 joint_shares=shares,
-                depends_on=depends_on(found),
+                depends_on=depends_on(found, rules=self.rules.answer),
                 direction=direction(self.observed, moved),
                 since=None if unknown is None else unknown.since,
                 dependences=found,
@@ -91,7 +88,7 @@ class Conclusion(Confirmed):
             next_poses_note=note,
             null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
-            figures=iso_figures(self.observed.recording, arm),
+            figures=iso_figures(self.observed.recording, arm, rules=self.rules),
             residual_before=before,
             residual_after=after,
             corrected=corrected,
@@ -136,18 +133,17 @@ class Conclusion(Confirmed):
             parameters = self.refit.parameters[place]
             rest = [m for m in whole if m != member]
             without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
-            at = tuple(index + 1 for index in candidate.at)
             found.append(
                 Finding(
                     effect=candidate.effect,
-                    at=at,
+                    at=candidate.numbers,
                     alternatives=others,
                     parameters=parameters,
                     rms_explained=self._moved([place]),
-                    p_value=p_values[place] if place < len(p_values) else FALSE_ALARM,
+                    p_value=p_values[place] if place < len(p_values) else self.rules.search.false_alarm,
                     rms_without=rms_length(without),
                     rms_without_held_out=self._rms_held_out(rest),
-                    reading=reading_of(candidate.effect, at, parameters, others),
+                    reading=reading_of(candidate.effect, candidate.numbers, parameters, others),
                 )
             )
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
@@ -162,8 +158,7 @@ class Conclusion(Confirmed):
 
     def _alternative(self, rival: Rival) -> Alternative:
         candidate = self.search.pool.groups[rival.member].candidate
-        at = tuple(index + 1 for index in candidate.at)
-        return Alternative(candidate.effect, at, rival.likeness, rival.worse)
+        return Alternative(candidate.effect, candidate.numbers, rival.likeness, rival.worse)
 
     def _joint_of_forms(self) -> int | None:
         for member in largest_first(self.prepared, self.fitted, self.outside):
@@ -185,7 +180,7 @@ class Conclusion(Confirmed):
         if of_form is not None:
             return of_form
         ranked = sorted(shares, reverse=True)
-        clear = len(ranked) == 1 or ranked[0] > ranked[1] + 0.15
+        clear = len(ranked) == 1 or ranked[0] > ranked[1] + self.rules.answer.clearest
         return int(np.argmax(shares)) + 1 if clear else None
 
     def _ladder(self) -> tuple[Rung, ...]:
@@ -211,7 +206,7 @@ class Conclusion(Confirmed):
             return ()
         # What is left after the findings is scatter; the gate's own draws still hold what was found.
         test = self.named.gate[0] if self.named.left is None else self.named.left[0]
-        return detectable(self.search, test, self.fitted.unit, FALSE_ALARM)
+        return detectable(self.search, test, self.fitted.unit, self.rules.search.false_alarm)
 
     def _invisible(self) -> tuple[tuple[str, tuple[int, ...]], ...]:
         """What this recording cannot show: swallowed by the nuisances, or without a trace for want of a column."""
@@ -236,7 +231,9 @@ class Conclusion(Confirmed):
         if self.named is None:
             return "Too few readings: nothing can be told from this recording."
         floor = self.noise.rms_m
-        return verdict_sentence(findings, unknown, rms_before, rms_after, floor, p_value, self._causes())
+        return verdict_sentence(
+            findings, unknown, rms_before, rms_after, floor, p_value, self._causes(), rules=self.rules.fitting
+        )
 
     def _notes(self) -> tuple[str, ...]:
         found: list[str] = []
@@ -253,8 +250,8 @@ class Conclusion(Confirmed):
         if further > 0.0:
             found.append(
                 f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
-                "allowed for here. Commands that add effects up to first order (evaluate, optimize, compensate) miss "
-                "it; put such a zero, length or tool into the arm file itself."
+                "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
+                "by how much that is off; put such a zero, length or tool into the arm file itself."
             )
         if self.scattered:
             found.append(
@@ -265,7 +262,7 @@ class Conclusion(Confirmed):
             )
         if self.named is not None and self.named.left is not None and not self.outside:
             p = min(test.p_value for test in self.named.left)
-            if p <= FALSE_ALARM:
+            if p <= self.rules.search.false_alarm:
                 found.append(f"A remainder is more than chance (p = {p:.2g}), but small beside what was found.")
         return tuple(found)
 

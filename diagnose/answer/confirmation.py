@@ -6,40 +6,24 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .candidates import columns_of
-from .fit import Fit, beyond_nuisances, fit, remaining
-from .held_out import Folds, HeldOut, hardest, splits
-from .naming import Named, Namer
-from .noise import NoiseFloor
-from .observed import Observed, kept, looks_quieter, observe, rms_length
-from .options import Options, Progress
-from .prepare import FAR_ABOVE, Prepared, set_up
-from .recording import Recording
-from .refit import Refit, refit, tether
-from .rivals import Rival, preferred, rivals
+from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
+from diagnose.fitting.held_out import Folds, HeldOut, hardest, splits
+from diagnose.fitting.prepare import Prepared, set_up
+from diagnose.fitting.refit import Refit, refit, tether
+from diagnose.options import Options, Progress
+from diagnose.patterns.library import columns_of
+from diagnose.recording import Recording
+from diagnose.residual.noise import NoiseFloor
+from diagnose.residual.observed import Observed, kept, looks_quieter, observe, rms_length
+from diagnose.rules.rules import Rules
+from diagnose.search.aliases import Rival, preferred, rivals
+from diagnose.search.naming import Named, Namer, weighed_again
+
 from .sentences import name_of
 from .unknown import predictable
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
-
-ENOUGH_REPEATS = 20
-"""Degrees of freedom (for each component) from which repeats are trusted to tell noise from physics."""
-_FARTHER = 2.0
-"""Where nothing was found, so many times the noise floor must be left before that is called unknown: heavy tails and a
-memory of the noise together make repeats look up to twice too quiet."""
-_ENOUGH_RETURNS = 8
-"""Poses that were visited again (less one for each) from which that tells what lasts from what does not."""
-_LASTING = 0.2
-"""The share of a remainder that must be there again, or predict itself elsewhere, for it to be the model's fault."""
-_MOST = 0.5
-"""The share of a mismatch (sum of squares beyond the noise) that findings may leave and still explain it."""
-_REFUTED = 0.05
-"""By how much (as a share of the RMS) held-out readings must be better without a finding for it to be dropped."""
-_LOCAL = 0.25
-"""The median remainder over its RMS below which it sits at a few visits."""
 
 
 class Confirmed:
@@ -57,24 +41,46 @@ class Confirmed:
     ) -> None:
         self.namer, self.named = namer, named
         self.noise, self.options, self.tell = noise, options, progress
-        self.search: Prepared = namer.prepared
-        self.found, self.alternatives = self._renamed()
-        self.p_values = named.p_values if named is not None else ()
-        self.forms: tuple[int, ...] = named.outside if named is not None else ()
-        self.prepared, number = self._fitted_to(whole)
-        self.members = tuple(number[m] for m in self.found)
-        self.outside = tuple(number[m] for m in self.forms)
-        self.observed: Observed = self.prepared.observed
-        self.folds: dict[str, Folds] = splits(self.observed, options.seed)
+        self.rules: Rules = namer.prepared.observed.rules
         self.unconfirmed: list[str] = []
-        self._fit()
+        self._take_up(whole)
         while (refuted := self._refuted()) is not None:
             self.unconfirmed.append(self._label(self.members[refuted]))
             self.found, self.members = _less(self.found, refuted), _less(self.members, refuted)
             self.alternatives, self.p_values = _less(self.alternatives, refuted), _less(self.p_values, refuted)
-            self._fit()
+            if self.forms or not self._form_instead(whole):
+                self._fit()
         self.scattered = False
         self.left_over = self._left_over()
+
+    def _take_up(self, whole: Recording | None) -> None:
+        """Take up what was named under the names that go first, and fit it to what it is to be confirmed by."""
+        self.search: Prepared = self.namer.prepared
+        self.found, self.alternatives = self._renamed()
+        self.p_values = self.named.p_values if self.named is not None else ()
+        self.forms: tuple[int, ...] = self.named.outside if self.named is not None else ()
+        self.prepared, number = self._fitted_to(whole)
+        self.members = tuple(number[m] for m in self.found)
+        self.outside = tuple(number[m] for m in self.forms)
+        self.observed: Observed = self.prepared.observed
+        self.folds: dict[str, Folds] = splits(self.observed, self.options.seed)
+        self._fit()
+
+    def _form_instead(self, whole: Recording | None) -> bool:
+        """Take up a form where it is a better answer than what is left of the findings, or stands beside it: what the
+        refuted one was named for is unexplained again. Whether there is one."""
+        if self.named is None:
+            return False
+        namer = self.namer.with_prepared(self.search)
+        again = weighed_again(namer, self.named, self.found, self.p_values)
+        if not again.outside:
+            return False
+        self.namer, self.named = namer, again
+        self._take_up(whole)
+        # Beside a form, what was refuted without one may be confirmed.
+        named = {self._label(member) for member in self.members}
+        self.unconfirmed = [label for label in self.unconfirmed if label not in named]
+        return True
 
     def _fit(self) -> None:
         """Fit what was found to all readings, and in turn to all but some."""
@@ -87,7 +93,7 @@ class Confirmed:
         was fitted to, and no others. What forms make of readings that they have not seen is no finding's fault."""
         whole = self._rms_held_out(self.members)
         without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
-        if not without or min(without) >= (1.0 - _REFUTED) * whole:
+        if not without or min(without) >= (1.0 - self.rules.answer.refuted) * whole:
             return None
         return int(np.argmin(without))
 
@@ -100,8 +106,15 @@ class Confirmed:
         near = searched.observed
         rejected = {each.row for each in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
-        observed = observe(near.arm_given, rows, scale=near.scale, correlation=near.correlation, about=near.about)
-        observed = observed.softened(near.softening)
+        again = observe(
+            near.arm_given,
+            rows,
+            scale=near.scale,
+            correlation=near.correlation,
+            about=near.about,
+            rules=self.rules,
+        )
+        observed = again.softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
         prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
         return prepared, {m: k for k, m in enumerate(self.found)}
@@ -111,22 +124,23 @@ class Confirmed:
         it is there again when a pose is visited again or predicts itself elsewhere."""
         if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
             return False
+        rules = self.rules.answer
         remainder = remaining(self.prepared, self.fitted)[:, : self.observed.components]
         left = rms_length(remainder)
         floor = self.noise.rms_m * looks_quieter(self.observed)
-        limit = (FAR_ABOVE if self.members else _FARTHER) * floor
-        if self.noise.degrees_of_freedom < ENOUGH_REPEATS or left <= limit:
+        limit = (self.rules.fitting.far_above if self.members else rules.farther) * floor
+        if self.noise.degrees_of_freedom < rules.enough_repeats or left <= limit:
             return False
-        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= _ENOUGH_RETURNS:
-            lasting = self.noise.drift_m**2 < (1.0 - _LASTING) * (left**2 - floor**2)
+        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= rules.enough_returns:
+            lasting = self.noise.drift_m**2 < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
             folds = hardest(splits(self.search.observed, self.options.seed))
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
-            local = float(np.median(np.linalg.norm(remainder, axis=1))) < _LOCAL * left
+            local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
             # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
             whole = rms_length(remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components])
-            unexplained = bool(self.members) and left**2 - floor**2 > _MOST * (whole**2 - floor**2)
-            lasting = local or unexplained or predictable(self.namer, self.found, folds) > _LASTING
+            unexplained = bool(self.members) and left**2 - floor**2 > rules.most_left * (whole**2 - floor**2)
+            lasting = local or unexplained or predictable(self.namer, self.found, folds) > rules.lasting
         self.scattered = not lasting
         return lasting
 
@@ -146,7 +160,11 @@ class Confirmed:
         terms = self.refit.terms
         forms = [self.prepared.columns[m] for m in self.outside]
         parts = [self.prepared.beside, *(term.columns for term in terms), *forms]
-        tethers = [None, *(tether(term, self.fitted.unit) for term in terms), *(None for _ in forms)]
+        tethers = [
+            None,
+            *(tether(term, self.fitted.unit, rules=self.rules.fitting) for term in terms),
+            *(None for _ in forms),
+        ]
         return HeldOut(self.observed, parts, folds, tethers)
 
     def _rms_held_out(self, members: Sequence[int]) -> float:

@@ -8,20 +8,16 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import brentq
 
-from arm.effects import EFFECTS, kind_at
-
-from .calibrate import Calibrated
-from .candidates import Candidate, parameter_of
-from .prepare import Prepared
-from .result import Detectable
-
-Array = NDArray[np.float64]
-
-_POWER = 0.9
+from arm.effects import EFFECTS
+from diagnose.fitting.prepare import Prepared
+from diagnose.patterns.library import Candidate, kind_of, parameter_of
+from diagnose.residual.observed import rms_length
+from diagnose.result import Detectable
+from diagnose.search.calibrate import Calibrated, gumbel
+from sections.numeric import Array
 
 
 def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) -> tuple[Detectable, ...]:
@@ -58,10 +54,9 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
         if value > _largest(candidate, name):
             continue  # could not be that large: it cannot be seen at all
         tip = raw[:, : prepared.observed.components, place]
-        rms = value * float(np.sqrt(np.mean(np.sum(tip * tip, axis=1))))
-        at = tuple(index + 1 for index in candidate.at)
-        kind = "dimensionless" if candidate.share else _kind(prepared, candidate, name)
-        found = Detectable(candidate.effect, at, rms, name, kind, value, group.visible)
+        rms = value * rms_length(tip)
+        kind = kind_of(prepared.observed.arm, candidate, name)
+        found = Detectable(candidate.effect, candidate.numbers, rms, name, kind, value, group.visible)
         if worst is None or found.rms > worst.rms:
             worst = found
     return worst
@@ -75,23 +70,15 @@ def _largest(candidate: Candidate, name: str) -> float:
     return max(abs(parameter.lower), abs(parameter.upper))
 
 
-def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
-    effect = EFFECTS[candidate.effect]
-    joints = [prepared.observed.arm.joints[index] for index in candidate.at]
-    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
-    return kind_at(parameter_of(effect, name), slides=slides)
-
-
 def _threshold(drawn: Array, level: float) -> float:
-    """The statistic that chance reaches with probability `level` (Gumbel through the draws' moments)."""
-    spread = float(np.std(drawn)) * math.sqrt(6.0) / math.pi
-    location = float(np.mean(drawn)) - 0.5772156649 * spread
+    """The statistic that chance reaches with probability `level`."""
+    location, spread = gumbel(drawn)
     return location - spread * math.log(-math.log1p(-level))
 
 
 def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], float]:
     """The non-centrality that a group of some rank needs to pass the threshold with the power asked."""
-    count = prepared.criterion.count
+    count, power = prepared.criterion.count, prepared.observed.rules.answer.power
 
     @cache
     def needed(rank: int, price: float) -> float:
@@ -99,7 +86,7 @@ def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], floa
         limit = max(count - rank, 1) * max(ratio, 1e-12)
 
         def short(noncentrality: float) -> float:
-            return float(stats.ncx2.sf(limit, rank, noncentrality)) - _POWER
+            return float(stats.ncx2.sf(limit, rank, noncentrality)) - power
 
         high = limit + 20.0
         while short(high) < 0.0:

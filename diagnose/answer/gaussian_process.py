@@ -13,13 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-Array = NDArray[np.float64]
+from diagnose.rules.answer_rules import AnswerRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-_MOST_ROWS = 300
 _STEPS = 40
 
 
@@ -42,15 +42,21 @@ class SmoothModel:
 
 
 def smooth_model(
-    inputs: Array, residual: Array, known: Sequence[Array], seed: int = 1, alike: SmoothModel | None = None
+    inputs: Array,
+    residual: Array,
+    known: Sequence[Array],
+    seed: int = 1,
+    alike: SmoothModel | None = None,
+    *,
+    rules: AnswerRules = RULES.answer,
 ) -> SmoothModel:
     """Fit the process to residuals (N, D), m; `known` are displacements (N, D) per unit of what is known. Scales are
     those of the model `alike` where there is one."""
     center, spread = inputs.mean(axis=0), np.ptp(inputs, axis=0)
     spread = np.where(spread > 0.0, spread, 1.0)
     rows = np.arange(len(inputs))
-    if len(rows) > _MOST_ROWS:
-        rows = np.sort(np.random.default_rng(seed).choice(rows, _MOST_ROWS, replace=False))
+    if len(rows) > rules.smooth_rows:
+        rows = np.sort(np.random.default_rng(seed).choice(rows, rules.smooth_rows, replace=False))
     scaled, target = ((inputs - center) / spread)[rows], residual[rows]
     size = float(np.sqrt(np.mean(target**2))) or 1.0
     target = target / size

@@ -16,24 +16,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from arm.chain import Arm
-from arm.jacobian import motion_directions
-from arm.kinematics import tip_position
+from arm.chain.chain import Arm
+from arm.chain.jacobian import motion_directions
+from arm.chain.kinematics import tip_position
+from diagnose.recording import Recording
+from diagnose.residual.observed import blocks_of, same_pose
+from diagnose.result import Covered
+from diagnose.rules.answer_rules import AnswerRules
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
 
-from .recording import SAME_ANGLE, SAME_LENGTH, Recording
-from .result import Covered
-
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-LEAST_VISITS = 5
-"""Readings at one pose from which a standard deviation is told."""
-LEAST_EACH = 3
-"""Readings in each of two groups (sides, loads, times) whose means are compared."""
-_SAME_LOAD = 1e-3
-"""kg or N; a scale's noise is no other load."""
-_LONGER = 3.0
-"""A pause longer than so many usual steps between readings of one pose begins a new visit."""
 ISO_9283, ISO_230 = "ISO 9283:1998", "ISO 230-2:2014"
 
 
@@ -47,27 +41,27 @@ class Pose:
     nominal: Array
 
 
-def iso_figures(recording: Recording, arm: Arm) -> tuple[Covered, ...]:
+def iso_figures(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tuple[Covered, ...]:
     """Every figure that the recording supports, in SI (m; m/N for the static compliance).
 
     Pose accuracy and reversal need to know where the base frame stands: they are left out where the recording leaves
     frame or tool free. Figures of several poses are the worst of them, `count` the readings that the worst rests on.
     """
-    poses = poses_of(recording, arm)
+    poses, own = poses_of(recording, arm, rules=rules), rules.answer
     found: list[Covered] = []
     known = recording.frame == "known" and recording.tool == "known"
     if known:
-        found += _worst(accuracies(recording, poses), "AP", "pose accuracy, worst pose", ISO_9283)
-    found += _worst(repeatabilities(recording, poses), "RP", "pose repeatability, worst pose", ISO_9283)
+        found += _worst(accuracies(recording, poses, rules=own), "AP", "pose accuracy, worst pose", ISO_9283)
+    found += _worst(repeatabilities(recording, poses, rules=own), "RP", "pose repeatability, worst pose", ISO_9283)
     name = "multi-directional pose accuracy variation, worst pose"
-    found += _worst(side_variations(recording, poses), "vAP", name, ISO_9283)
+    found += _worst(side_variations(recording, poses, rules=own), "vAP", name, ISO_9283)
     if known:
         name = "drift of pose accuracy, worst pose"
-        found += _worst(accuracy_drifts(recording, poses), "dAP", name, ISO_9283)
+        found += _worst(accuracy_drifts(recording, poses, rules=own), "dAP", name, ISO_9283)
     name = "static compliance, worst pose"
-    found += _worst(static_compliances(recording, arm, poses), "C", name, ISO_9283)
+    found += _worst(static_compliances(recording, arm, poses, rules=own), "C", name, ISO_9283)
     for joint in range(arm.size if known else 0):
-        reversals = joint_reversals(recording, arm, poses, joint)
+        reversals = joint_reversals(recording, arm, poses, joint, rules=own)
         if reversals:
             values = np.array([value for value, _ in reversals])
             count = min(count for _, count in reversals)
@@ -87,23 +81,22 @@ def _worst(each: Sequence[tuple[float, int]], symbol: str, name: str, standard: 
     return [Covered(symbol, name, standard, value, count)]
 
 
-def poses_of(recording: Recording, arm: Arm) -> tuple[Pose, ...]:
+def poses_of(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tuple[Pose, ...]:
     """The poses with enough readings to say anything, whatever was carried and from whichever side.
 
     Poses are told apart by their commands where those are recorded, else by the encoders' readings.
     """
     asked = recording.q if recording.commanded is None else recording.commanded
-    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
-    labels = clusters(asked / same)
+    labels = clusters(asked / same_pose(arm, rules.residual))
     nominal = tip_position(arm, asked)[:, : recording.tip.shape[1]]
     time = np.arange(recording.size, dtype=float) if recording.time is None else recording.time
-    loads = _loads(recording)
+    loads = _loads(recording, rules.answer.same_load)
     found: list[Pose] = []
-    for rows in grouped(labels):
-        if len(rows) >= LEAST_EACH:
+    for rows in blocks_of(labels):
+        if len(rows) >= rules.answer.least_each:
             ordered = rows[np.argsort(time[rows], kind="stable")]
             alike = np.unique(loads[ordered], axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
-            found.append(Pose(ordered, tuple(ordered[part] for part in grouped(alike)), nominal[rows].mean(axis=0)))
+            found.append(Pose(ordered, tuple(ordered[part] for part in blocks_of(alike)), nominal[rows].mean(axis=0)))
     return tuple(found)
 
 
@@ -115,29 +108,25 @@ def clusters(points: Array) -> Rows:
     return connected_components(links, directed=False)[1][where.reshape(-1)].astype(np.int64)
 
 
-def grouped(labels: Rows) -> list[Rows]:
-    """The row indices of each label."""
-    order = np.argsort(labels, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
-
-
-def _loads(recording: Recording) -> Array:
+def _loads(recording: Recording, same: float) -> Array:
     """What is carried at each reading, in steps that count as the same: (N, k)."""
     parts = [np.zeros((recording.size, 1))]
     if recording.payload_mass is not None:
-        parts.append(np.round(recording.payload_mass[:, None] / _SAME_LOAD))
+        parts.append(np.round(recording.payload_mass[:, None] / same))
     if recording.force is not None:
-        parts.append(np.round(recording.force / _SAME_LOAD))
+        parts.append(np.round(recording.force / same))
     return np.concatenate(parts, axis=1)
 
 
-def accuracies(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
+def accuracies(
+    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """AP_p of each pose and load (m): from the commanded tip to the mean of those reached (ISO 9283:1998)."""
     return [
         (float(np.linalg.norm(recording.tip[rows].mean(axis=0) - pose.nominal)), len(rows))
         for pose in poses
         for rows in pose.alike
-        if len(rows) >= LEAST_VISITS
+        if len(rows) >= rules.least_visits
     ]
 
 
@@ -147,14 +136,16 @@ def repeatability(tips: Array) -> float:
     return float(distance.mean() + 3.0 * distance.std(ddof=1))
 
 
-def repeatabilities(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
+def repeatabilities(
+    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """RP_l of each pose, load and side (m): the standard's cycle comes to a pose along one path."""
     return [
         (repeatability(recording.tip[rows]), len(rows))
         for pose in poses
         for alike in pose.alike
         for rows in _sides(recording, alike)
-        if len(rows) >= LEAST_VISITS
+        if len(rows) >= rules.least_visits
     ]
 
 
@@ -163,7 +154,7 @@ def _sides(recording: Recording, rows: Rows) -> list[Rows]:
     if recording.sides is None:
         return [rows]
     labels = np.unique(recording.sides[rows], axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
-    return [rows[part] for part in grouped(labels)]
+    return [rows[part] for part in blocks_of(labels)]
 
 
 def _known_sides(recording: Recording, rows: Rows) -> dict[tuple[float, ...], Rows]:
@@ -174,7 +165,9 @@ def _known_sides(recording: Recording, rows: Rows) -> dict[tuple[float, ...], Ro
     return {sides: part for sides, part in groups.items() if 0.0 not in sides}
 
 
-def side_variations(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
+def side_variations(
+    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """vAP of each pose and load (m): the largest distance between the means of different sides (ISO 9283:1998).
 
     The standard comes along the three axes of the base; here sides are those of the joints.
@@ -182,7 +175,7 @@ def side_variations(recording: Recording, poses: Sequence[Pose]) -> list[tuple[f
     found: list[tuple[float, int]] = []
     for pose in poses:
         for alike in pose.alike:
-            groups = [rows for rows in _known_sides(recording, alike).values() if len(rows) >= LEAST_EACH]
+            groups = [rows for rows in _known_sides(recording, alike).values() if len(rows) >= rules.least_each]
             if len(groups) > 1:
                 means = np.stack([recording.tip[rows].mean(axis=0) for rows in groups])
                 apart = np.linalg.norm(means[:, None] - means[None], axis=2)
@@ -190,7 +183,9 @@ def side_variations(recording: Recording, poses: Sequence[Pose]) -> list[tuple[f
     return found
 
 
-def joint_reversals(recording: Recording, arm: Arm, poses: Sequence[Pose], joint: int) -> list[tuple[float, int]]:
+def joint_reversals(
+    recording: Recording, arm: Arm, poses: Sequence[Pose], joint: int, *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """The reversal of `joint` (from 0) at each pose and load: mean position coming from below (towards increasing
     coordinates) less that coming from above, along the joint's own motion of the tip, m (ISO 230-2:2014).
 
@@ -206,14 +201,16 @@ def joint_reversals(recording: Recording, arm: Arm, poses: Sequence[Pose], joint
             groups = _known_sides(recording, alike)
             for sides, rows in groups.items():
                 other = groups.get((*sides[:joint], -1.0, *sides[joint + 1 :]))
-                if sides[joint] != 1.0 or other is None or min(len(rows), len(other)) < LEAST_EACH:
+                if sides[joint] != 1.0 or other is None or min(len(rows), len(other)) < rules.least_each:
                     continue
                 gap = recording.tip[rows].mean(axis=0) - recording.tip[other].mean(axis=0)
                 found.append((float(gap @ direction), min(len(rows), len(other))))
     return found
 
 
-def accuracy_drifts(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
+def accuracy_drifts(
+    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """dAP of each pose and load (m): how far AP_p of any later visit is from that of the first (ISO 9283:1998).
 
     A visit is a run of readings without another pose, or a long pause, between them.
@@ -221,7 +218,7 @@ def accuracy_drifts(recording: Recording, poses: Sequence[Pose]) -> list[tuple[f
     found: list[tuple[float, int]] = []
     for pose in poses:
         for rows in pose.alike:
-            runs = [run for run in _runs(recording, rows) if len(run) >= LEAST_EACH]
+            runs = [run for run in _runs(recording, rows, rules.longer) if len(run) >= rules.least_each]
             if len(runs) > 1:
                 accuracy = [float(np.linalg.norm(recording.tip[run].mean(axis=0) - pose.nominal)) for run in runs]
                 drift = max(abs(value - accuracy[0]) for value in accuracy[1:])
@@ -229,7 +226,7 @@ def accuracy_drifts(recording: Recording, poses: Sequence[Pose]) -> list[tuple[f
     return found
 
 
-def _runs(recording: Recording, rows: Rows) -> list[Rows]:
+def _runs(recording: Recording, rows: Rows, longer: float) -> list[Rows]:
     """Rows of one pose and load, split where another pose, another load or a long pause lies between."""
     time = recording.time
     order = np.argsort(np.arange(recording.size) if time is None else time, kind="stable")
@@ -237,11 +234,13 @@ def _runs(recording: Recording, rows: Rows) -> list[Rows]:
     rank[order] = np.arange(recording.size)
     apart = np.diff(rank[rows]) > 1
     if time is not None and recording.size > 1:
-        apart |= np.diff(time[rows]) > _LONGER * float(np.median(np.diff(time[order]))) + 1e-9
+        apart |= np.diff(time[rows]) > longer * float(np.median(np.diff(time[order]))) + 1e-9
     return np.split(rows, np.flatnonzero(apart) + 1)
 
 
-def static_compliances(recording: Recording, arm: Arm, poses: Sequence[Pose]) -> list[tuple[float, int]]:
+def static_compliances(
+    recording: Recording, arm: Arm, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
+) -> list[tuple[float, int]]:
     """How far the tip gives at each pose, per newton of difference between two loads, m/N (ISO 9283:1998).
 
     Of all pairs of loads at a pose the one that differs most counts.
@@ -255,7 +254,7 @@ def static_compliances(recording: Recording, arm: Arm, poses: Sequence[Pose]) ->
     if recording.force is not None:
         pull += recording.force
     for pose in poses:
-        groups = [rows for rows in pose.alike if len(rows) >= LEAST_EACH]
+        groups = [rows for rows in pose.alike if len(rows) >= rules.least_each]
         pairs = [(one, other) for index, one in enumerate(groups) for other in groups[:index]]
         steps = [float(np.linalg.norm(pull[one].mean(axis=0) - pull[other].mean(axis=0))) for one, other in pairs]
         if steps and max(steps) > 1.0:

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.effects import Settings
-
-from .calibrate import p_value, shuffled
-from .observed import Observed
-from .pool import orthonormal
-from .prepare import Prepared
-from .result import Dependence
-
-Array = NDArray[np.float64]
-
-_DRAWS = 299
-_LEVEL = 0.01
+from diagnose.fitting.prepare import Prepared
+from diagnose.patterns.basis import interactions, tip_axes, tip_of
+from diagnose.patterns.pool import orthonormal
+from diagnose.residual.observed import Observed
+from diagnose.result import Dependence
+from diagnose.rules.answer_rules import AnswerRules
+from diagnose.rules.rules import RULES
+from diagnose.search.calibrate import p_value, shuffled
+from sections.numeric import Array
 
 
 def joint_shares(prepared: Prepared) -> tuple[float, ...]:
@@ -39,7 +34,6 @@ def joint_shares(prepared: Prepared) -> tuple[float, ...]:
 
 def _motion(observed: Observed, index: int) -> Array:
     """Motions of one joint (N, C, d)."""
-    unit = observed.signature("encoder_offset", Settings((index,), MappingProxyType({"offset": 1.0})))
     joint = observed.state.joints[index]
     q, load = observed.recording.q[:, index], np.broadcast_to(np.asarray(joint.drive_load, float), (observed.rows,))
     functions = [np.ones(observed.rows), np.sin(q), np.cos(q)]
@@ -47,7 +41,7 @@ def _motion(observed: Observed, index: int) -> Array:
     functions += [(v - v.mean()) / np.ptp(v) for v in further if v is not None and np.ptp(v) > 0.0]
     if observed.recording.sides is not None:
         functions.append(observed.recording.sides[:, index])
-    return np.stack([f[:, None] * unit for f in functions], axis=2)
+    return interactions(functions, observed.drive_moved(index)[:, :, None])
 
 
 def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tuple[Dependence, ...]:
@@ -55,8 +49,7 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     `joint` (from 0) are tried, and the largest share over all covariates calibrates p by permutation of visits. A shift
     of all readings alike depends on nothing and is taken off first."""
     observed = prepared.observed
-    axes = np.eye(observed.residual.shape[1])[:, : observed.components]
-    alike = np.broadcast_to(axes, (observed.rows, *axes.shape)).copy()
+    alike = interactions([np.ones(observed.rows)], tip_axes(observed))
     shift = orthonormal(prepared.pool.projected(observed.whitened(alike)), 1e-6)
 
     def beyond(vectors: Array) -> Array:
@@ -77,7 +70,7 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     width = observed.residual.shape[1]
     table = vector.reshape(-1, width)
     draws: list[Array] = []
-    for _ in range(_DRAWS):
+    for _ in range(observed.rules.answer.location_draws):
         moved = beyond(shuffled(table, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
@@ -91,10 +84,11 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     return tuple(sorted(found, key=lambda each: -each.share)) if total > 0.0 else ()
 
 
-def depends_on(found: Sequence[Dependence]) -> tuple[str, ...]:
+def depends_on(found: Sequence[Dependence], *, rules: AnswerRules = RULES.answer) -> tuple[str, ...]:
     """The covariates beyond doubt, strongest first, that describe a noticeable share."""
     most = max((each.share for each in found), default=0.0)
-    return tuple(each.on for each in found if each.p_value <= _LEVEL and each.share > 0.05 * most)
+    least, level = rules.noticeable * most, rules.location_level
+    return tuple(each.on for each in found if each.p_value <= level and each.share > least)
 
 
 def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:
@@ -105,9 +99,7 @@ def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:
 
 def _covariates(observed: Observed) -> list[tuple[str, Array]]:
     recording = observed.recording
-    place = np.stack(
-        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
-    )[:, : observed.components]
+    place = tip_of(observed)[:, : observed.components]
     found: list[tuple[str, Array]] = [("position", place)]
     for index in range(observed.arm.size):
         found.append((f"q{index + 1}", recording.q[:, index : index + 1]))
@@ -132,10 +124,8 @@ def _smooth(observed: Observed, values: Array, joint: int) -> Array:
         functions += [scaled[:, i] ** 3 for i in range(scaled.shape[1])]
     # What is constant belongs to no covariate: not even the constant part of a square.
     functions = [f - f.mean() for f in functions]
-    axes = np.eye(observed.residual.shape[1])[: observed.components]
-    unit = observed.signature("encoder_offset", Settings((joint,), MappingProxyType({"offset": 1.0})))
-    parts = [f[:, None] * axis for f in functions for axis in axes] + [f[:, None] * unit for f in functions]
-    return np.stack(parts, axis=2)
+    patterns = (tip_axes(observed), observed.drive_moved(joint)[:, :, None])
+    return np.concatenate([interactions(functions, each) for each in patterns], axis=2)
 
 
 def direction(observed: Observed, moved: Array) -> str | None:
@@ -143,9 +133,7 @@ def direction(observed: Observed, moved: Array) -> str | None:
     total = float(np.sum(moved**2))
     if total <= 0.0:
         return None
-    tip = np.stack(
-        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
-    )
+    tip = tip_of(observed)
     flat = observed.components == 2
     outward = tip[:, :2] if flat else _level(tip, observed)
     outward = outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
@@ -157,7 +145,7 @@ def direction(observed: Observed, moved: Array) -> str | None:
         shares["vertical"] = float(np.sum((moved @ up) ** 2)) / total
         shares["tangential"] = max(0.0, 1.0 - shares["radial"] - shares["vertical"])
     best = max(shares, key=lambda name: shares[name])
-    return best if shares[best] > 0.6 else "mixed"
+    return best if shares[best] > observed.rules.answer.one_direction else "mixed"
 
 
 def _up(observed: Observed) -> Array:

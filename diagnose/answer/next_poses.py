@@ -9,31 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.effects import Settings
+from diagnose.fitting.fit import fit
+from diagnose.fitting.prepare import nuisances
+from diagnose.patterns.library import columns_of
+from diagnose.recording import Recording
+from diagnose.residual.observed import Observed, observe
+from diagnose.result import NextPose
+from diagnose.search.aliases import Rival
+from diagnose.search.naming import Namer
+from sections.numeric import Array
 
-from .candidates import columns_of
-from .fit import fit
-from .naming import Namer
-from .observed import Observed, observe
-from .orientation import tool_turns
-from .recording import Recording
-from .result import NextPose
-from .rivals import Rival
 from .sentences import name_of
-
-Array = NDArray[np.float64]
-
-_TRIED = 150
-_TAKEN = 6
-_TOLD = 13.0
-"""Non-centrality at which a wrong name would be refused with high power (one coefficient, odds of 20 to 1)."""
-_HOPELESS = 0.02
-"""Below this non-centrality per reading no number of poses is reasonable."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +45,7 @@ def next_poses(
     asked = [(member, rival.member) for member, rivals in alternatives for rival in rivals[:3]]
     if not asked:
         return (), ""
+    rules = namer.prepared.observed.rules.answer
     tried = _tried(namer.prepared.observed, seed)
     width = tried.residual.shape[1]
     pairs: list[_Pair] = []
@@ -65,18 +55,18 @@ def next_poses(
         if pair is None:
             continue
         gain = _row_gains(pair, width)
-        if float(gain.max(initial=0.0)) < _HOPELESS:
+        if float(gain.max(initial=0.0)) < rules.hopeless:
             hopeless.append(pair.label)
         else:
             pairs.append(pair)
-    taken = _greedy(pairs, width) if pairs else []
+    taken = _greedy(pairs, width, rules.taken) if pairs else []
     poses = tuple(_as_pose(tried.recording, row, pairs, width) for row in taken)
-    return poses, _note(pairs, hopeless, taken, width)
+    return poses, _note(pairs, hopeless, taken, width, rules.told)
 
 
-def _greedy(pairs: Sequence[_Pair], width: int) -> list[int]:
+def _greedy(pairs: Sequence[_Pair], width: int, poses: int) -> list[int]:
     taken: list[int] = []
-    for _ in range(_TAKEN):
+    for _ in range(poses):
         reached = [_noncentrality(pair, taken, width) for pair in pairs]
         weakest = pairs[int(np.argmin(reached))]
         gain = _row_gains(_with_rows(weakest, taken, width), width)
@@ -111,37 +101,37 @@ def _noncentrality(pair: _Pair, rows: Sequence[int], width: int) -> float:
 
 def _tried(observed: Observed, seed: int) -> Observed:
     """Readings at random poses within the joint ranges, with each payload on hand and from either side."""
-    rng = np.random.default_rng(seed)
+    rng, count = np.random.default_rng(seed), observed.rules.answer.tried
     arm, recording = observed.arm_given, observed.recording
     low = np.array([joint.range[0] for joint in arm.joints])
     high = np.array([joint.range[1] for joint in arm.joints])
-    q = np.round(rng.uniform(low, high, (_TRIED, arm.size)), 4)
+    q = np.round(rng.uniform(low, high, (count, arm.size)), 4)
     payload = arm.payload.mass if recording.payload_mass is None else float(recording.payload_mass.max())
     loads = np.array([0.0, payload if payload > 0.0 else 5.0])
-    sides = rng.choice([-1.0, 1.0], _TRIED)
+    sides = rng.choice([-1.0, 1.0], count)
     end = 0.0 if recording.time is None else float(recording.time.max())
-    later: Array = end + 60.0 * np.arange(1.0, _TRIED + 1.0)
+    later: Array = end + 60.0 * np.arange(1.0, count + 1.0)
     temperature = recording.temperature
     made = Recording(
         file=recording.file,
         q=q,
-        tip=np.zeros((_TRIED, observed.components)),
-        row=np.arange(1, _TRIED + 1),
+        tip=np.zeros((count, observed.components)),
+        row=np.arange(1, count + 1),
         time=None if recording.time is None else later,
         sides=np.repeat(sides[:, None], arm.size, axis=1),
-        payload_mass=rng.choice(loads, _TRIED),
-        temperature=None if temperature is None else np.full(_TRIED, float(np.median(temperature))),
-        velocity=None if recording.velocity is None else np.zeros((_TRIED, arm.size)),
-        acceleration=None if recording.acceleration is None else np.zeros((_TRIED, arm.size)),
+        payload_mass=rng.choice(loads, count),
+        temperature=None if temperature is None else np.full(count, float(np.median(temperature))),
+        velocity=None if recording.velocity is None else np.zeros((count, arm.size)),
+        acceleration=None if recording.acceleration is None else np.zeros((count, arm.size)),
         joint_side=None if recording.joint_side is None else q.copy(),
         commanded=None if recording.commanded is None else q.copy(),
-        base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (_TRIED, 1)),
-        orientation=np.tile(np.eye(3), (_TRIED, 1, 1)) if observed.asked.turn else None,
+        base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (count, 1)),
+        orientation=np.tile(np.eye(3), (count, 1, 1)) if observed.asked.turn else None,
         seat="free" if observed.asked.turn else "unused",
     )
     # A free tool stands where it was found.
     arm = replace(arm, tool=observed.arm.tool)
-    return observe(arm, made, scale=observed.scale).softened(observed.softening)
+    return observe(arm, made, scale=observed.scale, rules=observed.rules).softened(observed.softening)
 
 
 def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, other: int) -> _Pair | None:
@@ -153,7 +143,8 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     if own is None or any(part is None for part in rest):
         return None
     there = [part for part in rest if part is not None]
-    beside = _nuisance(prepared.beside_names, tried)
+    free = {"frame": prepared.observed.recording.frame, "tool": prepared.observed.recording.tool}
+    beside, _ = nuisances(replace(tried, recording=replace(tried.recording, **free)))
     recorded = np.concatenate([prepared.beside, *(prepared.columns[m] for m in (*known, other))], axis=2)
     white = prepared.observed.whitened
     # Least squares sees the recorded rows through their triangular factor alone.
@@ -169,28 +160,9 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     )
 
 
-def _nuisance(names: Sequence[str], tried: Observed) -> Array:
-    """The nuisances' columns at the tried readings, in the order of their names."""
-    parts: list[Array] = []
-    for name in names:
-        effect, _, size = name.partition(" ")
-        column = np.zeros(tried.residual.shape)
-        if effect == "base":
-            end = tried.turn_columns.start - (tried.arm.size if tried.asked.command else 0)
-            column[:, end - 3 + "xyz".index(size[-1])] = 1.0
-            parts.append(column)
-        elif effect == "seat":
-            turns = tool_turns(tried.recording, tried.state, tried.components)
-            column[:, tried.turn_columns] = tried.turns(turns[:, :, "xyz".index(size[-1]) - 3])
-            parts.append(column)
-        else:
-            parts.append(tried.signature(effect, Settings((), MappingProxyType({size: 1.0}))))
-    return np.stack(parts, axis=2) if parts else np.zeros((*tried.residual.shape, 0))
-
-
 def _label(namer: Namer, number: int) -> str:
     candidate = namer.pool.groups[number].candidate
-    return name_of(candidate.effect, [index + 1 for index in candidate.at])
+    return name_of(candidate.effect, candidate.numbers)
 
 
 def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int) -> NextPose:
@@ -201,12 +173,12 @@ def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int)
     return NextPose(q, payload, side, pairs[int(np.argmax(gains))].label)
 
 
-def _note(pairs: Sequence[_Pair], hopeless: Sequence[str], taken: Sequence[int], width: int) -> str:
+def _note(pairs: Sequence[_Pair], hopeless: Sequence[str], taken: Sequence[int], width: int, told: float) -> str:
     sentences: list[str] = []
     if pairs:
         before = min(_noncentrality(pair, [], width) for pair in pairs)
         after = min(_noncentrality(pair, taken, width) for pair in pairs)
-        enough = "enough" if after >= _TOLD else "repeat them"
+        enough = "enough" if after >= told else "repeat them"
         sentences.append(
             f"The poses listed raise the smallest non-centrality between names from {before:.1f} to {after:.1f}: "
             f"{enough}."

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.effects import EFFECTS
-from materials.quantities import format_quantity
-
-from .prepare import FAR_ABOVE, Prepared
-from .result import Alternative, Finding, FittedParameter, Unknown
+from diagnose.fitting.prepare import Prepared
+from diagnose.result import Alternative, Finding, FittedParameter, Unknown
+from diagnose.rules.fitting_rules import FittingRules
+from diagnose.rules.rules import RULES
+from units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
 _MANY_FINDINGS = 4
@@ -83,11 +84,13 @@ def verdict_sentence(
     noise_floor: float | None,
     p_value: float,
     causes: Sequence[tuple[str, float]] = (),
+    *,
+    rules: FittingRules = RULES.fitting,
 ) -> str:
     """The plain answer. `causes` are the kinds of physics found and the RMS length (m) of what each moves beyond the
     nuisances, the largest first."""
     if not findings and unknown is None:
-        if noise_floor is not None and rms_before > FAR_ABOVE * noise_floor:
+        if noise_floor is not None and rms_before > rules.far_above * noise_floor:
             return (
                 f"Nothing explains the mismatch beyond chance (p = {p_value:.2g} for the best of all explanations), "
                 f"yet {_mm(rms_before)} RMS are {rms_before / noise_floor:.1f} times the noise floor: either that is "
@@ -100,7 +103,7 @@ def verdict_sentence(
         )
     named = _summed_up(findings, causes) if len(findings) > _MANY_FINDINGS else "; ".join(_named(f) for f in findings)
     share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
-    after = _remains(rms_after, noise_floor)
+    after = _remains(rms_after, noise_floor, rules)
     if unknown is None:
         text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({_mm(rms_before)} RMS); {after}."
         doubtful = [f for f in findings if f.alternatives] if len(findings) <= _MANY_FINDINGS else []
@@ -139,10 +142,10 @@ def _undecided(finding: Finding) -> str:
     return f"It could as well be {' or '.join(names)}{more} instead of the {name_of(finding.effect, finding.at)}."
 
 
-def _remains(rms_after: float, noise_floor: float | None) -> str:
+def _remains(rms_after: float, noise_floor: float | None, rules: FittingRules) -> str:
     if noise_floor is None:
         return f"{_mm(rms_after)} RMS remain, and no repeats say how much of that is noise"
-    if rms_after <= 1.1 * noise_floor:
+    if rms_after <= rules.at_the_floor * noise_floor:
         return f"what remains, {_mm(rms_after)}, is the noise floor"
     return f"{_mm(rms_after)} RMS remain, {rms_after / noise_floor:.1f} times the noise floor"
 
@@ -167,7 +170,7 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
     shown = {group.candidate.family for group in prepared.pool.groups}
     for candidate in prepared.pool.invisible:
         if not candidate.outside and candidate.family not in shown:
-            places.setdefault(candidate.effect, set()).update(index + 1 for index in candidate.at)
+            places.setdefault(candidate.effect, set()).update(candidate.numbers)
     why = "What is left free swallows" if beside.shape[1] else "These readings cannot show"
     names = [name_of(effect, sorted(at)) for effect, at in sorted(places.items())]
     if names:

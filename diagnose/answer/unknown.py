@@ -8,25 +8,22 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from .candidates import Candidate
-from .fit import Fit, displacement, fit, impossible, remaining
-from .forms import SENTENCES
-from .gaussian_process import SmoothModel, smooth_model
-from .held_out import residual_held_out
+from diagnose.fitting.fit import Fit, displacement, fit, impossible, remaining
+from diagnose.fitting.held_out import residual_held_out
+from diagnose.fitting.prepare import Prepared
+from diagnose.patterns.forms import SENTENCES
+from diagnose.patterns.library import Candidate
+from diagnose.residual.observed import rms_length
+from diagnose.result import Dependence, Form, RejectedForm, Unknown
+from diagnose.rules.answer_rules import AnswerRules
+from diagnose.search.naming import Namer
+from diagnose.search.subsets import gains, products
+from sections.numeric import Array
+
+from .gaussian_process import smooth_model
 from .locate import depends_on
-from .naming import Namer
-from .observed import rms_length
-from .prepare import Prepared
-from .result import Dependence, Form, RejectedForm, Unknown
-from .search import gains, products
 
-Array = NDArray[np.float64]
 Folds = NDArray[np.int64]
-
-_FORMS = 5
-_TELLING = 0.05
-"""The share of what is left that a form must predict on readings held out, to give the unknown its shape."""
-_NEAR = 12
 
 _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -56,22 +53,19 @@ def describe(
 ) -> Unknown:
     """Describe what is left beside the `known` groups, led by the `outside` forms that won."""
     prepared, observed = namer.prepared, namer.prepared.observed
+    rules = observed.rules.answer
     whole = fit(prepared, [*known, *outside])
     moved = displacement(prepared, whole, outside)[:, : observed.components]
     if not outside:
         moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
     # A form that predicts nothing describes nothing, however well it can be bent to the readings fitted.
-    telling = [form.name for form in ranked if form.share_held_out > _TELLING]
+    telling = [form.name for form in ranked if form.share_held_out > rules.form_tells]
     own = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
     won = next((candidate for candidate in own if candidate.effect in telling), None)
     leading = won.effect if won is not None else telling[0] if telling else "nothing simple"
-    on = _depends(namer, outside, dependences)
-    left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
-    inputs = _inputs(namer)
-    beside = [prepared.columns[m][:, : observed.components] for m in known]
-    model = smooth_model(inputs, left, beside)
-    share = _predicted_share(inputs, left, beside, folds, model)
+    on = _depends(namer, outside, dependences, rules)
+    predicted, share = _smooth(namer, known, folds)
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
@@ -80,7 +74,7 @@ def describe(
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
         decide=_decides(on),
-        predicted=model.predict(inputs),
+        predicted=predicted,
         held_out_share=share,
     )
 
@@ -88,13 +82,28 @@ def describe(
 def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:
     """The share of what is left beside the `known` groups that forms or a smooth model predict where they have not
     seen it: next to nothing for scatter, however large."""
-    prepared, observed = namer.prepared, namer.prepared.observed
     forms = [form.share_held_out for form in _ranked_forms(namer, known, folds)]
-    left = remaining(prepared, fit(prepared, list(known)))[:, : observed.components]
-    beside = [prepared.columns[m][:, : observed.components] for m in known]
+    return max([_smooth(namer, known, folds)[1], *forms])
+
+
+def _smooth(namer: Namer, known: Sequence[int], folds: Folds) -> tuple[Array, float]:
+    """A smooth model of what is left beside the `known` groups, at the readings (N, D), m, and the share of the sum of
+    squares that it, with the scales of the whole, predicts on folds that it has not seen."""
+    prepared, width, rules = namer.prepared, namer.prepared.observed.components, namer.prepared.observed.rules.answer
+    left = remaining(prepared, fit(prepared, list(known)))[:, :width]
+    beside = [prepared.columns[m][:, :width] for m in known]
     inputs = _inputs(namer)
-    share = _predicted_share(inputs, left, beside, folds, smooth_model(inputs, left, beside))
-    return max([share, *forms])
+    whole = smooth_model(inputs, left, beside, rules=rules)
+    missed, total = 0.0, 0.0
+    for fold in np.unique(folds).tolist():
+        out = folds == fold
+        if out.all() or (~out).sum() < 8:
+            continue
+        others = [part[~out] for part in beside]
+        model = smooth_model(inputs[~out], left[~out], others, alike=whole, rules=rules)
+        missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
+        total += float(np.sum(left[out] ** 2))
+    return whole.predict(inputs), 1.0 - missed / total if total > 0.0 else 0.0
 
 
 def largest_first(prepared: Prepared, fitted: Fit, forms: Sequence[int]) -> list[int]:
@@ -122,7 +131,9 @@ def since(namer: Namer, outside: Sequence[int]) -> float | None:
     return None
 
 
-def _depends(namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence]) -> tuple[str, ...]:
+def _depends(
+    namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence], rules: AnswerRules
+) -> tuple[str, ...]:
     found: list[str] = []
     for member in outside:
         candidate = namer.pool.groups[member].candidate
@@ -132,7 +143,7 @@ def _depends(namer: Namer, outside: Sequence[int], dependences: Sequence[Depende
             found += list(candidate.shapes)
         else:
             found += _DEPENDS.get(candidate.effect, ())
-    return tuple(dict.fromkeys([*found, *depends_on(dependences)]))
+    return tuple(dict.fromkeys([*found, *depends_on(dependences, rules=rules)]))
 
 
 def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form]:
@@ -150,7 +161,12 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
     seen: set[str] = set()
     for number in np.argsort(-worth).tolist():
         candidate = namer.pool.groups[number].candidate
-        if not candidate.outside or candidate.effect in seen or worth[number] <= 0.0 or len(found) >= _FORMS:
+        if (
+            not candidate.outside
+            or candidate.effect in seen
+            or worth[number] <= 0.0
+            or len(found) >= observed.rules.answer.forms
+        ):
             continue
         seen.add(candidate.effect)
         columns = [prepared.beside, *(prepared.columns[m] for m in known), prepared.columns[number]]
@@ -173,7 +189,11 @@ def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) ->
     seen: set[object] = {namer.pool.groups[m].candidate.family for m in known}
     for number in np.argsort(-gained).tolist():
         group = namer.pool.groups[number]
-        if not namer.library[number] or group.candidate.family in seen or len(found) >= _NEAR:
+        if (
+            not namer.library[number]
+            or group.candidate.family in seen
+            or len(found) >= prepared.observed.rules.answer.near
+        ):
             continue
         seen.add(group.candidate.family)
         trial = [*known, number]
@@ -184,8 +204,7 @@ def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) ->
             worse = namer.criterion_of(trial) - best
             explained = 100.0 * float(gained[number]) / max(given.rss, 1e-300)
             reason = f"explains {explained:.0f} % of what is left, and its criterion is worse by {worse:.0f}"
-        at = tuple(index + 1 for index in group.candidate.at)
-        found.append(RejectedForm(group.candidate.effect, at, share, reason))
+        found.append(RejectedForm(group.candidate.effect, group.candidate.numbers, share, reason))
     return tuple(found)
 
 
@@ -194,22 +213,6 @@ def _inputs(namer: Namer) -> Array:
     further = (recording.time, recording.temperature, recording.payload_mass)
     columns = [values[:, None] for values in further if values is not None and np.ptp(values) > 0.0]
     return np.concatenate([recording.q, *columns], axis=1)
-
-
-def _predicted_share(
-    inputs: Array, left: Array, known: Sequence[Array], folds: Folds, whole: SmoothModel
-) -> float:
-    """The share of the sum of squares that the smooth model, with the scales of the whole, predicts on folds that it
-    has not seen."""
-    missed, total = 0.0, 0.0
-    for fold in np.unique(folds).tolist():
-        out = folds == fold
-        if out.all() or (~out).sum() < 8:
-            continue
-        model = smooth_model(inputs[~out], left[~out], [part[~out] for part in known], alike=whole)
-        missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
-        total += float(np.sum(left[out] ** 2))
-    return 1.0 - missed / total if total > 0.0 else 0.0
 
 
 def _decides(on: Sequence[str]) -> str:

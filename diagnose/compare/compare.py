@@ -14,31 +14,27 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
-from arm.chain import Arm
-from arm.effects import EFFECTS, kind_at
+from arm.chain.chain import Arm
+from arm.effects import EFFECTS
+from diagnose.fitting.fit import t_quantile
+from diagnose.fitting.prepare import nuisances
+from diagnose.patterns.library import Candidate, columns_of, kind_of
+from diagnose.recording import Recording
+from diagnose.residual.observed import Observed, blocks_of, observe, rms_length
+from diagnose.result import Covered, Diagnosis, Finding, FittedParameter
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
 
-from .candidates import Candidate, columns_of, parameter_of
-from .compare_places import Region, SharedPoses, regions, shared_poses
-from .fit import t_quantile
-from .observed import Observed, blocks_of, observe, rms_length
-from .prepare import nuisances
-from .recording import Recording
-from .result import Covered, Diagnosis, Finding, FittedParameter
-
-Array = NDArray[np.float64]
-
-LEVEL = 0.05
-"""The chance, over all parameters together, of calling anything changed that did not."""
-_LEAST_VISITS = 10
+from .places import Region, SharedPoses, regions, shared_poses
 
 
 @dataclass(frozen=True)
 class Change:
     """A parameter of the common model in both recordings: `difference` is second less first with its 95 % `interval`
-    (SI of the parameters' kind), `p_value` that of no change, `adjusted` the same by Holm's method."""
+    (SI of the parameters' kind), `p_value` that of no change, `adjusted` the same by Holm's method, `level` below which
+    that is beyond doubt."""
 
     effect: str
     first: FittedParameter
@@ -47,11 +43,12 @@ class Change:
     interval: tuple[float, float]
     p_value: float
     adjusted: float
+    level: float = RULES.compare.level
 
     @property
     def changed(self) -> bool:
         """Whether the difference is beyond doubt."""
-        return self.adjusted < LEVEL
+        return self.adjusted < self.level
 
 
 @dataclass(frozen=True)
@@ -71,19 +68,19 @@ class Comparison:
     notes: tuple[str, ...]
 
 
-def compare(arm: Arm, first: Diagnosis, second: Diagnosis) -> Comparison:
-    """Compare two diagnoses of one arm."""
+def compare(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules = RULES) -> Comparison:
+    """Compare two diagnoses of one arm by the same `rules` as they were made with."""
     terms, notes = common_model(first, second)
-    fitted = [fit_common(arm, each.recording, terms) for each in (first, second)]
-    changes = _changes(arm, terms, fitted)
+    fitted = [fit_common(arm, each.recording, terms, rules=rules) for each in (first, second)]
+    changes = _changes(arm, terms, fitted, rules.compare.level)
     sides = _pairs(first.figures, second.figures)
     return Comparison(
         first=first,
         second=second,
         changes=changes,
         unexplained=(fitted[0].rms, fitted[1].rms),
-        shared=shared_poses(arm, first, second),
-        regions=regions(arm, first, second),
+        shared=shared_poses(arm, first, second, rules=rules),
+        regions=regions(arm, first, second, rules=rules.compare),
         figures=sides,
         notes=(*notes, *_unequal(first.recording, second.recording)),
     )
@@ -136,13 +133,13 @@ class CommonFit:
     rms: float
 
 
-def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate]) -> CommonFit:
+def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, rules: Rules = RULES) -> CommonFit:
     """Fit the common model to the tip's readings of a recording, beside its nuisances.
 
     Standard errors are the larger of the plain ones and of those that let each visit have an error of its own (K.-Y.
     Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
-    observed = observe(arm, recording)
+    observed = observe(arm, recording, rules=rules)
     width = observed.components
     beside = nuisances(observed)[0][:, :width]
     columns = [_columns(observed, term)[:, :width] for term in terms]
@@ -160,7 +157,7 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate]) -> Co
     freedom = max(len(target) - int(good.sum()), 1)
     covariance = inverse * float(left @ left) / freedom
     told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed.block, width)
+    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed, rules.compare.least_visits)
     variance = np.maximum(plain, clustered)
     if np.any(clustered > plain):
         # Errors that visits share are known from as many values as there are visits.
@@ -178,27 +175,26 @@ def _columns(observed: Observed, term: Candidate) -> Array:
     return np.zeros((*observed.residual.shape, len(term.sizes))) if found is None else found
 
 
-def _clustered(design: Array, left: Array, inverse: Array, block: NDArray[np.int64], width: int) -> Array:
+def _clustered(design: Array, left: Array, inverse: Array, observed: Observed, least: int) -> Array:
     """Variances of the sizes where the readings of a visit share an error; zeros where visits are too few to tell."""
-    visits = blocks_of(block)
-    if len(visits) < _LEAST_VISITS or design.shape[1] == 0:
+    visits = blocks_of(observed.block)
+    if len(visits) < least or design.shape[1] == 0:
         return np.zeros(design.shape[1])
-    scores = (design * left[:, None]).reshape(-1, width, design.shape[1]).sum(axis=1)
+    scores = (design * left[:, None]).reshape(-1, observed.components, design.shape[1]).sum(axis=1)
     sums = np.stack([scores[rows].sum(axis=0) for rows in visits])
     count = len(visits)
     return np.diag(inverse @ (sums.T @ sums) @ inverse) * count / max(count - 1, 1)
 
 
-def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit]) -> tuple[Change, ...]:
+def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit], level: float) -> tuple[Change, ...]:
     found: list[Change] = []
     for index, term in enumerate(terms):
         for column, name in enumerate(term.sizes):
             values = [float(each.sizes[index][column]) for each in fitted]
             errors = [float(each.errors[index][column]) for each in fitted]
-            at = tuple(place + 1 for place in term.at)
-            kind = _kind(arm, term, name)
+            kind = kind_of(arm, term, name)
             pair = [
-                _parameter(name, at, kind, value, error, each.freedom)
+                _parameter(name, term.numbers, kind, value, error, each.freedom)
                 for value, error, each in zip(values, errors, fitted, strict=True)
             ]
             error = float(np.hypot(errors[0], errors[1]))
@@ -207,23 +203,12 @@ def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit]) 
             reach = t_quantile(freedom) * error
             p = float(2.0 * stats.t.sf(abs(difference) / error, freedom)) if 0.0 < error < np.inf else 1.0
             span = (difference - reach, difference + reach)
-            found.append(Change(term.effect, pair[0], pair[1], difference, span, p, 1.0))
+            found.append(Change(term.effect, pair[0], pair[1], difference, span, p, 1.0, level))
     adjusted = holm([each.p_value for each in found])
     return tuple(replace(each, adjusted=value) for each, value in zip(found, adjusted, strict=True))
 
 
-def _kind(arm: Arm, term: Candidate, name: str) -> str:
-    if term.share:
-        return "dimensionless"
-    effect = EFFECTS[term.effect]
-    joints = [arm.joints[index] for index in term.at]
-    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
-    return kind_at(parameter_of(effect, name), slides=slides)
-
-
-def _parameter(
-    name: str, at: tuple[int, ...], kind: str, value: float, error: float, freedom: int
-) -> FittedParameter:
+def _parameter(name: str, at: tuple[int, ...], kind: str, value: float, error: float, freedom: int) -> FittedParameter:
     reach = t_quantile(freedom) * error
     label = f"{name}_{at[0]}" if len(at) == 1 else name
     return FittedParameter(label, name, at, kind, value, (value - reach, value + reach))

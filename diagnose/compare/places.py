@@ -6,20 +6,16 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-from arm.kinematics import tip_position
-
-from .iso_figures import clusters
-from .observed import rms_length
-from .recording import SAME_ANGLE, SAME_LENGTH, Recording
-from .result import Diagnosis
-
-Array = NDArray[np.float64]
-
-_LEAST_ROWS = 5
-_CELLS = 3
+from arm.chain.chain import Arm
+from arm.chain.kinematics import tip_position
+from diagnose.answer.iso_figures import clusters
+from diagnose.recording import Recording
+from diagnose.residual.observed import rms_length, same_pose
+from diagnose.result import Diagnosis
+from diagnose.rules.compare_rules import CompareRules
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
 
 
 @dataclass(frozen=True)
@@ -45,13 +41,13 @@ class Region:
     counts: tuple[int, int]
 
 
-def shared_poses(arm: Arm, first: Diagnosis, second: Diagnosis) -> SharedPoses | None:
+def shared_poses(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules = RULES) -> SharedPoses | None:
     """How the mismatch differs at poses that both recordings hold under the same load; None where there are none."""
     recordings = (first.recording, second.recording)
-    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
+    same = same_pose(arm, rules.residual)
     points = np.concatenate([each.q / same for each in recordings])
     loads = np.concatenate([_load(each, arm) for each in recordings])
-    labels = clusters(np.concatenate([points, loads[:, None] / 1e-2], axis=1))
+    labels = clusters(np.concatenate([points, loads[:, None] / rules.compare.same_load], axis=1))
     count = recordings[0].size
     parts = (labels[:count], labels[count:])
     both = np.intersect1d(*parts)
@@ -76,7 +72,9 @@ def _load(recording: Recording, arm: Arm) -> Array:
     return recording.payload_mass
 
 
-def regions(arm: Arm, first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]:
+def regions(
+    arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: CompareRules = RULES.compare
+) -> tuple[Region, ...]:
     """The mismatch in boxes of the workspace where both recordings have readings."""
     residuals = (first.residual_before, second.residual_before)
     if residuals[0].shape[1] != residuals[1].shape[1]:
@@ -86,14 +84,14 @@ def regions(arm: Arm, first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]
     every = np.concatenate(tips)
     lower, upper = every.min(axis=0), every.max(axis=0)
     span = np.where(upper > lower, upper - lower, 1.0)
-    cells = [np.clip((_CELLS * (tip - lower) / span).astype(int), 0, _CELLS - 1) for tip in tips]
+    cells = [np.clip((rules.cells * (tip - lower) / span).astype(int), 0, rules.cells - 1) for tip in tips]
     found: list[Region] = []
-    for cell in itertools.product(range(_CELLS), repeat=every.shape[1]):
+    for cell in itertools.product(range(rules.cells), repeat=every.shape[1]):
         inside = [(each == np.array(cell)).all(axis=1) for each in cells]
         counts = (int(inside[0].sum()), int(inside[1].sum()))
-        if min(counts) >= _LEAST_ROWS:
-            corner = lower + np.array(cell) * span / _CELLS
+        if min(counts) >= rules.least_rows:
+            corner = lower + np.array(cell) * span / rules.cells
             sizes = [rms_length(residual[rows]) for residual, rows in zip(residuals, inside, strict=True)]
-            end = corner + span / _CELLS
+            end = corner + span / rules.cells
             found.append(Region(tuple(corner.tolist()), tuple(end.tolist()), sizes[0], sizes[1], counts))
     return tuple(found)

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.chain import Arm, EffectEntry
+from arm.chain.chain import Arm, EffectEntry
+from arm.effects import EFFECTS
+from diagnose.patterns.library import Candidate
+from diagnose.rules.fitting_rules import FittingRules
+from diagnose.rules.rules import RULES
 
-from .candidates import Candidate
 from .refit import Refit
 
-_WHOLE = 0.25
-"""Physics that was left out comes back where its fitted share of the whole is within this of 1."""
 
-
-def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
+def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fitting) -> tuple[Arm, tuple[str, ...]]:
     """The arm with each finding as an entry of its `effects`, and sentences on what the file cannot carry.
 
     Physics that the file left out and that came out whole is no longer left out.
@@ -29,7 +29,7 @@ def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
             continue
         if candidate.share:
             share = float(term.sizes[0])
-            if abs(share - 1.0) <= _WHOLE:
+            if abs(share - 1.0) <= rules.whole:
                 left_out.discard(candidate.effect)
             else:
                 notes.append(
@@ -37,17 +37,17 @@ def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
                     "give would fit, which no entry of the file can say."
                 )
             continue
-        if candidate.effect == "joint_compliance" and len(term.sizes) != len(candidate.sizes):
+        if len(term.sizes) != len(candidate.sizes):
             drive = candidate.at[0] + 1
-            told = next((each for each in parameters if each.parameter == "compliance"), None)
+            told = next((each for each in parameters if each.parameter == candidate.sizes[0]), None)
             if told is None:
                 notes.append(
                     f"The corrected arm lacks the compliance of drive {drive}: with links of unknown mass only its "
                     "product with their weight is known."
                 )
                 continue
-            values = MappingProxyType({"compliance": told.value})
-            entries.append(EffectEntry("joint_compliance", (drive,), values))
+            values = MappingProxyType({told.parameter: told.value})
+            entries.append(EffectEntry(candidate.effect, (drive,), values))
             notes.append(
                 f"The corrected arm has the compliance of drive {drive} as the known loads show it; how far the drive "
                 "sags under the links' own weight it cannot say while their masses are unknown."
@@ -60,7 +60,7 @@ def corrected_arm(arm: Arm, fitted: Refit) -> tuple[Arm, tuple[str, ...]]:
 def as_entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry:
     """A candidate of the library at some sizes as an entry of an arm's `effects`."""
     values = dict(zip(candidate.sizes, sizes, strict=True))
-    # A shape of nought is what the file means anyway, but for creep that does not begin anew.
-    shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or name == "anew"}
-    at = tuple(index + 1 for index in candidate.at)
-    return EffectEntry(candidate.effect, at, MappingProxyType({**values, **shapes}))
+    # A shape of nought is what the file means anyway, unless its default is another.
+    defaults = {parameter.name: parameter.default for parameter in EFFECTS[candidate.effect].shapes}
+    shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or defaults[name] != 0.0}
+    return EffectEntry(candidate.effect, candidate.numbers, MappingProxyType({**values, **shapes}))

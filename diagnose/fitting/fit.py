@@ -6,22 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from arm.effects import EFFECTS
+from arm.effects.elastic.joint_compliance import file_compliance
+from diagnose.patterns.library import Candidate, parameter_of
+from diagnose.rules.fitting_rules import FittingRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-from .candidates import Candidate, parameter_of
 from .prepare import Prepared
-
-Array = NDArray[np.float64]
-
-_UNUSUAL, _SURE = 30.0, 100.0
-"""A size more than 30 times the usual is believed only where it is 100 times its standard error."""
-_CANCELLING = 4.0
-"""A displacement whose sum of squares is more than 4 times the whole mismatch's can only cancel another."""
-_BEYOND = 2.5
-"""A size this many standard errors outside its physical bounds is impossible, not just badly known."""
 
 
 @dataclass(frozen=True)
@@ -92,31 +86,31 @@ def beyond_nuisances(prepared: Prepared, columns: Array) -> Array:
 
 def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     """Why a fit cannot be physics: the first size that lies beyond its bounds, as a clause; None where all can be."""
-    whole = float(prepared.vector @ prepared.vector)
+    whole, rules = float(prepared.vector @ prepared.vector), prepared.observed.rules.fitting
     for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
         group = prepared.pool.groups[member]
         candidate = group.candidate
         moved = np.linalg.pinv(group.back) @ sizes
-        if float(moved @ moved) > _CANCELLING * whole:
+        if float(moved @ moved) > rules.cancelling * whole:
             return "only a displacement far larger than the mismatch would fit, balanced against others"
         for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
             low, high = bounds(candidate, name, prepared)
             width = high - low
-            if value < low - _BEYOND * error or value < low - width:
+            if value < low - rules.beyond_bounds * error or value < low - width:
                 return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
-            if value > high + _BEYOND * error or value > high + width:
+            if value > high + rules.beyond_bounds * error or value > high + width:
                 return "only a size beyond what is possible would fit"
-            if _far_fetched(candidate, name, value, error):
+            if _far_fetched(candidate, name, value, error, rules):
                 return "only a size far beyond the usual would fit, balanced against others"
     return None
 
 
-def _far_fetched(candidate: Candidate, name: str, value: float, error: float) -> bool:
+def _far_fetched(candidate: Candidate, name: str, value: float, error: float, rules: FittingRules) -> bool:
     """Whether a size is far beyond the usual and badly known at that: terms that all but cancel each other."""
     if candidate.share or candidate.outside:
         return False
     usual = max(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical)
-    return abs(value) > _UNUSUAL * usual and abs(value) < _SURE * error
+    return abs(value) > rules.unusual * usual and abs(value) < rules.sure * error
 
 
 def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, float]:
@@ -124,24 +118,22 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
     if candidate.share:
         return 0.0, 3.0
     parameter = parameter_of(EFFECTS[candidate.effect], name)
-    if candidate.effect == "joint_compliance":
+    if candidate.of_drives:
         if prepared.observed.unknown_masses:
             return -np.inf, np.inf
         # Added to what the arm file gives the drive, the whole may not become negative.
-        stiffness = prepared.observed.arm.joints[candidate.at[0]].stiffness
-        own = 0.0 if stiffness is None or "joint_compliance" in prepared.observed.arm.leave_out else 1.0 / stiffness
-        return -own, parameter.upper
+        return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     return parameter.lower, parameter.upper
 
 
-def typical(candidate: Candidate, sizes: Array) -> bool:
+def typical(candidate: Candidate, sizes: Array, *, rules: FittingRules = RULES.fitting) -> bool:
     """Whether the largest of the sizes is of a usual magnitude: a third of the least to three times the most."""
     if candidate.outside or candidate.share:
         return True
     effect = EFFECTS[candidate.effect]
     for name, value in zip(candidate.sizes, sizes.tolist(), strict=False):
         low, high = sorted(abs(limit) for limit in parameter_of(effect, name).typical)
-        if low / 3.0 <= abs(value) <= 3.0 * high:
+        if low / rules.usual <= abs(value) <= rules.usual * high:
             return True
     return False
 

@@ -8,14 +8,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .fit import normal_solution
-from .observed import Observed, poses, rms_length
+from diagnose.patterns.basis import tip_of
+from diagnose.residual.observed import Observed, poses, rms_length
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .fit import normal_solution
+
 Folds = NDArray[np.int64]
 Split = TypeVar("Split")
-
-_FOLDS = 5
 
 
 def splits(observed: Observed, seed: int) -> dict[str, Folds]:
@@ -24,14 +24,14 @@ def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     `pose blocks` (all readings of a pose stay together, neighbours in the workspace too), `random rows`, `time blocks`
     and `payloads` where there are any.
     """
-    count = observed.rows
+    count, parts = observed.rows, observed.rules.fitting.folds
     found: dict[str, Folds] = {}
-    if len(np.unique(poses(observed))) >= _FOLDS:
+    if len(np.unique(poses(observed))) >= parts:
         found["pose blocks"] = _pose_blocks(observed)
-    found["random rows"] = np.random.default_rng(seed).permutation(np.arange(count) % _FOLDS)
+    found["random rows"] = np.random.default_rng(seed).permutation(np.arange(count) % parts)
     if observed.recording.time is not None:
         order = np.argsort(np.argsort(observed.recording.time, kind="stable"))
-        found["time blocks"] = (order * _FOLDS) // count
+        found["time blocks"] = (order * parts) // count
     payload = observed.recording.payload_mass
     if payload is not None:
         levels = np.unique(np.round(payload, 3))
@@ -47,19 +47,17 @@ def hardest(made: Mapping[str, Split]) -> Split:
 
 def _pose_blocks(observed: Observed) -> Folds:
     """Poses gathered into folds by where the tip stands, so that a fold is a part of the workspace."""
-    pose = poses(observed)
+    pose, parts = poses(observed), observed.rules.fitting.folds
     first = np.array([np.flatnonzero(pose == number)[0] for number in range(pose.max() + 1)])
-    tip = np.stack(
-        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
-    )[first]
-    cells = max(_FOLDS, min(4 * _FOLDS, len(first) // 2))
+    tip = tip_of(observed)[first]
+    cells = max(parts, min(4 * parts, len(first) // 2))
     centers = [int(np.argmin(np.sum((tip - tip.mean(axis=0)) ** 2, axis=1)))]
     distance = np.sum((tip - tip[centers[0]]) ** 2, axis=1)
     while len(centers) < cells and distance.max() > 0.0:
         centers.append(int(np.argmax(distance)))
         distance = np.minimum(distance, np.sum((tip - tip[centers[-1]]) ** 2, axis=1))
     nearest = np.argmin(((tip[:, None, :] - tip[None, centers, :]) ** 2).sum(axis=2), axis=1)
-    return (nearest % _FOLDS)[pose].astype(np.int64)
+    return (nearest % parts)[pose].astype(np.int64)
 
 
 class HeldOut:
@@ -114,7 +112,7 @@ class HeldOut:
         for fold, (gram, wanted) in zip(self._each, self._products, strict=True):
             values = normal_solution(whole - gram[at], against - wanted[taken])
             out = self._folds == fold
-            left[out] -= (self._design[out][:, :width][:, :, taken] @ (values / self._size[taken]))
+            left[out] -= self._design[out][:, :width][:, :, taken] @ (values / self._size[taken])
         return left
 
     def rms(self, which: Sequence[int] | None = None) -> float:

@@ -14,38 +14,17 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from arm.effects import EFFECTS, Settings
-
-from .candidates import Candidate, candidates, parameter_of
-from .forms import forms
-from .observed import Observed, blocks_of, kept, looks_quieter, observe, rms_length, without_memory
-from .options import Options
-from .orientation import tool_turns
-from .pool import Pool, make_pool
-from .recording import RejectedRow
-from .search import Criterion, criterion_for, gains, products
-
-Array = NDArray[np.float64]
-
-_FAR_TAIL = 0.002
-"""An outlier is a row that scatter alone would produce in one recording of 500 (with a robust scale and a margin)."""
-_MARGIN = 1.25
-_MOST_OUTLIERS = 0.05
-"""With more rows than this share far off, it is no handful of bad readings but part of the mismatch."""
-_LEAST_PAIRS = 20
-_PASSES, _MUCH, _SHORT = 3, 0.3, 1000
-"""How often the rough model is made anew where the noise's memory is more than so much; in longer recordings it is
-rather physics that the rough model lacks, and goes with the arm's path."""
-_SOFTEST = 1e-3
-"""rad/(N*m) times kg or kg*m: the compliance of a soft drive times a light link's mass, or a stiff one's times a heavy
-one's."""
-TETHER = 5.0
-"""Bounds are that many standard deviations of what a size is held to where the data say nothing."""
-_MANY_SIZES = 12
-FAR_ABOVE = 1.6
-"""Noise with a memory (correlation 0.6 from reading to reading) makes repeats of three look 1.45 times too quiet at
-most; what is 1.6 times the noise floor of repeats is more than noise."""
-_ROUGH = 4
-"""Patterns in the first rough model, at most."""
+from diagnose.options import Options
+from diagnose.patterns.forms import forms
+from diagnose.patterns.library import Candidate, candidates, parameter_of
+from diagnose.patterns.pool import Pool, make_pool
+from diagnose.recording import RejectedRow
+from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, rms_length, without_memory
+from diagnose.residual.orientation import tool_turns
+from diagnose.rules.fitting_rules import FittingRules
+from diagnose.rules.rules import RULES
+from diagnose.search.subsets import Criterion, criterion_for, gains, products
+from sections.numeric import Array
 
 
 @dataclass(frozen=True)
@@ -86,17 +65,13 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     the tool is turned."""
     parts: list[Array] = []
     names: list[str] = []
-    wanted: list[tuple[str, tuple[str, ...]]] = []
     width = observed.components
-    if observed.recording.frame == "free":
-        turns = ("about_z",) if width == 2 else ("about_x", "about_y", "about_z")
-        wanted.append(("frame_misalignment", ("x", "y", "z")[:width] + turns))
-    if observed.recording.tool == "free":
-        wanted.append(("tool_offset", ("along", "across", "out")[:width]))
-    for effect, sizes in wanted:
-        for size in sizes:
-            parts.append(observed.signature(effect, Settings((), {size: 1.0})))
-            names.append(f"{effect} {size}")
+    for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
+        for effect in EFFECTS.values() if left == "free" else ():
+            sizes = effect.sizes if effect.free_with == setting else ()
+            for size in (size.name for size in sizes if width == 3 or not size.out_of_plane):
+                parts.append(observed.signature(effect.id, Settings((), {size: 1.0})))
+                names.append(f"{effect.id} {size}")
     if observed.recording.base_target is not None:
         first = observed.components + (observed.arm.size if observed.asked.joint_side else 0)
         for axis in range(3):
@@ -115,16 +90,16 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     return (np.stack(parts, axis=2) if parts else np.zeros(shape)), tuple(names)
 
 
-def limits(candidate: Candidate, columns: Array) -> Array | None:
+def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
     """How large each size of a candidate may physically be (d,), None where nobody can say."""
     if candidate.outside or candidate.share:
         return None
     if columns.shape[2] != len(candidate.sizes):
-        return np.full(columns.shape[2], _SOFTEST)
+        return np.full(columns.shape[2], rules.softest)
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
-    if len(parameters) > _MANY_SIZES:
+    if len(parameters) > rules.many_sizes:
         # A curve of many coefficients: each is of its usual size, or readings that lie close would make them anything.
-        return np.array([TETHER * max(abs(limit) for limit in parameter.typical) for parameter in parameters])
+        return np.array([rules.tether * max(abs(limit) for limit in parameter.typical) for parameter in parameters])
     return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
 
 
@@ -139,8 +114,9 @@ def patterns_of(observed: Observed, options: Options) -> Patterns:
 def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, ...] = ()) -> Prepared:
     """The pool of patterns for a recording as it stands."""
     beside, names = nuisances(observed)
-    white = [(candidate, observed.whitened(columns), limits(candidate, columns)) for candidate, columns in patterns]
-    pool = make_pool(observed.whitened(beside), white)
+    own = observed.rules.fitting
+    white = [(each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns]
+    pool = make_pool(observed.whitened(beside), white, rules=observed.rules)
     seen = {id(group.candidate) for group in pool.groups}
     columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
     vector = pool.projected(observed.whitened(observed.residual))
@@ -165,7 +141,11 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
         for row in np.flatnonzero(outlying).tolist()
     )
     again = observe(
-        observed.arm_given, kept(observed.recording, keep), scale=_scatter(left[keep], rough), about=observed.about
+        observed.arm_given,
+        observed.recording.kept(keep),
+        scale=_scatter(left[keep], rough),
+        about=observed.about,
+        rules=observed.rules,
     )
     # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
     patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
@@ -186,10 +166,13 @@ def _with_memory(
     """
     memory = _memory(left / observed.scale, observed)
     prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
-    for _ in range(_PASSES if memory > _MUCH and observed.rows <= _SHORT else 0):
+    rules = observed.rules.fitting
+    # A memory in a long recording is rather physics that the rough model lacks, and goes with the arm's path.
+    much = rules.much_memory * max(1.0, observed.rows / rules.memory_of_physics)
+    for _ in range(rules.passes if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
         found = _memory(left / observed.scale, observed)
-        if found <= prepared.observed.correlation + 0.02:
+        if found <= prepared.observed.correlation + rules.memory_grows:
             break
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
     return replace(prepared, independent=_independent(prepared.observed, left, noise_floor))
@@ -201,7 +184,7 @@ def _independent(observed: Observed, left: Array, noise_floor: float | None) -> 
     if noise_floor is None:
         return 1.0
     floor, remains = noise_floor * looks_quieter(observed), rms_length(left[:, : observed.components])
-    if remains <= FAR_ABOVE * floor:
+    if remains <= observed.rules.fitting.far_above * floor:
         return 1.0
     if not _comes_anew(observed):
         return 1.0
@@ -214,7 +197,7 @@ def _comes_anew(observed: Observed) -> bool:
     new = np.flatnonzero(np.diff(observed.block) != 0)
     told = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]
     moved = np.any([(part[new + 1] != part[new]).any(axis=1) for part in told], axis=0)
-    return len(new) > 0 and float(np.mean(moved)) > 0.5
+    return len(new) > 0 and float(np.mean(moved)) > observed.rules.fitting.moved_anew
 
 
 def _first_scale(observed: Observed) -> Array:
@@ -231,15 +214,16 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     """What the few patterns that explain most, one after the other and forms included, leave: (N, C) in m and rad, by
     least squares with bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
+    rules = observed.rules.fitting
     given, members = products(pool, prepared.vector), list[int]()
     # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for,
     # unless it is far above what repeats differ by, which no memory makes it. A force that wanders at will takes memory
     # in any case.
     mismatch = rms_length(observed.tip_residual())
-    may_wander = noise_floor is not None and mismatch > FAR_ABOVE * noise_floor
+    may_wander = noise_floor is not None and mismatch > rules.far_above * noise_floor
     names = ("force_in_time",) if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
     wanders = np.array([group.candidate.effect in names for group in pool.groups], dtype=bool)
-    for _ in range(_ROUGH if pool.groups else 0):
+    for _ in range(rules.rough if pool.groups else 0):
         gained = gains(pool, given)
         left = np.where(wanders, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
         left = np.maximum(left, 1e-300)
@@ -265,7 +249,7 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
         )[0]
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
-        weight = np.minimum(1.0, 2.5 * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
+        weight = np.minimum(1.0, rules.weighed_down * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
     return observed.residual - stacked @ values
 
 
@@ -278,31 +262,32 @@ def _scatter(left: Array, observed: Observed) -> Array:
     spread = np.where(spread > 0.0, spread, observed.scale)
     width = observed.components
     common = float(np.exp(np.mean(np.log(spread[:width]))))
-    trust = len(left) / (len(left) + 40.0)
+    trust = len(left) / (len(left) + observed.rules.fitting.own_scatter)
     spread[:width] = np.exp(trust * np.log(spread[:width]) + (1.0 - trust) * np.log(common))
     return spread
 
 
 def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
-    width = observed.components
+    width, rules = observed.components, observed.rules.fitting
     distance = np.sqrt(np.sum(scaled[:, :width] ** 2, axis=1))
-    limit = _MARGIN * np.sqrt(stats.chi2.ppf(1.0 - _FAR_TAIL / len(scaled), width))
+    limit = rules.outlier_margin * np.sqrt(stats.chi2.ppf(1.0 - rules.far_tail / len(scaled), width))
     far = distance > limit
     # Readings of one visit that all lie far off agree with each other: that is the pose, not the readings.
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)
     count, outside = np.bincount(visit), np.bincount(visit, weights=far)
     far &= ~((count > 1) & (outside == count))[visit]
-    return far if far.mean() <= _MOST_OUTLIERS else np.zeros(len(far), dtype=bool)
+    return far if far.mean() <= rules.most_outliers else np.zeros(len(far), dtype=bool)
 
 
 def _memory(scaled: Array, observed: Observed) -> float:
     """The correlation of each reading's noise with the one before, from the tip's components at neighbours of different
     visits (what a visit's readings share may be the pose's own); 0 where it is not beyond doubt."""
-    across = np.flatnonzero(np.diff(observed.block) != 0)
-    if len(across) < _LEAST_PAIRS:
+    across, rules = np.flatnonzero(np.diff(observed.block) != 0), observed.rules.fitting
+    if len(across) < rules.least_pairs:
         return 0.0
-    clipped = np.clip(scaled[:, : observed.components], -3.0, 3.0)
+    most = rules.no_more_of_memory
+    clipped = np.clip(scaled[:, : observed.components], -most, most)
     before, after = clipped[across], clipped[across + 1]
     size = np.sqrt(np.sum(before**2) * np.sum(after**2))
     rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0
-    return min(rho, 0.95) if rho > 2.5 / np.sqrt(before.size) else 0.0
+    return min(rho, rules.most_memory) if rho > rules.memory_beyond / np.sqrt(before.size) else 0.0

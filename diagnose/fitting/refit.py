@@ -18,27 +18,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from arm.chain import EffectEntry
-from arm.effects import EFFECTS, kind_at
+from arm.chain.chain import EffectEntry
+from arm.effects import EFFECTS
+from diagnose.patterns.flexibility import entry, through_flexibility
+from diagnose.patterns.library import Candidate, columns_of, kind_of, parameter_of
+from diagnose.patterns.pool import orthonormal
+from diagnose.result import FittedParameter
+from diagnose.rules.fitting_rules import FittingRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-from .candidates import WHOLE, Candidate, columns_of, parameter_of
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile
-from .flexibility import entry, through_flexibility
-from .pool import orthonormal
-from .prepare import TETHER, Prepared, limits
-from .result import FittedParameter
-
-Array = NDArray[np.float64]
+from .prepare import Prepared, limits
 
 _SWEEPS = 2
 _SCAN = 14
 _NEWTON = 6
 _DIFFERENCE = 1e-4
-_HELD = 0.8
-"""Standard errors, as shares of what a size is held to (see `tether`), from which the data are said to tell nothing."""
-_FEW_SIZES = 8
-_TELLING = 0.5
-"""Half the interval of a compliance over its value, at most, for it to be told."""
 
 
 @dataclass(frozen=True)
@@ -102,14 +98,13 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
     return tuple(term.candidate if term.candidate.free_shapes else None for term in found)
 
 
-def _linear(prepared: Prepared, candidate: Candidate) -> bool:
+def _linear(candidate: Candidate) -> bool:
     """Whether the displacement is the columns times the sizes, whatever these are."""
-    unweighed = candidate.effect == "joint_compliance" and bool(prepared.observed.unknown_masses)
-    return candidate.share or candidate.outside or unweighed or candidate.effect != "link_modulus"
+    return candidate.share or candidate.outside or EFFECTS[candidate.effect].linear
 
 
 def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array) -> Term:
-    if _linear(prepared, candidate):
+    if _linear(candidate):
         return Term(candidate, sizes, columns, columns @ sizes)
     values = dict(zip(candidate.sizes, sizes.tolist(), strict=True))
     moved = prepared.observed.signature(candidate.effect, candidate.settings(values))
@@ -133,19 +128,19 @@ def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False)
     return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
 
 
-def tether(term: Term, unit: float) -> Array:
+def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
     """What holds a finding's sizes (d,) within their physical bounds where the data say next to nothing: `unit`, the
     scatter of whitened residuals, over a fifth of the bound. It counts where a size at its bound would stay below five
     standard deviations; what the data show beyond that it shifts by less than a tenth of its error."""
-    bound = limits(term.candidate, term.columns)
-    return np.zeros(len(term.sizes)) if bound is None else unit * TETHER / bound
+    bound = limits(term.candidate, term.columns, rules=rules)
+    return np.zeros(len(term.sizes)) if bound is None else unit * rules.tether / bound
 
 
 def _tethers(prepared: Prepared, terms: Sequence[Term], unit: float) -> tuple[Array, Array]:
     """Rows that hold each size (see `tether`): weights (k, b + k) and what they ask for (k,), for the step from the
     present sizes."""
-    beside = prepared.beside.shape[2]
-    weight = np.concatenate([np.zeros(0), *(tether(term, unit) for term in terms)])
+    beside, rules = prepared.beside.shape[2], prepared.observed.rules.fitting
+    weight = np.concatenate([np.zeros(0), *(tether(term, unit, rules=rules) for term in terms)])
     sizes = np.concatenate([np.zeros(0), *(term.sizes for term in terms)])
     rows = np.hstack([np.zeros((len(weight), beside)), np.diag(weight)])
     return rows, -weight * sizes
@@ -202,7 +197,7 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
             for term, span in zip(terms, spans, strict=True)
         ]
         terms = [replace(one, through=term.through) for one, term in zip(new, terms, strict=True)]
-        if all(_linear(prepared, term.candidate) and term.through is None for term in terms):
+        if all(_linear(term.candidate) and term.through is None for term in terms):
             break
     return _coupled(prepared, terms)
 
@@ -232,8 +227,9 @@ class _Scan:
         if columns is None:
             return float("inf")
         own = self.prepared.observed.whitened(columns)
-        bound = limits(candidate, columns)
-        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(self.unit * TETHER / bound)
+        rules = self.prepared.observed.rules.fitting
+        bound = limits(candidate, columns, rules=rules)
+        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(self.unit * rules.tether / bound)
         padding = np.zeros((len(self.left) - len(own), own.shape[1]))
         own = np.vstack([own, padding])
         own = np.vstack([own - self.others @ (self.others.T @ own), tether])
@@ -309,63 +305,58 @@ def _parameters(
     freedom: int,
     variance: float,
 ) -> tuple[FittedParameter, ...]:
-    term = terms[place]
+    arm, term, rules = prepared.observed.arm, terms[place], prepared.observed.rules.fitting
     candidate = term.candidate
     factor = t_quantile(freedom)
-    at = tuple(index + 1 for index in candidate.at)
+    at = candidate.numbers
     ending = f"_{at[0]}" if len(at) == 1 else ""
-    if candidate.effect == "joint_compliance" and prepared.observed.unknown_masses:
-        known = _known_load(term, _kind(prepared, candidate, "compliance"), errors, told, factor, at)
+    if candidate.of_drives and prepared.observed.unknown_masses:
+        kind = kind_of(arm, candidate, candidate.sizes[0])
+        known = _known_load(term, kind, errors, told, factor, at, rules.telling)
         return (_sag(prepared, term, factor, variance, at), *known)
     found: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
-    held = tether(term, 1.0) * errors > _HELD
-    seen = ~held if (~held).any() and len(held) <= _FEW_SIZES else np.ones(len(held), dtype=bool)
+    held = tether(term, 1.0, rules=rules) * errors > rules.held
+    seen = ~held if (~held).any() and len(held) <= rules.few_sizes else np.ones(len(held), dtype=bool)
     fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
     for name, value, error, sure, shown in fitted:
         if not shown:
             continue
         low, high = bounds(candidate, name, prepared)
         reach = factor * error if sure else float("inf")
-        kind = "dimensionless" if candidate.share else _kind(prepared, candidate, name)
+        kind = kind_of(arm, candidate, name)
         interval = (value - reach, value + reach)
         found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval, not low < value < high))
     for name in candidate.free_shapes:
-        kind = _kind(prepared, candidate, name)
+        kind = kind_of(arm, candidate, name)
         value = candidate.shapes[name]
         interval = _profile(prepared, terms, place, name, factor, freedom, variance)
         found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
     for name, value in candidate.shapes.items():
-        if name in WHOLE:
-            kind = _kind(prepared, candidate, name)
+        if name in candidate.whole_shapes:
+            kind = kind_of(arm, candidate, name)
             found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
     return tuple(found)
 
 
-def _kind(prepared: Prepared, candidate: Candidate, name: str) -> str:
-    effect = EFFECTS[candidate.effect]
-    joints = [prepared.observed.arm.joints[index] for index in candidate.at]
-    slides = effect.place == "joint" and bool(joints) and not any(joint.revolute for joint in joints)
-    return kind_at(parameter_of(effect, name), slides=slides)
-
-
 def _known_load(
-    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...]
+    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...], telling: float
 ) -> tuple[FittedParameter, ...]:
     """The drive's compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
     its own column, the last, tells it. Nothing where the data hardly do."""
     value, error = float(term.sizes[-1]), float(errors[-1])
-    if not told[-1] or factor * error > _TELLING * abs(value):
+    if not told[-1] or factor * error > telling * abs(value):
         return ()
     interval = (value - factor * error, value + factor * error)
-    return (FittedParameter(f"compliance_{at[0]}", "compliance", at, kind, value, interval),)
+    name = term.candidate.sizes[0]
+    return (FittedParameter(f"{name}_{at[0]}", name, at, kind, value, interval),)
 
 
 def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
     """Where the links' masses are unknown, the drive's compliance cannot be had by itself: the most that the joint sags
     under their weight over the recording stands for it, with the relative error of the whole displacement."""
     index = at[0] - 1
-    unit = prepared.observed.signature("encoder_offset", Candidate("", (index,), (), {}).settings({"offset": 1.0}))
+    unit = prepared.observed.drive_moved(index)
     reach = np.sum(unit**2, axis=1)
     angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
     value = float(angle[np.argmax(np.abs(angle))])

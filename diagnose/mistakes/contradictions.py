@@ -11,51 +11,46 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
-from materials.quantities import InputError, format_quantity
+from arm.chain.arrays import nominal
+from arm.chain.chain import Arm
+from diagnose.recording import Recording
+from diagnose.residual.placement import Placement, placed, turn_of
+from diagnose.rules.mistake_rules import MistakeRules
+from sections.numeric import Array
+from units.quantities import InputError, format_quantity
 
-from .convention_slips import Explained, explained_by_convention
-from .placement import Placement, nominal, placed, turn_of
-from .recording import Recording
-from .unit_slips import UnitChange, unit_changes
+from .convention_search import Explained, explained_by_convention
+from .units import UnitChange, unit_changes
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-_FEWEST = 5
-_WHOLE, _LEAST_WHOLE = 0.1, 0.01
-"""Shares of the tips' spread and of the reach beyond which the middle reading contradicts the arm."""
-BETTER = 0.2
-_NOTICED, _FEWEST_FOR_CONVENTIONS = 2e-3, 12
-"""Of the reach: from here on a wrong convention is looked for, in so many readings at least."""
-_HOPELESS, _HOPELESS_WHOLE = 0.2, 0.05
-"""Of the tips' spread and of the reach: no small displacements explain what is left then."""
 
 
 def contradictions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
 ) -> list[str]:
     """Sentences about the recording as a whole; `place` sets it against the arm as declared, `reach` is the arm's, m.
 
     Raises `InputError` where another unit, frame, tool or convention is needed, or nothing that is known would do.
     """
-    if place.misfit > _much(place, reach):
-        _refuse_units(recording, arm, place, reach, headers)
-        _refuse_still_joint(recording, arm, place, reach, headers)
-    _refuse_conventions(recording, arm, place, reach, headers)
-    return _frame_sentences(recording, arm, place, reach, headers)
+    if place.misfit > _much(place, reach, rules):
+        _refuse_units(recording, arm, place, reach, headers, rules)
+        _refuse_still_joint(recording, arm, place, reach, headers, rules)
+    _refuse_conventions(recording, arm, place, reach, headers, rules)
+    return _frame_sentences(recording, arm, place, reach, headers, rules)
 
 
-def _much(place: Placement, reach: float) -> float:
+def _much(place: Placement, reach: float, rules: MistakeRules) -> float:
     """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
-    return max(_WHOLE * _spread(place.modelled), _LEAST_WHOLE * reach)
+    return max(rules.whole * _spread(place.modelled), rules.least_whole * reach)
 
 
 def _spread(points: Array) -> float:
     return float(np.median(np.linalg.norm(points - np.median(points, axis=0), axis=1)))
 
 
-def _refuse_units(recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]) -> None:
+def _refuse_units(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+) -> None:
     """Raise where another unit of a column makes joints and tip agree."""
     best: tuple[float, float, UnitChange] | None = None
     for change in unit_changes(arm, recording.tip.shape[1], headers):
@@ -68,7 +63,7 @@ def _refuse_units(recording: Recording, arm: Arm, place: Placement, reach: float
         )
         # Relative to the motion: in units that are small enough, everything is close to everything.
         share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
-        good = share < _WHOLE and tried.misfit < BETTER * place.misfit
+        good = share < rules.whole and tried.misfit < rules.better * place.misfit
         if good and (best is None or share < 0.999 * best[0]):
             best = (share, tried.misfit, change)
     if best is None:
@@ -82,36 +77,38 @@ def _refuse_units(recording: Recording, arm: Arm, place: Placement, reach: float
 
 
 def _refuse_still_joint(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
 ) -> None:
     """Raise where a joint that never changes would have to move for the tip to be where it is."""
     for index in range(arm.size):
         if np.ptp(recording.q[:, index]) != 0.0 or recording.frame == "free":
             continue
         left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
-        if np.median(left) < BETTER * place.misfit and np.median(left) < _much(place, reach):
+        if np.median(left) < rules.better * place.misfit and np.median(left) < _much(place, reach, rules):
             name = headers.get(f"q{index + 1}", f"q{index + 1}")
             message = "never changes, but the tip moves as if the joint did: its encoder stands still or was not logged"
             raise InputError(recording.file, name, message)
 
 
 def _refuse_conventions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
 ) -> None:
     """Raise where a joint that counts the other way, another zero, mirrored axes and the like make them agree."""
-    if place.misfit < _NOTICED * reach or recording.size < _FEWEST_FOR_CONVENTIONS:
+    if place.misfit < rules.noticed * reach or recording.size < rules.fewest_for_conventions:
         return
-    gross = place.misfit > _much(place, reach)
+    gross = place.misfit > _much(place, reach, rules)
     frame, tool = recording.frame == "free", recording.tool == "free"
 
     def explained(*, frame: bool, tool: bool) -> Explained | None:
         q, tip = recording.q, recording.tip
-        return explained_by_convention(arm, q, tip, headers, place.misfit, frame=frame, tool=tool, gross=gross)
+        return explained_by_convention(
+            arm, q, tip, headers, place.misfit, frame=frame, tool=tool, gross=gross, rules=rules
+        )
 
     found, further = explained(frame=frame, tool=tool), ""
     if not (frame and tool):
         free = placed(arm, recording.q, recording.tip, frame=True, tool=True).misfit
-        if found is None and gross and free >= BETTER * place.misfit:
+        if found is None and gross and free >= rules.better * place.misfit:
             found, further = explained(frame=True, tool=True), " and `frame: free` and `tool: free`"
         elif found is not None and free <= 2.0 * found.misfit:
             return  # a frame that was turned says as much, and is commoner
@@ -124,10 +121,10 @@ def _refuse_conventions(
 
 
 def _frame_sentences(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str]
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
 ) -> list[str]:
     """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
-    if place.misfit < _LEAST_WHOLE * reach or recording.size < 2 * _FEWEST:
+    if place.misfit < rules.least_whole * reach or recording.size < 2 * rules.fewest:
         return []
     known_frame, known_tool = recording.frame == "known", recording.tool == "known"
     tries: list[tuple[str, Placement]] = []
@@ -137,22 +134,22 @@ def _frame_sentences(
         free = placed(arm, recording.q, recording.tip, frame=frame or not known_frame, tool=tool or not known_tool)
         words = [word for word, is_free in (("frame: free", frame), ("tool: free", tool)) if is_free]
         tries.append((" and ".join(words), free))
-    good = [(words, free) for words, free in tries if free.misfit < BETTER * place.misfit]
+    good = [(words, free) for words, free in tries if free.misfit < rules.better * place.misfit]
     if not good:
-        if place.misfit > _much(place, reach):
+        if place.misfit > _much(place, reach, rules):
             text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
             ask = "do the arm file and the recording belong together?"
             still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
             if still:
                 ask += f" {', '.join(still)} never changes: was it logged?"
             text += f", and no other unit, frame, tool, zero, sign or order explains it: {ask}"
-            far = place.misfit > _HOPELESS * _spread(place.modelled) and place.misfit > _HOPELESS_WHOLE * reach
+            far = place.misfit > max(rules.hopeless * _spread(place.modelled), rules.hopeless_whole * reach)
             if far or still:
                 raise InputError(recording.file, "", text)
             return [f"{text[0].upper()}{text[1:]}"]
         return []
     least = min(free.misfit for _, free in good)
-    words, free = next((words, free) for words, free in good if free.misfit <= 2.0 * least + 1e-6)
+    words, free = next((words, free) for words, free in good if free.misfit <= rules.simpler * least + 1e-6)
     shift, turn = float(np.linalg.norm(free.translation)), turn_of(free.rotation)
     parts: list[str] = []
     if "frame" in words:
@@ -162,7 +159,7 @@ def _frame_sentences(
         parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
     falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
     change = f"{' and '.join(parts)} would bring the middle reading {falls}"
-    large = turn > 0.1 or place.misfit > _WHOLE * reach
+    large = turn > rules.another_frame or place.misfit > rules.whole * reach
     if large:
         message = f"is measured in another frame than the arm's: {change}; write `{words}` in recording.yaml"
         if "frame" not in words:

@@ -12,25 +12,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain.arrays import nominal
+from arm.chain.chain import Arm
+from diagnose.residual.placement import placed
+from diagnose.rules.mistake_rules import MistakeRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-from .convention_kinds import Slip, no_slip, single_slips, zero_slip
-from .placement import nominal, placed
-
-Array = NDArray[np.float64]
-
-_ROWS, _TOGETHER = 40, 400
-"""Readings that a search looks at (all of them confirm what it finds), and mistakes that are tried at once."""
-_FEWEST_POSES = 8
-_LIKELY, _BEAM, _DEEP = 10, 60, 3
-_LATE = 5
-_SHARE = 0.2
-"""What a right convention leaves of the mismatch at most; one more mistake must do as well against one less."""
-_ENOUGH = 0.05
-"""Of the tips' spread: what is left of a mismatch that a convention explains. No physics of an arm comes near it."""
-_SCAN = 72
+from .conventions import Slip, no_slip, single_slips, zero_slip
 
 
 @dataclass(frozen=True)
@@ -56,6 +46,7 @@ class _Search:
     tip: Array
     frame: bool
     tool: bool
+    rules: MistakeRules
 
     def misfit(self, slip: Slip) -> float:
         """The middle distance (m) with a mistake mended; where frame or tool is free, about what they leave at best."""
@@ -65,8 +56,9 @@ class _Search:
     def misfits(self, slips: Sequence[Slip]) -> Array:
         """The same of many mistakes in which no row is late, (H,), m."""
         found: list[Array] = []
-        for first in range(0, len(slips), _TOGETHER):
-            some = slips[first : first + _TOGETHER]
+        together = self.rules.together
+        for first in range(0, len(slips), together):
+            some = slips[first : first + together]
             q = np.stack([self.q @ slip.matrix.T + slip.offset for slip in some])
             found.append(self._misfits(q, np.stack([self.tip @ slip.axes.T for slip in some])))
         return np.concatenate(found) if found else np.zeros(0)
@@ -87,34 +79,41 @@ class _Search:
 
 
 def explained_by_convention(
-    arm: Arm, q: Array, tip: Array, headers: Mapping[str, str], misfit: float, *, frame: bool, tool: bool, gross: bool
+    arm: Arm,
+    q: Array,
+    tip: Array,
+    headers: Mapping[str, str],
+    misfit: float,
+    *,
+    frame: bool,
+    tool: bool,
+    gross: bool,
+    rules: MistakeRules = RULES.mistakes,
 ) -> Explained | None:
     """The mistake that explains why the middle reading is `misfit` (m) off, None where none does.
 
     `q` (N, n), `tip` (N, D) and `headers` as recorded; `frame` and `tool` say what is free. Where the mismatch
     is `gross`, a joint's zero may be off by any angle, and tips may stand beside other rows' joints.
     """
-    whole = _Search(arm, q, tip, frame, tool)
+    whole = _Search(arm, q, tip, frame, tool, rules)
     spread = float(np.median(np.linalg.norm(tip - np.median(tip, axis=0), axis=1)))
-    limit = min(_SHARE * misfit, _ENOUGH * spread)
+    limit = min(rules.convention_leaves * misfit, rules.convention_enough * spread)
     # Readings taken on the move lag by a row or two as well; what they are off by is small beside the motion.
     if gross and (late := _late_rows(whole, limit)) is not None:
         return late
     poses = np.sort(np.unique(np.round(q, 3), axis=0, return_index=True)[1])
-    if len(poses) < _FEWEST_POSES:
+    if len(poses) < rules.fewest_poses:
         return None  # frame, tool and a wrong convention together fit a few points by chance
-    picked = poses[np.unique(np.linspace(0, len(poses) - 1, _ROWS).astype(int))]
+    picked = poses[np.unique(np.linspace(0, len(poses) - 1, rules.looked_at).astype(int))]
     search = replace(whole, q=q[picked], tip=tip[picked])
-    singles = list(single_slips(arm, tip.shape[1], headers, frame=frame))
-    found = _deepening(search, whole, singles, limit, _DEEP if gross else 1)
+    singles = list(single_slips(arm, tip.shape[1], headers, frame=frame, rules=rules))
+    found = _deepening(search, whole, singles, limit, rules.deep if gross else 1)
     if found is None and gross:
         found = _any_zero(search, whole, headers, limit)
     return found
 
 
-def _deepening(
-    search: _Search, whole: _Search, singles: list[Slip], limit: float, deep: int
-) -> Explained | None:
+def _deepening(search: _Search, whole: _Search, singles: list[Slip], limit: float, deep: int) -> Explained | None:
     """The fewest mistakes that explain the mismatch: every one, every two, and a third upon the most promising."""
     beam: list[Slip] = [no_slip(search.arm.size, search.tip.shape[1])]
     for _ in range(deep):
@@ -129,20 +128,20 @@ def _deepening(
         bounds = search.misfits(tried)
         # Of those that do equally well (a wrist turned over, say) the one that is made most goes first.
         order = np.argsort(bounds, kind="stable")
-        likely = sorted(int(number) for number in order[:_LIKELY] if bounds[number] < limit)
+        likely = sorted(int(number) for number in order[: search.rules.likely] if bounds[number] < limit)
         left = {number: whole.confirmed(tried[number]) for number in likely}
         least = min(left.values(), default=math.inf)
         if least < limit:
-            number = next(number for number in likely if left[number] <= 1.05 * least)
+            number = next(number for number in likely if left[number] <= search.rules.as_well * least)
             return Explained(tried[number], left[number])
-        beam = [tried[number] for number in (order if len(beam) == 1 else order[:_BEAM])]
+        beam = [tried[number] for number in (order if len(beam) == 1 else order[: search.rules.beam])]
     return None
 
 
 def _late_rows(search: _Search, limit: float) -> Explained | None:
     """Tips that stand some rows beside their joints, or in the opposite or any other order."""
     none = no_slip(search.arm.size, search.tip.shape[1])
-    for rows in range(1, min(_LATE, len(search.q) // 4) + 1):
+    for rows in range(1, min(search.rules.late, len(search.q) // 4) + 1):
         for late in (rows, -rows):
             which = "later" if late > 0 else "earlier"
             many = f"{rows} row{'s' if rows > 1 else ''}"
@@ -163,7 +162,7 @@ def _late_rows(search: _Search, limit: float) -> Explained | None:
     nearest = KDTree(tips).query(search.tip)[0]
     left = float(np.median(nearest))
     # By chance the nearest of N tips is about N^(-1/D) of their spread away.
-    if left < min(limit, 0.1 * _by_chance(tips)):
+    if left < min(limit, search.rules.in_another_order * _by_chance(tips)):
         return Explained(replace(none, said=("the tips stand in another order than the joints",), remedy=remedy), left)
     return None
 
@@ -185,8 +184,9 @@ def _any_zero(search: _Search, whole: _Search, headers: Mapping[str, str], limit
         def left(angle: float, k: int = k, name: str = name) -> float:
             return search.misfit(zero_slip(none, search.arm, k, float(angle), name))
 
-        step = 2.0 * math.pi / _SCAN
-        start = min((number * step for number in range(_SCAN)), key=left)
+        steps = search.rules.zero_steps
+        step = 2.0 * math.pi / steps
+        start = min((number * step for number in range(steps)), key=left)
         for _ in range(14):  # each pass halves the step: 5 deg down to 0.3 mdeg
             step /= 2.0
             start = min((start - step, start, start + step), key=left)

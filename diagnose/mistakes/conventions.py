@@ -9,14 +9,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-
-Array = NDArray[np.float64]
+from arm.chain.chain import Arm
+from diagnose.rules.mistake_rules import MistakeRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
 _QUARTER = math.pi / 2.0
-_MOST_SIGNS = 7
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,9 @@ def no_slip(size: int, width: int) -> Slip:
     return Slip(np.eye(size), np.zeros(size), np.eye(width), 0, (), (), frozenset())
 
 
-def single_slips(arm: Arm, width: int, headers: Mapping[str, str], *, frame: bool) -> Iterator[Slip]:
+def single_slips(
+    arm: Arm, width: int, headers: Mapping[str, str], *, frame: bool, rules: MistakeRules = RULES.mistakes
+) -> Iterator[Slip]:
     """Every single mistake, those that are made most first."""
     none = no_slip(arm.size, width)
     names = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size)]
@@ -83,7 +84,7 @@ def single_slips(arm: Arm, width: int, headers: Mapping[str, str], *, frame: boo
             acts = frozenset({f"q{one}", f"q{other}"})
             yield replace(none, matrix=matrix, said=(said,), remedy=(column,), acts_on=acts)
     yield from _axes(none, width, headers, frame=frame)
-    for many in range(2, min(arm.size, _MOST_SIGNS) + 1):
+    for many in range(2, min(arm.size, rules.most_signs) + 1):
         for joints in itertools.combinations(range(arm.size), many):
             yield _signs(none, joints, names)
 
@@ -119,9 +120,7 @@ def _coupled(none: Slip, k: int, other: int, sign: float, names: list[str]) -> S
     operator = "+" if sign > 0.0 else "-"
     within = f"holds {names[other]} as well" if sign < 0.0 else f"is less {names[other]}"
     column = f"`columns: {{{names[k]}: {names[k]} {operator} {names[other]}}}` in recording.yaml"
-    return replace(
-        none, matrix=matrix, said=(f"{names[k]} {within}",), remedy=(column,), acts_on=frozenset({f"q{k}"})
-    )
+    return replace(none, matrix=matrix, said=(f"{names[k]} {within}",), remedy=(column,), acts_on=frozenset({f"q{k}"}))
 
 
 def _axes(none: Slip, width: int, headers: Mapping[str, str], *, frame: bool) -> Iterator[Slip]:

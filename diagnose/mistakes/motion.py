@@ -13,46 +13,46 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain.arrays import nominal
+from arm.chain.chain import Arm
+from diagnose.recording import Recording, RejectedRow
+from diagnose.residual.placement import Placement, placed
+from diagnose.rules.mistake_rules import MistakeRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-from .contradictions import BETTER, contradictions, distance_with_joint_free, shown_length
-from .placement import Placement, nominal, placed
-from .recording import Recording, RejectedRow
+from .contradictions import contradictions, distance_with_joint_free, shown_length
 from .row_lists import rows_text
-from .unit_slips import IN_A_ROW, unit_changes, widest
+from .units import IN_A_ROW, unit_changes, widest
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_FEWEST = 5
-_FAR, _GROSS, _STILL = 10.0, 5e-3, 1e-3
-_SHORT, _MOST_JUMPS = 3, 0.2
-_MANY_STILL = 0.2
 
-
-def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
+def motion_checked(
+    recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: MistakeRules = RULES.mistakes
+) -> Recording:
     """The recording less rows in which joints and tip contradict each other grossly. Raises `InputError`."""
-    if recording.size < _FEWEST or not np.ptp(recording.q, axis=0).any():
+    if recording.size < rules.fewest or not np.ptp(recording.q, axis=0).any():
         return recording  # where no joint moves there is no motion to tell of
     reach = sum(arm.lengths) + sum(math.dist(joint.origin_translation, (0, 0, 0)) for joint in arm.joints)
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
     if reach <= 0.0:
         return recording
     place = _placed(recording, arm)
-    warnings = contradictions(recording, arm, place, reach, headers)
-    limit = max(_FAR * place.misfit, _GROSS * reach)
+    warnings = contradictions(recording, arm, place, reach, headers, rules)
+    limit = max(rules.far * place.misfit, rules.gross * reach)
     gross = place.distance > limit
     rejected: dict[int, str] = {}
     for reasons in (
-        _frozen_tip(recording, arm, reach),
-        _stuck(recording, arm, place, gross, limit, headers),
-        _slipped(recording, arm, place, gross, limit, reach, headers),
+        _frozen_tip(recording, arm, reach, rules),
+        _stuck(recording, arm, place, gross, limit, headers, rules),
+        _slipped(recording, arm, place, gross, limit, reach, headers, rules),
     ):
         for index, reason in reasons.items():
             rejected.setdefault(index, reason)
     left = gross.copy()
     left[list(rejected)] = False
-    jumps, said = _jumps(recording, place, left)
+    jumps, said = _jumps(recording, place, left, rules)
     rejected |= jumps
     recording = replace(recording, warnings=(*recording.warnings, *warnings, *said))
     return recording.without([RejectedRow(int(recording.row[k]), reason) for k, reason in sorted(rejected.items())])
@@ -62,24 +62,30 @@ def _placed(recording: Recording, arm: Arm) -> Placement:
     return placed(arm, recording.q, recording.tip, frame=recording.frame == "free", tool=recording.tool == "free")
 
 
-def _frozen_tip(recording: Recording, arm: Arm, reach: float) -> dict[int, str]:
+def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: MistakeRules) -> dict[int, str]:
     """Rows that hold the same tip as the row before, to the last digit, although the joints moved."""
     tips, _ = nominal(arm, recording.q, recording.tip.shape[1])
     still = (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
     found: dict[int, str] = {}
-    if still.mean() > _MANY_STILL:
+    if still.mean() > rules.many_still:
         return found  # an instrument that is this coarse repeats itself anyway
     source = 0
     for index in range(1, recording.size):
         if not still[index - 1]:
             source = index
-        elif float(np.linalg.norm(tips[index] - tips[source])) > _STILL * reach:
+        elif float(np.linalg.norm(tips[index] - tips[source])) > rules.still * reach:
             found[index] = f"the tip is that of row {recording.row[source]} to the last digit although the joints moved"
     return found
 
 
 def _stuck(
-    recording: Recording, arm: Arm, place: Placement, gross: Mask, limit: float, headers: Mapping[str, str]
+    recording: Recording,
+    arm: Arm,
+    place: Placement,
+    gross: Mask,
+    limit: float,
+    headers: Mapping[str, str],
+    rules: MistakeRules,
 ) -> dict[int, str]:
     """Rows in which a joint's reading stands still while the tip moves as if the joint did."""
     found: dict[int, str] = {}
@@ -92,7 +98,7 @@ def _stuck(
             mask = np.zeros(recording.size, dtype=bool)
             mask[bad] = True
             left = distance_with_joint_free(recording, arm, place, mask, index)
-            if np.mean(left < np.maximum(BETTER * place.distance[bad], 2.0 * place.misfit)) < 0.8:
+            if np.mean(left < np.maximum(rules.better * place.distance[bad], 2.0 * place.misfit)) < rules.stuck:
                 continue
             first, last = recording.row[bad[0]], recording.row[bad[-1]]
             reason = f"{name} stands still while the tip moves (rows {first} to {last})"
@@ -122,6 +128,7 @@ def _slipped(
     limit: float,
     reach: float,
     headers: Mapping[str, str],
+    rules: MistakeRules,
 ) -> dict[int, str]:
     """Rows that fit as soon as a column is read in another unit."""
     found: dict[int, str] = {}
@@ -129,7 +136,7 @@ def _slipped(
     if not len(bad):
         return found
     near = max(0.5 * limit, 3.0 * place.misfit)
-    closest = np.minimum(near, 0.1 * place.distance[bad])
+    closest = np.minimum(near, rules.near_another_unit * place.distance[bad])
     for change in unit_changes(arm, recording.tip.shape[1], headers):
         if not all(factor in IN_A_ROW for factor in change.factors):
             continue
@@ -147,7 +154,9 @@ def _slipped(
     return found
 
 
-def _jumps(recording: Recording, place: Placement, gross: Mask) -> tuple[dict[int, str], list[str]]:
+def _jumps(
+    recording: Recording, place: Placement, gross: Mask, rules: MistakeRules
+) -> tuple[dict[int, str], list[str]]:
     """Short, solitary contradictions are jumps and set aside; what lasts or comes back in repeats is only said."""
     found: dict[int, str] = {}
     bad = np.flatnonzero(gross)
@@ -155,14 +164,16 @@ def _jumps(recording: Recording, place: Placement, gross: Mask) -> tuple[dict[in
         return found, []
     lasting: list[int] = []
     for run in np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1):
-        agree = len(run) > 1 and bool((np.ptp(place.residual[run], axis=0) < 0.1 * place.distance[run].min()).all())
-        if len(run) > _SHORT or agree:
+        agree = len(run) > 1 and bool(
+            (np.ptp(place.residual[run], axis=0) < rules.agree * place.distance[run].min()).all()
+        )
+        if len(run) > rules.short_run or agree:
             lasting += run.tolist()
             continue
         for index in run.tolist():
             far, middle = shown_length(float(place.distance[index])), shown_length(place.misfit)
             found[index] = f"jumps: the tip is {far} from the nominal one, the middle reading {middle}"
-    if len(found) > _MOST_JUMPS * recording.size:
+    if len(found) > rules.most_jumps * recording.size:
         lasting, found = sorted([*lasting, *found]), {}
     if not lasting:
         return found, []

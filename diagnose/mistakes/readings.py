@@ -14,32 +14,28 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
-from materials.quantities import InputError, format_quantity
+from arm.chain.chain import Arm
+from diagnose.recording import Recording, RejectedRow
+from diagnose.residual.robust_scale import resolution
+from diagnose.rules.mistake_rules import MistakeRules
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
+from units.quantities import InputError, format_quantity
 
-from .checks_of_motion import motion_checked
-from .recording import Recording, RejectedRow
-from .robust import resolution
+from .motion import motion_checked
 from .row_lists import rows_text
 
-Array = NDArray[np.float64]
 
-_FEW = 0.02
-_MANY_ALIKE = 0.1
-_COLDEST, _HOTTEST = 193.15, 523.15
-"""K (-80 and 250 degC): what stands around an arm is neither colder nor hotter."""
-
-
-def checked(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
+def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:
     """The recording less the rows that cannot be right, which join `rejected`, with sentences in `warnings`.
 
     `headers` gives the header of each column (`q1`: `q1_deg`) for messages. Raises `InputError` where a whole column
     contradicts its header or the frame is another than the base's.
     """
     for check in (_sides, _covariates, _time, _duplicates):
-        recording = check(recording, headers)
+        recording = check(recording, headers, rules.mistakes)
     recording = _whole_turns(recording, arm, headers)
-    recording = motion_checked(recording, arm, headers)
+    recording = motion_checked(recording, arm, headers, rules=rules.mistakes)
     for check in (_beyond_range, _constant):
         recording = replace(recording, warnings=(*recording.warnings, *check(recording, arm, headers)))
     return recording
@@ -53,7 +49,8 @@ def _saying(recording: Recording, sentence: str) -> Recording:
     return replace(recording, warnings=(*recording.warnings, sentence))
 
 
-def _sides(recording: Recording, headers: Mapping[str, str]) -> Recording:
+def _sides(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+    del rules
     if recording.sides is None:
         return recording
     for index in range(recording.sides.shape[1]):
@@ -75,7 +72,7 @@ def _sides(recording: Recording, headers: Mapping[str, str]) -> Recording:
     return recording
 
 
-def _covariates(recording: Recording, headers: Mapping[str, str]) -> Recording:
+def _covariates(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
     if recording.payload_mass is not None:
         name = headers.get("payload", "payload_kg")
         negative = recording.payload_mass < 0.0
@@ -83,17 +80,18 @@ def _covariates(recording: Recording, headers: Mapping[str, str]) -> Recording:
             raise InputError(recording.file, name, "is negative in every row; a mass cannot be")
         recording = _rejecting(recording, negative, f"{name} is negative")
     if recording.temperature is not None:
-        recording = _temperature(recording, recording.temperature, headers.get("temperature", "temperature_degC"))
+        header = headers.get("temperature", "temperature_degC")
+        recording = _temperature(recording, recording.temperature, header, rules)
     links = recording.link_temperature
     for index in range(0 if links is None else links.shape[1]):
         name = f"temperature_link{index + 1}"
         if name in headers and recording.link_temperature is not None:
-            recording = _temperature(recording, recording.link_temperature[:, index], headers[name])
+            recording = _temperature(recording, recording.link_temperature[:, index], headers[name], rules)
     return recording
 
 
-def _temperature(recording: Recording, kelvin: Array, name: str) -> Recording:
-    wrong = (kelvin < _COLDEST) | (kelvin > _HOTTEST)
+def _temperature(recording: Recording, kelvin: Array, name: str, rules: MistakeRules) -> Recording:
+    wrong = (kelvin < rules.coldest) | (kelvin > rules.hottest)
     if not wrong.any():
         return recording
     first = format_quantity(max(float(kelvin[wrong][0]), 0.0), "temperature", digits=4)
@@ -105,7 +103,7 @@ def _temperature(recording: Recording, kelvin: Array, name: str) -> Recording:
     return _rejecting(recording, wrong, f"{name} says {first}")
 
 
-def _time(recording: Recording, headers: Mapping[str, str]) -> Recording:
+def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
     """Time runs from the first reading on; a stray stamp costs its row, a clock that was set back costs the times."""
     if recording.time is None:
         return recording
@@ -114,9 +112,9 @@ def _time(recording: Recording, headers: Mapping[str, str]) -> Recording:
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
     if len(back):
         stray = ~_longest_run(time)
-        if stray.sum() <= max(1.0, _FEW * len(time)):
+        if stray.sum() <= max(1.0, rules.few_stray * len(time)):
             recording = _rejecting(recording, stray, f"{name} runs backwards against the rows around it")
-        elif len(back) <= max(1.0, 0.5 * _FEW * len(time)):
+        elif len(back) <= max(1.0, 0.5 * rules.few_stray * len(time)):
             rows = rows_text(recording.row[back])
             recording = _saying(recording, f"{name} starts again in {rows}: the clock was set back, so it is not used.")
             return replace(recording, time=None)
@@ -148,7 +146,7 @@ def _longest_run(time: Array) -> NDArray[np.bool_]:
     return member
 
 
-def _duplicates(recording: Recording, headers: Mapping[str, str]) -> Recording:
+def _duplicates(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
     """Rows that say again what the row before said, to the last digit: a logger's copies, or readings too coarse."""
     del headers
     if recording.size < 2:
@@ -170,8 +168,8 @@ def _duplicates(recording: Recording, headers: Mapping[str, str]) -> Recording:
         alike[:] = copied
         copied[:] = False
     if alike.any():
-        few = alike.mean() <= _MANY_ALIKE or alike.sum() <= 0.5 * same_q.sum()
-        if few and not _coarse(recording, same_q):
+        few = alike.mean() <= rules.many_alike or alike.sum() <= 0.5 * same_q.sum()
+        if few and not _coarse(recording, same_q, rules):
             copied |= alike
         else:
             rows = rows_text(recording.row[1:][alike])
@@ -183,7 +181,7 @@ def _duplicates(recording: Recording, headers: Mapping[str, str]) -> Recording:
     return recording.without(rejected)
 
 
-def _coarse(recording: Recording, same_q: NDArray[np.bool_]) -> bool:
+def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: MistakeRules) -> bool:
     """Whether repeats differ by so few of the instrument's steps that some must be alike."""
     steps = [resolution(recording.tip[:, axis]) for axis in range(recording.tip.shape[1])]
     counts = [
@@ -193,7 +191,7 @@ def _coarse(recording: Recording, same_q: NDArray[np.bool_]) -> bool:
         return False
     largest = np.max(counts, axis=0)
     moved = largest[largest > 0.5]
-    return bool(len(moved)) and float(np.median(moved)) <= 3.0
+    return bool(len(moved)) and float(np.median(moved)) <= rules.coarse
 
 
 def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-
-Array = NDArray[np.float64]
+from arm.chain.chain import Arm
+from sections.numeric import Array
 
 _TIP = ("x", "y", "z")
 _LENGTHS = (1e3, 1e-3, 1e6, 1e-6, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4)

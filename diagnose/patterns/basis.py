@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .candidates import Candidate
-from .observed import Observed
+from arm.chain.arrays import columns
+from diagnose.residual.observed import Observed
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .library import Candidate
 
 
 def form(name: str, at: tuple[int, ...] = (), shapes: Mapping[str, float] = MappingProxyType({})) -> Candidate:
@@ -31,10 +31,20 @@ def run_of(clock: Array) -> Array:
 
 
 def tip_of(observed: Observed) -> Array:
-    """Where the arm file's tip stands at each reading, (N, 3), m."""
-    return np.stack(
-        [np.broadcast_to(np.asarray(x, dtype=float), (observed.rows,)) for x in observed.state.tip()], axis=1
-    )
+    """Where the arm file's tip stands at each reading, (N, 3), m; undeformed, for what is found must not move it."""
+    return columns(observed.nominal.tip(), observed.rows)
+
+
+def tip_axes(observed: Observed) -> Array:
+    """A displacement of the tip along each axis, alike at all readings, (1, C, D)."""
+    return np.eye(observed.residual.shape[1])[None, :, : observed.components]
+
+
+def interactions(functions: Sequence[Array] | Array, patterns: Array) -> Array:
+    """The interactions of a regression: functions of the readings (F, N) times each of some patterns (N or 1, C, d),
+    (N, C, F d)."""
+    made = np.transpose(functions)[:, None, :, None] * patterns[:, :, None, :]
+    return made.reshape(*made.shape[:2], -1)
 
 
 def scaled_position(observed: Observed) -> Array:

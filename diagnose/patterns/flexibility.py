@@ -5,26 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from arm.chain import EffectEntry
+from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
-from arm.effects.elastic import ELASTIC
 
-from .candidates import Candidate, parameter_of
 from .forces import FORCES
-
-LOADS = frozenset(effect.id for effect in EFFECTS.values() if effect.through_flexibility)
-"""Effects that are loads."""
-_FLEXIBLE = frozenset(effect.id for effect in ELASTIC)
+from .library import Candidate, parameter_of
 
 
 def flexible(candidate: Candidate) -> bool:
     """Whether a candidate is flexibility through which unknown loads act."""
-    return candidate.effect in _FLEXIBLE and not (candidate.share or candidate.outside)
+    return not (candidate.share or candidate.outside) and EFFECTS[candidate.effect].flexible
 
 
 def through_flexibility(candidate: Candidate) -> bool:
     """Whether a candidate is a load that acts through the arm's flexibility."""
-    return candidate.effect in (FORCES if candidate.outside else LOADS)
+    return candidate.effect in FORCES if candidate.outside else EFFECTS[candidate.effect].through_flexibility
 
 
 def entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry | None:
@@ -38,4 +33,4 @@ def entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry | None:
         if not parameter.lower < size < parameter.upper:
             return None
         values[name] = size
-    return EffectEntry(candidate.effect, tuple(index + 1 for index in candidate.at), MappingProxyType(values))
+    return EffectEntry(candidate.effect, candidate.numbers, MappingProxyType(values))

@@ -9,38 +9,23 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from arm.effects.elastic import elastic_twists, under_other_loads
-from arm.error import carried_to_tip, rotation_at_tip
+from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from arm.errors.tip import carried_to_tip, rotation_at_tip
+from diagnose.residual.observed import Observed, blocks_of
+from diagnose.rules.pattern_rules import PatternRules
+from diagnose.search.subsets import gains, products
+from sections.numeric import Array
 
-from .candidates import Candidate
-from .form import clock_of, form, run_of, scaled_position, tip_of
-from .observed import Observed, blocks_of
+from .basis import clock_of, form, interactions, run_of, scaled_position, tip_of
+from .library import Candidate
 from .pool import Pool
-from .search import gains, products
-
-Array = NDArray[np.float64]
 
 FORCES = frozenset({"constant_force", "force_in_time", "spring_to_a_point", "pull_of_a_point", "force_field"})
 """Forms that act through what bends."""
 
-_WANDERS = (6, 12)
-"""Half waves over the recording that a force which wanders is made of."""
-_VISITS_FOR_EACH = 3
-"""Visits for each half wave, at least."""
-_CORE = 0.15
-"""m; nearer than about this a pull grows no further, since what pulls has a size."""
-_GRID = MappingProxyType({2: 6, 3: 4})
-"""Points along each axis of the grid that pulls begin from, in the plane and in space."""
-_CORES = (math.log(0.02), math.log(3.0))
-"""Logarithms of the least and the widest core, m."""
-_STARTS = 2
-"""Points of the grid from which a pull is moved to where it fits best."""
 _STEPS = 150
-_MAGNET = 3.0
-"""The power of the distance in a pull that is moved off the grid; how wide its core is tells the rest."""
 
 
 def _give(observed: Observed) -> Array:
@@ -64,24 +49,24 @@ def _give(observed: Observed) -> Array:
 
 def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """The forms that are forces, with their columns (N, C, d) for one newton each (a spring: for one N/m)."""
-    width = observed.components
+    width, rules = observed.components, observed.rules.patterns
     tip = tip_of(observed)[:, :width]
     steady = _give(observed)
     if not steady.any():
         return
     yield form("constant_force"), steady
     for waves in _wanderings(observed):
-        yield form("force_in_time", shapes={"half_waves": len(waves) - 1.0}), _times(waves, steady)
+        yield form("force_in_time", shapes={"half_waves": len(waves) - 1.0}), interactions(waves, steady)
     yield form("spring_to_a_point"), np.concatenate([steady, -_moved_by(steady, tip)], axis=2)
-    for point, power in itertools.product(_points_around(tip), (1.0, _MAGNET)):
-        shapes = {**_named(point), "core": _CORE, "power": power}
+    for point, power in itertools.product(_points_around(tip, rules), (1.0, rules.magnet)):
+        shapes = {**_named(point), "core": rules.core, "power": power}
         yield form("pull_of_a_point", shapes=shapes), _moved_by(steady, pull(tip, shapes))
     place = scaled_position(observed)
-    field = _times(place.T, steady)
+    field = interactions(place.T, steady)
     yield form("force_field", shapes={"order": 1.0}), np.concatenate([steady, field], axis=2)
-    if width == 2 and observed.rows > 60:
+    if width == 2 and observed.rows > rules.rows_for_curves:
         squares = np.stack([place[:, i] * place[:, j] for i in range(2) for j in range(i, 2)])
-        curved = np.concatenate([steady, field, _times(squares, steady)], axis=2)
+        curved = np.concatenate([steady, field, interactions(squares, steady)], axis=2)
         yield form("force_field", shapes={"order": 2.0}), curved
 
 
@@ -90,19 +75,13 @@ def _moved_by(give: Array, force: Array) -> Array:
     return np.einsum("nca,na->nc", give, force)[:, :, None]
 
 
-def _times(functions: Array, columns: Array) -> Array:
-    """Functions of the readings (F, N) times each of some columns (N, C, d), (N, C, F d)."""
-    made = functions.T[:, None, :, None] * columns[:, :, None, :]
-    return made.reshape(*columns.shape[:2], -1)
-
-
 def _wanderings(observed: Observed) -> Iterator[Array]:
     """Half waves over the recording, from none (a constant) up to as many as its visits can tell, (1 + K, N)."""
-    clock = clock_of(observed)
+    clock, rules = clock_of(observed), observed.rules.patterns
     if np.ptp(clock) <= 0.0:
         return
-    for count in _WANDERS:
-        if count * _VISITS_FOR_EACH <= len(blocks_of(observed.block)):
+    for count in rules.wanders:
+        if count * rules.visits_for_each <= len(blocks_of(observed.block)):
             yield np.cos(np.pi * np.arange(count + 1)[:, None] * run_of(clock))
 
 
@@ -116,22 +95,25 @@ def pull(tip: Array, shapes: Mapping[str, float]) -> Array:
     return -away * ((np.sum(away**2, axis=1) + shapes["core"] ** 2) ** (-0.5 * shapes["power"]))[:, None]
 
 
-def _points_around(tip: Array) -> list[tuple[float, ...]]:
+def _grid(components: int, rules: PatternRules) -> int:
+    """Points along an axis of the grid that pulls begin from."""
+    return rules.grid_in_plane if components == 2 else rules.grid_in_space
+
+
+def _points_around(tip: Array, rules: PatternRules) -> list[tuple[float, ...]]:
     """A coarse grid of points in and around the recorded part of the workspace (tips (N, D)), m."""
     spans: list[list[float]] = []
     for low, high in zip(tip.min(axis=0).tolist(), tip.max(axis=0).tolist(), strict=True):
         margin = 0.15 * (high - low)
-        spans.append(np.linspace(low - margin, high + margin, _GRID[tip.shape[1]]).tolist())
+        spans.append(np.linspace(low - margin, high + margin, _grid(tip.shape[1], rules)).tolist())
     return list(itertools.product(*spans))
 
 
-def pull_found(
-    observed: Observed, pool: Pool, vector: Array, known: Sequence[int]
-) -> tuple[Candidate, Array] | None:
+def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[int]) -> tuple[Candidate, Array] | None:
     """The pull that explains most of what the `known` groups leave of the whitened residual (n,), moved off the grid to
     where it does; with its columns (N, C, 1), None where the arm does not bend."""
     given = products(pool, vector).beside(pool.columns(list(known))) if known else products(pool, vector)
-    gained = gains(pool, given)
+    gained, rules = gains(pool, given), observed.rules.patterns
     pulls = [k for k, group in enumerate(pool.groups) if group.candidate.effect == "pull_of_a_point"]
     if not pulls:
         return None
@@ -141,7 +123,7 @@ def pull_found(
     give, tip = _give(observed), tip_of(observed)[:, : observed.components]
 
     def shapes(at: Array) -> dict[str, float]:
-        return {**dict(zip(names, at.tolist(), strict=False)), "core": math.exp(at[-1]), "power": _MAGNET}
+        return {**dict(zip(names, at.tolist(), strict=False)), "core": math.exp(at[-1]), "power": rules.magnet}
 
     def missed(at: Array) -> float:
         own = observed.whitened(_moved_by(give, pull(tip, shapes(at)))[:, :, 0])
@@ -150,13 +132,14 @@ def pull_found(
         return -(float(own @ left) ** 2) / size if size > 0.0 else 0.0
 
     span = np.ptp(tip, axis=0)
-    bounds = [*zip(tip.min(axis=0) - span, tip.max(axis=0) + span, strict=True), _CORES]
+    cores = (math.log(rules.least_core), math.log(rules.widest_core))
+    bounds = [*zip(tip.min(axis=0) - span, tip.max(axis=0) + span, strict=True), cores]
     best: tuple[float, dict[str, float]] | None = None
-    for number in sorted(pulls, key=lambda k: -float(gained[k]))[:_STARTS]:
+    for number in sorted(pulls, key=lambda k: -float(gained[k]))[: rules.starts]:
         start = pool.groups[number].candidate.shapes
         at = np.array([*(start[name] for name in names), math.log(start["core"])])
         # Half a step of the grid to begin with, whatever the coordinates are.
-        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _GRID[observed.components]), 0.7])])
+        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _grid(observed.components, rules)), 0.7])])
         options = {
             "maxiter": _STEPS,
             "xatol": 1e-3,

@@ -11,16 +11,14 @@ from collections.abc import Iterator
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.effects import Settings
+from diagnose.residual.observed import Observed, blocks_of
+from diagnose.rules.pattern_rules import PatternRules
+from sections.numeric import Array
 
-from .candidates import Candidate
+from .basis import clock_of, form, interactions, run_of, scaled_position, tip_axes
 from .forces import forces
-from .form import clock_of, form, run_of, scaled_position
-from .observed import Observed, blocks_of
-
-Array = NDArray[np.float64]
+from .library import Candidate
 
 SENTENCES = MappingProxyType(
     {
@@ -47,113 +45,84 @@ SENTENCES = MappingProxyType(
     }
 )
 
-_STEPS_IN_TIME = 40
-_PERIODS = 130
-_REGIONS = 12
-_EDGES = 10
-"""Stretches that a joint's travel is cut into."""
-_WIDEST = 4
-"""Neighbouring stretches that are one part of the travel, at most."""
-_MANY_VISITS = 200
-"""Visits beyond which no period is sought for each joint."""
-_LARGE = 4000
-"""Readings beyond which fewer change points, periods and regions are tried."""
-
 
 def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """Every form with its columns (N, C, d)."""
-    axes = _axes(observed)
+    axes = tip_axes(observed)
     joints = _joint_motions(observed)
     clock = clock_of(observed)
-    few = 0.4 if observed.rows > _LARGE else 1.0
-    yield from _in_time(observed, axes, joints, clock, few)
-    yield from _over_position(observed, axes, few)
+    yield from _in_time(observed, axes, joints, clock)
+    yield from _over_position(observed, axes)
     yield from forces(observed)
     for number, motion in enumerate(joints):
         q = observed.recording.q[:, number]
         if np.ptp(q) > 0.0:
             span = 1.0 if observed.arm.joints[number].revolute else 2.0 * np.pi / np.ptp(q)
             waves = [wave(order * span * q) for order in (1, 2, 3) for wave in (np.sin, np.cos)]
-            yield form("smooth_function_of_joint", (number,)), np.stack([w[:, None] * motion for w in waves], axis=2)
-            yield from _in_part_of_travel(number, q, motion)
+            yield form("smooth_function_of_joint", (number,)), interactions(waves, motion)
+            yield from _in_part_of_travel(number, q, motion, observed.rules.patterns)
     yield from _with_covariates(observed, axes)
 
 
-def _in_part_of_travel(number: int, q: Array, motion: Array) -> Iterator[tuple[Candidate, Array]]:
+def _in_part_of_travel(number: int, q: Array, motion: Array, rules: PatternRules) -> Iterator[tuple[Candidate, Array]]:
     """Stretches of one joint's travel of up to four tenths of it, each with readings inside and out."""
-    edges = np.linspace(q.min(), q.max(), _EDGES + 1)
+    edges = np.linspace(q.min(), q.max(), rules.edges + 1)
     edges[-1] = np.inf
-    for first, last in itertools.combinations(range(_EDGES + 1), 2):
+    for first, last in itertools.combinations(range(rules.edges + 1), 2):
         inside = (q >= edges[first]) & (q < edges[last])
-        if last - first <= _WIDEST and inside.any():
+        if last - first <= rules.widest and inside.any():
             shapes = {"from": float(edges[first]), "to": float(min(edges[last], q.max()))}
-            yield form("joint_in_part_of_travel", (number,), shapes), (inside[:, None] * motion)[:, :, None]
-
-
-def _axes(observed: Observed) -> Array:
-    """A displacement of the tip along each axis, (D, C)."""
-    axes = np.zeros((observed.components, observed.residual.shape[1]))
-    axes[np.arange(observed.components), np.arange(observed.components)] = 1.0
-    return axes
+            yield form("joint_in_part_of_travel", (number,), shapes), interactions([inside.astype(float)], motion)
 
 
 def _joint_motions(observed: Observed) -> list[Array]:
-    """How the tip moves with each joint, (N, C)."""
-    unit = MappingProxyType({"offset": 1.0})
-    return [observed.signature("encoder_offset", Settings((index,), unit)) for index in range(observed.arm.size)]
+    """How the tip moves with each joint, (N, C, 1)."""
+    return [observed.drive_moved(index)[:, :, None] for index in range(observed.arm.size)]
 
 
-def _times_axes(functions: list[Array], axes: Array) -> Array:
-    """Functions of the readings (N,) times each axis, (N, C, d)."""
-    return np.stack([f[:, None] * axis[None, :] for f in functions for axis in axes], axis=2)
-
-
-def _in_time(
-    observed: Observed, axes: Array, joints: list[Array], clock: Array, few: float
-) -> Iterator[tuple[Candidate, Array]]:
-    span = float(np.ptp(clock))
+def _in_time(observed: Observed, axes: Array, joints: list[Array], clock: Array) -> Iterator[tuple[Candidate, Array]]:
+    span, rules = float(np.ptp(clock)), observed.rules.patterns
     if span <= 0.0:
         return
     starts = np.sort(np.unique([clock[rows].min() for rows in blocks_of(observed.block)]))
-    inner = starts[(starts > clock.min() + 0.05 * span) & (starts < clock.max() - 0.05 * span)]
-    count = int(_STEPS_IN_TIME * few)
-    if len(inner) > count:
-        inner = inner[np.linspace(0, len(inner) - 1, count).astype(int)]
+    ends = rules.ends * span
+    inner = starts[(starts > clock.min() + ends) & (starts < clock.max() - ends)]
+    if len(inner) > rules.steps_in_time:
+        inner = inner[np.linspace(0, len(inner) - 1, rules.steps_in_time).astype(int)]
     for since in inner.tolist():
         after = (clock >= since).astype(float)
-        yield form("step_in_time", shapes={"since": since}), _times_axes([after], axes)
+        yield form("step_in_time", shapes={"since": since}), interactions([after], axes)
         for number, motion in enumerate(joints):
-            yield form("joint_step_in_time", (number,), {"since": since}), (after[:, None] * motion)[:, :, None]
+            yield form("joint_step_in_time", (number,), {"since": since}), interactions([after], motion)
     run = run_of(clock)
-    yield form("trend_in_time"), _times_axes([run, run * run], axes)
+    yield form("trend_in_time"), interactions([run, run * run], axes)
     smooth = [np.cos(np.pi * order * run) for order in range(1, 7)]
     if observed.rows > 4 * len(smooth):
-        yield form("smooth_in_time"), _times_axes(smooth, axes)
-    if len(starts) >= 12:
-        fastest = min(0.5 * len(starts), 0.4 * _PERIODS * few)
+        yield form("smooth_in_time"), interactions(smooth, axes)
+    if len(starts) >= rules.visits_for_periods:
+        fastest = min(0.5 * len(starts), 0.4 * rules.periods)
         for cycles in np.arange(1.4, fastest, 0.4).tolist():
             angle = 2.0 * np.pi * cycles * run
             waves = [np.sin(angle), np.cos(angle)]
-            yield form("periodic_in_time", shapes={"period": span / cycles}), _times_axes(waves, axes)
-            for number, motion in enumerate(joints if len(starts) <= _MANY_VISITS else ()):
-                turning = np.stack([wave[:, None] * motion for wave in waves], axis=2)
-                yield form("joint_periodic_in_time", (number,), {"period": span / cycles}), turning
+            yield form("periodic_in_time", shapes={"period": span / cycles}), interactions(waves, axes)
+            for number, motion in enumerate(joints if len(starts) <= rules.many_visits else ()):
+                yield form("joint_periodic_in_time", (number,), {"period": span / cycles}), interactions(waves, motion)
 
 
-def _over_position(observed: Observed, axes: Array, few: float) -> Iterator[tuple[Candidate, Array]]:
-    place = scaled_position(observed)
+def _over_position(observed: Observed, axes: Array) -> Iterator[tuple[Candidate, Array]]:
+    place, rules = scaled_position(observed), observed.rules.patterns
     width = place.shape[1]
     linear = [place[:, i] for i in range(width)]
     squares = [place[:, i] * place[:, j] for i in range(width) for j in range(i, width)]
-    yield form("field_over_position", shapes={"order": 2.0}), _times_axes([*linear, *squares], axes)
-    if width == 2 and observed.rows > 60:
+    yield form("field_over_position", shapes={"order": 2.0}), interactions([*linear, *squares], axes)
+    if width == 2 and observed.rows > rules.rows_for_curves:
         cubes = [place[:, 0] ** a * place[:, 1] ** (3 - a) for a in range(4)]
-        yield form("field_over_position", shapes={"order": 3.0}), _times_axes([*linear, *squares, *cubes], axes)
-    for center in _spread_out(place, int(_REGIONS * few)):
+        yield form("field_over_position", shapes={"order": 3.0}), interactions([*linear, *squares, *cubes], axes)
+    for center in _spread_out(place, rules.regions):
         for size in (0.35, 0.7):
             bump = np.exp(-0.5 * np.sum((place - place[center]) ** 2, axis=1) / size**2)
             shape = {f"center_{axis}": float(value) for axis, value in zip("xyz", place[center], strict=False)}
-            yield form("region", shapes={"size": size, **shape}), _times_axes([bump], axes)
+            yield form("region", shapes={"size": size, **shape}), interactions([bump], axes)
 
 
 def _spread_out(points: Array, count: int) -> list[int]:
@@ -171,17 +140,17 @@ def _with_covariates(observed: Observed, axes: Array) -> Iterator[tuple[Candidat
     place = list(scaled_position(observed).T)
     if recording.temperature is not None and np.ptp(recording.temperature) > 0.0:
         warm = (recording.temperature - recording.temperature.mean()) / np.ptp(recording.temperature)
-        yield form("temperature"), _times_axes([warm, warm * warm], axes)
+        yield form("temperature"), interactions([warm, warm * warm], axes)
     if recording.payload_mass is not None and np.ptp(recording.payload_mass) > 0.0:
         load = (recording.payload_mass - recording.payload_mass.mean()) / np.ptp(recording.payload_mass)
-        yield form("payload_and_position"), _times_axes([load, *(load * p for p in place)], axes)
+        yield form("payload_and_position"), interactions([load, *(load * p for p in place)], axes)
     for name, columns in (("side_of_approach", recording.sides), ("velocity", recording.velocity)):
         for number in range(observed.arm.size if columns is not None else 0):
             values = columns[:, number] if columns is not None else np.zeros(observed.rows)
             if np.ptp(values) > 0.0:
                 scaled = values / np.abs(values).max()
-                yield form(name, (number,)), _times_axes([scaled, *(scaled * p for p in place)], axes)
+                yield form(name, (number,)), interactions([scaled, *(scaled * p for p in place)], axes)
     for name, values in recording.other.items():
         if np.isfinite(values).all() and np.ptp(values) > 0.0:
             scaled = (values - values.mean()) / np.ptp(values)
-            yield form("other_column", shapes={name: 0.0}), _times_axes([scaled], axes)
+            yield form("other_column", shapes={name: 0.0}), interactions([scaled], axes)

@@ -13,66 +13,17 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.beam import Beam
-from arm.chain import LoadCase
-from arm.effects import EFFECTS, Effect, Parameter, Settings
-from arm.statics import PoseState, solve
-
-from .observed import Observed
-
-Array = NDArray[np.float64]
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.statics import PoseState, solve
+from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
+from arm.files.read import acts_on_slides
+from diagnose.residual.observed import Observed
+from sections.numeric import Array
 
 _STEP = 1e-3
 """Sizes are tried at this share of their typical upper end: small enough for what is linear to first order only."""
-
-WHOLE = frozenset({"order", "orders", "anew", "sharp"})
-"""Shapes that are whole numbers and stay on their grid."""
-STANDS = 0.05
-"""rad; a joint that travels less is taken to stand."""
-_STEADY = 0.02
-"""A load that changes by no more than this share of its greatest is steady."""
-_FOR_EACH = 8.0
-"""Different angles for each coefficient of a joint's curve."""
-
-PLAUSIBLE: tuple[str, ...] = (
-    "joint_compliance",
-    "encoder_offset",
-    "link_length",
-    "backlash",
-    "payload",
-    "slope_propagation",
-    "link_bending",
-    "thermal_expansion",
-    "link_modulus",
-    "tool_offset",
-    "axis_misalignment",
-    "encoder_eccentricity",
-    "gear_transmission_error",
-    "joint_waviness",
-    "joint_hardening",
-    "clearance",
-    "frame_misalignment",
-    "encoder_scale",
-    "joint_coupling",
-    "friction_windup",
-    "gearbox_thermal",
-    "thermal_bending",
-    "base_compliance",
-    "base_tilt",
-    "link_mass",
-    "instrument_scale",
-    "frame_drift",
-    "creep",
-    "counterbalance",
-    "latency",
-    "dynamic_deflection",
-    "servo_droop",
-)
-"""Which name goes first where the data cannot tell: the commoner cause before the rarer, the simpler before the richer
-(stiffness of drives and geometry lead in the surveys of robot calibration, e.g. B. W. Mooring, Z. S. Roth &
-M. R. Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 1)."""
 
 
 @dataclass(frozen=True)
@@ -98,11 +49,27 @@ class Candidate:
         return (self.effect, self.at, self.share)
 
     @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers, from 1, of the joints or links where it acts."""
+        return tuple(index + 1 for index in self.at)
+
+    @property
     def free_shapes(self) -> tuple[str, ...]:
         """The shapes that may take any value between those of the grid."""
         if self.outside:
             return tuple(name for name in self.shapes if name == "core" or name.startswith("at_"))
-        return tuple(name for name, value in self.shapes.items() if name not in WHOLE and value > 0.0)
+        return tuple(name for name, value in self.shapes.items() if name not in self.whole_shapes and value > 0.0)
+
+    @property
+    def whole_shapes(self) -> tuple[str, ...]:
+        """The shapes that are whole numbers and stay on their grid."""
+        known = () if self.outside else EFFECTS[self.effect].shapes
+        return tuple(parameter.name for parameter in known if parameter.whole)
+
+    @property
+    def of_drives(self) -> bool:
+        """Whether it is how drives give (see `arm.effects.Effect`)."""
+        return not self.outside and EFFECTS[self.effect].of_drives
 
     def settings(self, values: Mapping[str, float]) -> Settings:
         """The effect's settings at sizes of these values."""
@@ -135,9 +102,10 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
     if candidate.share:
         pattern = observed.signature(effect.id, Settings())
         return pattern[:, :, None] if pattern.any() else None
-    if effect.id == "joint_compliance" and observed.unknown_masses:
-        extra = _unknown_weight(observed, candidate.at[0])
-        known = observed.signature(effect.id, candidate.settings({"compliance": 1.0}))
+    if effect.of_drives and observed.unknown_masses:
+        settings = candidate.settings({candidate.sizes[0]: 1.0})
+        extra = _unknown_weight(observed, effect.id, settings)
+        known = observed.signature(effect.id, settings)
         return np.concatenate([extra, known[:, :, None]], axis=2)
     parts: list[Array] = []
     for name in candidate.sizes:
@@ -151,6 +119,15 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
 def parameter_of(effect: Effect, name: str) -> Parameter:
     """An effect's parameter by name."""
     return next(parameter for parameter in effect.parameters if parameter.name == name)
+
+
+def kind_of(arm: Arm, candidate: Candidate, name: str) -> str:
+    """The kind of quantity that a candidate's parameter is in this arm, by name (see `units.quantities`)."""
+    if candidate.share:
+        return "dimensionless"
+    effect = EFFECTS[candidate.effect]
+    slides = acts_on_slides(effect, candidate.numbers, arm.joints)
+    return kind_at(parameter_of(effect, name), slides=slides)
 
 
 def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
@@ -187,39 +164,13 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
     """Whether the recording holds what a variant asks for; else it would move nothing, or repeat another variant."""
     held = observed.state.conditions
-    if any(getattr(held, condition) is None for condition in effect.requires):
+    above = [parameter for parameter in effect.shapes if shapes.get(parameter.name, 0.0) > 0.0]
+    asked = (*effect.requires, *(condition for parameter in above for condition in parameter.requires))
+    if any(getattr(held, condition) is None for condition in asked):
         return False
     if effect.least_travel > 0.0 and float(np.ptp(observed.recording.q[:, at[0]])) < effect.least_travel:
         return False
-    if effect.id == "backlash" and shapes.get("held_below", 0.0) > 0.0:
-        return held.sides is not None
-    if effect.id == "creep" and not _load_changes(observed, at):
-        return False
-    if effect.id == "creep" and shapes.get("anew") == 0.0:
-        started = observed.recording.time
-        return started is not None and not np.array_equal(started, np.asarray(held.loaded_for))
-    if effect.id == "gear_transmission_error":
-        return _enough_travel(observed, at[0], shapes["order"])
-    if effect.id == "joint_waviness":
-        angles = np.unique(np.round(observed.recording.q[:, at[0]], 3))
-        return len(angles) >= _FOR_EACH * 2.0 * shapes["orders"]
-    if shapes.get("lag", 0.0) > 0.0:
-        return held.time is not None and held.warming is not None
-    return True
-
-
-def _load_changes(observed: Observed, at: tuple[int, ...]) -> bool:
-    """Whether the load on a drive changes: under the same load for ever, creep is any slow settling."""
-    load = np.asarray(observed.state.joints[at[0]].drive_load, dtype=float)
-    return float(np.ptp(load)) > _STEADY * float(np.max(np.abs(load)))
-
-
-def _enough_travel(observed: Observed, joint: int, order: float) -> bool:
-    """Whether a joint went through a whole wave of some order, at enough different coordinates to see it."""
-    q = observed.recording.q[:, joint]
-    waves = order * float(np.ptp(q)) / (2.0 * np.pi if observed.arm.joints[joint].revolute else 1.0)
-    different = len(np.unique(np.round(q, 3)))
-    return waves >= 1.0 and different >= max(8.0, 1.5 * waves)
+    return effect.shown_by(Readings(observed.state, observed.recording.q, observed.recording.time), at, shapes)
 
 
 def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:
@@ -232,19 +183,18 @@ def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
     return max(float(np.max(np.abs(joint.drive_load))) for joint in joints) or 1.0
 
 
-def _unknown_weight(observed: Observed, joint: int) -> Array:
-    """How the drive of `joint` gives under links of unknown weight, (N, C, d): for each of them beyond the joint its
-    mass at its own joint and its first moments along and across itself, times the compliance, in rad/(N*m) * kg and
-    kg*m."""
+def _unknown_weight(observed: Observed, effect: str, settings: Settings) -> Array:
+    """How a drive gives, by an effect of one unit there, under links of unknown weight, (N, C, d): for each of them
+    beyond the joint its mass at its own joint and its first moments along and across itself, times the compliance, in
+    rad/(N*m) * kg and kg*m."""
     parts: list[Array] = []
     for index in observed.unknown_masses:
-        if index < joint:
+        if index < settings.at[0]:
             continue
         for towards in (None, "along", "height", "width"):
             state = _weighing(observed.state, index, towards)
             weighed = replace(observed, state=state)
-            settings = Settings((joint,), MappingProxyType({"compliance": 1.0}))
-            parts.append(weighed.signature("joint_compliance", settings))
+            parts.append(weighed.signature(effect, settings))
     return np.stack(parts, axis=2)
 
 

@@ -6,25 +6,20 @@ With the Gram matrix in hand, what any subset of candidates explains is small li
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .candidates import Candidate
+from diagnose.rules.pattern_rules import PatternRules
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .library import Candidate
 
 _RANK = 1e-7
 """Directions of a candidate below this share of its largest are rounding."""
-_SEEN = 5.0
-"""A direction whose whole pattern, at its physical bounds, stays below so many standard deviations is not seen."""
-_WEIGHT = 0.001
-"""Directions of a drive's sag under links of unknown weight below this share of the largest are left: what a wrist's
-small links add is no finding of its own."""
-VISIBLE = 1e-5
-"""A pattern of which less than this share is left beside the nuisances cannot be seen at all."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +55,15 @@ class Layout:
 @dataclass(frozen=True)
 class Pool:
     """All candidates that can be seen. `basis` (n, M) is orthogonal to `nuisance` (n, b, orthonormal), orthonormal
-    within each group; `gram` (M, M) its products. `invisible` are those that the nuisances swallow."""
+    within each group; `gram` (M, M) its products. `invisible` are those that the nuisances swallow, `rules` those of
+    the whole diagnosis."""
 
     nuisance: Array
     groups: tuple[Group, ...]
     basis: Array
     gram: Array
     invisible: tuple[Candidate, ...]
+    rules: Rules = RULES
 
     @cached_property
     def layout(self) -> Layout:
@@ -109,7 +106,7 @@ def orthonormal(columns: Array, tolerance: float = 1e-10) -> Array:
 
 
 def _group(
-    candidate: Candidate, columns: Array, limits: Array | None, beside: Array, at: int
+    candidate: Candidate, columns: Array, limits: Array | None, beside: Array, at: int, rules: PatternRules
 ) -> tuple[Group, Array] | None:
     """A candidate with whitened columns (n, d) as a group whose basis begins at column `at`; None where nothing is
     seen of it beside the nuisances.
@@ -125,10 +122,10 @@ def _group(
     left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
     u, s, vt = _singular(left)
     full = _singular(scaled)[1]
-    tolerance = _WEIGHT if len(candidate.sizes) < columns.shape[1] else _RANK
-    keep = (s > tolerance * s[0]) & (s > VISIBLE * full[0])
+    tolerance = rules.weight if len(candidate.sizes) < columns.shape[1] else _RANK
+    keep = (s > tolerance * s[0]) & (s > rules.visible * full[0])
     if limits is not None:
-        keep &= s > _SEEN
+        keep &= s > rules.seen
     if not keep.any():
         return None
     back = (vt[keep].T / s[keep]) / unit[:, None]
@@ -150,18 +147,19 @@ def _singular(columns: Array) -> tuple[Array, Array, Array]:
 
 def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array | None) -> Pool:
     """The pool with one more candidate, its whitened columns (n, d); the same pool where nothing is seen of it."""
-    made = _group(candidate, columns, limits, pool.nuisance, pool.basis.shape[1])
+    made = _group(candidate, columns, limits, pool.nuisance, pool.basis.shape[1], pool.rules.patterns)
     if made is None:
         return pool
     group, basis = made
     mixed = pool.basis.T @ basis
     gram = np.block([[pool.gram, mixed], [mixed.T, basis.T @ basis]])
-    return Pool(
-        pool.nuisance, (*pool.groups, group), np.concatenate([pool.basis, basis], axis=1), gram, pool.invisible
-    )
+    wider = np.concatenate([pool.basis, basis], axis=1)
+    return replace(pool, groups=(*pool.groups, group), basis=wider, gram=gram)
 
 
-def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array | None]]) -> Pool:
+def make_pool(
+    nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array | None]], *, rules: Rules = RULES
+) -> Pool:
     """The pool of candidates with whitened columns (n, d) and limits of their sizes, beside nuisance columns (n, b)."""
     beside = orthonormal(nuisance)
     groups: list[Group] = []
@@ -169,7 +167,7 @@ def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array 
     invisible: list[Candidate] = []
     at = 0
     for candidate, columns, limits in patterns:
-        made = _group(candidate, columns, limits, beside, at)
+        made = _group(candidate, columns, limits, beside, at, rules.patterns)
         if made is None:
             invisible.append(candidate)
             continue
@@ -177,4 +175,4 @@ def make_pool(nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array 
         bases.append(made[1])
         at = made[0].stop
     basis = np.concatenate(bases, axis=1) if bases else np.zeros((len(nuisance), 0))
-    return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible))
+    return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible), rules)

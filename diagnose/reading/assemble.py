@@ -8,17 +8,18 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
+from diagnose.recording import Recording
+from diagnose.residual.observed import same_pose
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-from .reading_columns import ColumnMeaning
-from .reading_settings import ReadingSettings
-from .recording import SAME_ANGLE, SAME_LENGTH, Recording
+from .columns import ColumnMeaning
+from .settings import ReadingSettings
 from .table import Table
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,15 +39,14 @@ def assembled(
     table: Table,
     arm: Arm,
     held: ReadingSettings,
+    *,
+    rules: ResidualRules = RULES.residual,
 ) -> Recording:
     """The recording that the columns make; a kind of column that joints have in part is left out and said."""
     warnings: list[str] = []
 
     def one(name: str) -> Array | None:
         return columns[name].values if name in columns else None
-
-    def stacked(names: Sequence[str]) -> Array:
-        return np.stack([columns[name].values for name in names], axis=1)
 
     total = len(table.row)
 
@@ -59,32 +59,28 @@ def assembled(
             lacking = ", ".join(name for name in names if name not in columns)
             if base in ("v", "a"):
                 warnings.append(f"There is no {lacking}: these joints are taken to stand still.")
-                still = np.zeros(total)
-                return np.stack([columns[name].values if name in columns else still for name in names], axis=1)
+                return _stacked(columns, names, np.zeros(total))
             warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
             return None
-        return stacked(names)
+        return _stacked(columns, names)
 
-    sides = None
-    if any(f"dir{k + 1}" in columns for k in range(arm.size)):
-        sides = np.stack(
-            [columns[f"dir{k + 1}"].values if f"dir{k + 1}" in columns else np.zeros(total) for k in range(arm.size)],
-            axis=1,
-        )
-        lacking = [f"dir{k + 1}" for k in range(arm.size) if f"dir{k + 1}" not in columns]
+    sides, q = None, _stacked(columns, [f"q{k + 1}" for k in range(arm.size)])
+    directions = [f"dir{k + 1}" for k in range(arm.size)]
+    lacking = [name for name in directions if name not in columns]
+    if len(lacking) < arm.size:
+        sides = _stacked(columns, directions, np.zeros(total))
         if lacking:
             warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
     elif held.sides == "from_order":
-        sides = sides_from_order(stacked([f"q{k + 1}" for k in range(arm.size)]), arm)
-    time = one("time")
+        sides = sides_from_order(q, arm, rules=rules)
     spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
     return Recording(
         file=str(path),
-        q=stacked([f"q{k + 1}" for k in range(arm.size)]),
-        tip=stacked(spatial),
+        q=q,
+        tip=_stacked(columns, spatial),
         row=table.row,
-        orientation=_orientation(columns, stacked),
-        time=time,
+        orientation=_orientation(columns),
+        time=one("time"),
         sides=sides,
         payload_mass=one("payload"),
         temperature=one("temperature"),
@@ -106,12 +102,16 @@ def assembled(
     )
 
 
-def sides_from_order(q: Array, arm: Arm) -> Array:
+def _stacked(columns: dict[str, ReadColumn], names: Sequence[str], instead: Array | None = None) -> Array:
+    """Columns side by side (N, k); those that are not there have the values `instead`, where there may be such."""
+    return np.stack([columns[x].values if instead is None or x in columns else instead for x in names], axis=1)
+
+
+def sides_from_order(q: Array, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Array:
     """The side from which each joint came (N, n), +1 or -1, if it went straight from the row before; a joint that stays
     keeps its side, and before its first move it has none (0)."""
-    still = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
     moves = np.diff(q, axis=0, prepend=q[:1])
-    sides = np.where(np.abs(moves) > still, np.sign(moves), 0.0)
+    sides = np.where(np.abs(moves) > same_pose(arm, rules), np.sign(moves), 0.0)
     for row in range(1, len(sides)):
         sides[row] = np.where(sides[row] == 0.0, sides[row - 1], sides[row])
     return sides
@@ -121,15 +121,15 @@ def _in_space(columns: dict[str, ReadColumn], names: Sequence[str], total: int) 
     """Three components; the third is 0 where a recording in the plane leaves it out."""
     if names[0] not in columns:
         return None
-    return np.stack([columns[name].values if name in columns else np.zeros(total) for name in names], axis=1)
+    return _stacked(columns, names, np.zeros(total))
 
 
-def _orientation(columns: dict[str, ReadColumn], stacked: Callable[[Sequence[str]], Array]) -> Array | None:
+def _orientation(columns: dict[str, ReadColumn]) -> Array | None:
     """Rotation matrices (N, 3, 3), nan where a row has none; angles turn about the fixed x, y and z, in this order."""
     names = ("qx", "qy", "qz", "qw") if "qw" in columns else ("rx", "ry", "rz")
     if names[0] not in columns:
         return None
-    values = stacked(names)
+    values = _stacked(columns, names)
     good = np.isfinite(values).all(axis=1) & (("rx" in names) | (np.abs(values).max(axis=1) > 0.0))
     matrices = np.full((len(values), 3, 3), np.nan)
     if good.any():
@@ -147,4 +147,4 @@ def _link_temperature(columns: dict[str, ReadColumn], arm: Arm, total: int, warn
         instead = "temperature" if "temperature" in columns else "the arm file's temperature"
         warnings.append(f"There is no {', '.join(lacking)}: {instead} counts for those links.")
     rest = columns["temperature"].values if "temperature" in columns else np.full(total, arm.temperature)
-    return np.stack([columns[name].values if name in columns else rest for name in names], axis=1)
+    return _stacked(columns, names, rest)

@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from arm.chain import Arm
-from materials.quantities import InputError, kind_of, read_quantity
+from arm.chain.chain import Arm
+from units.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
 _WHOLE = re.compile(r"(time|payload|temperature|x|y|z|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?")

@@ -1,11 +1,13 @@
-"""Arithmetic on the columns of a table: `Joint 1 [rad]*57.29578`, read by a parser of our own and nothing evaluated.
+"""Arithmetic on the columns of a table: `Joint 1 [rad]*57.29578`, parsed by `ast`; nothing of it is evaluated.
 
 A formula has numbers, + - * / **, parentheses, signs and column names. Names may hold blanks, brackets and
-parentheses (`pos (2)`); the longest name that fits is meant. `backticks` around a name settle any doubt.
+parentheses (`pos (2)`); the longest name that fits is meant. `backticks` around a name settle any doubt. All
+arithmetic is on floats, so that no power grows without end: `9**9**9` is infinite at once.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,26 +16,26 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from materials.quantities import InputError, shown
-from materials.reading import nearest
-
-Array = NDArray[np.float64]
-_Node = tuple[object, ...]
+from sections.numeric import Array
+from units.quantities import InputError, shown
+from units.reading import nearest
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[^\W\d]\w*")
+_SIGN, _OPERATOR = re.compile(r"[+-]"), re.compile(r"\*\*|[-+*/]")
+_RELATION = re.compile(r"<=|>=|==|!=|<|>")
 _LONGEST, _DEEPEST = 1000, 60
-_OPERATIONS: Mapping[str, Callable[[Array, Array], Array]] = MappingProxyType(
-    {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.float_power}
+_OPERATIONS: Mapping[type[ast.operator], Callable[[Array, Array], Array]] = MappingProxyType(
+    {ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.float_power}
 )
-_RELATIONS: Mapping[str, Callable[[Array, Array], NDArray[np.bool_]]] = MappingProxyType(
+_RELATIONS: Mapping[type[ast.cmpop], Callable[[Array, Array], NDArray[np.bool_]]] = MappingProxyType(
     {
-        "<=": np.less_equal,
-        ">=": np.greater_equal,
-        "==": np.equal,
-        "!=": np.not_equal,
-        "<": np.less,
-        ">": np.greater,
+        ast.LtE: np.less_equal,
+        ast.GtE: np.greater_equal,
+        ast.Eq: np.equal,
+        ast.NotEq: np.not_equal,
+        ast.Lt: np.less,
+        ast.Gt: np.greater,
     }
 )
 
@@ -44,12 +46,12 @@ class Formula:
 
     text: str
     columns: tuple[str, ...]
-    node: _Node
+    node: ast.expr
 
     def value(self, column: Callable[[str], Array], size: int) -> Array:
         """Its value in every row; what cannot be computed (1/0) is nan or infinite."""
         with np.errstate(all="ignore"):
-            return np.broadcast_to(_value(self.node, column), (size,)).astype(float)
+            return np.broadcast_to(_value(self.node, column, self.columns), (size,)).astype(float)
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Condition:
 
     text: str
     left: Formula
-    relation: str
+    relation: type[ast.cmpop]
     right: Formula
 
     def holds(self, column: Callable[[str], Array], size: int) -> NDArray[np.bool_]:
@@ -73,50 +75,54 @@ def read_formula(text: str, names: Sequence[str], *, file: object, key: str) -> 
 
     Raises `InputError` that names the formula and the position of what is wrong.
     """
-    parser = _Parser(text, names, file, key)
-    node = parser.sum()
-    parser.end()
-    return Formula(text, tuple(parser.used), node)
+    found = _Words(text, names, file, key)
+    source = found.sum()
+    found.end()
+    return Formula(text, tuple(found.used), ast.parse(source, mode="eval").body)
 
 
 def read_condition(text: str, names: Sequence[str], *, file: object, key: str) -> Condition:
     """The comparison that a text holds: FORMULA < FORMULA, with <, <=, >, >=, == or !=. Raises `InputError`."""
-    parser = _Parser(text, names, file, key)
-    node = parser.sum()
-    left = Formula(text, tuple(parser.used), node)
-    relation = next((each for each in _RELATIONS if parser.take(each)), None)
-    if relation is None:
-        raise parser.wrong("a comparison (<, <=, >, >=, ==, !=) is due here")
-    node = parser.sum()
-    parser.end()
-    return Condition(text, left, relation, Formula(text, tuple(parser.used), node))
+    found = _Words(text, names, file, key)
+    left = found.sum()
+    relation = found.take(_RELATION)
+    if not relation:
+        raise found.wrong("a comparison (<, <=, >, >=, ==, !=) is due here")
+    right = found.sum()
+    found.end()
+    node = ast.parse(f"{left} {relation} {right}", mode="eval").body
+    assert isinstance(node, ast.Compare)
+    columns = tuple(found.used)
+    one, other = Formula(text, columns, node.left), Formula(text, columns, node.comparators[0])
+    return Condition(text, one, type(node.ops[0]), other)
 
 
-def _value(node: _Node, column: Callable[[str], Array]) -> Array:
-    kind = node[0]
-    if kind == "number":
-        return np.asarray(node[1], dtype=float)
-    if kind == "column":
-        return column(str(node[1]))
-    if kind == "minus":
-        return -_value(_child(node[1]), column)
-    return _OPERATIONS[str(kind)](_value(_child(node[1]), column), _value(_child(node[2]), column))
+def _value(node: ast.expr, column: Callable[[str], Array], columns: Sequence[str]) -> Array:
+    """The value of what the words below can come to, and of nothing else."""
+    match node:
+        case ast.Constant(value=float(number)):
+            return np.asarray(number)
+        case ast.Name(id=name):
+            return column(columns[int(name[1:])])
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub() as sign, operand=inner):
+            value = _value(inner, column, columns)
+            return -value if isinstance(sign, ast.USub) else value
+        case ast.BinOp(left=left, op=operator, right=right) if type(operator) in _OPERATIONS:
+            operation = _OPERATIONS[type(operator)]
+            return operation(_value(left, column, columns), _value(right, column, columns))
+        case _:
+            raise ValueError(f"{type(node).__name__} is no part of a formula")
 
 
-def _child(node: object) -> _Node:
-    assert isinstance(node, tuple)
-    return node
-
-
-class _Parser:
-    """sum: product {+- product}; product: signed {*/ signed}; signed: {+-} power; power: operand [** signed]."""
+class _Words:
+    """A text read word by word into the same formula as Python writes it, column k named `ck`; whatever is not due is
+    refused where it stands, so that what is left is sound."""
 
     def __init__(self, text: str, names: Sequence[str], file: object, key: str) -> None:
         self.text, self.file, self.key = text, file, key
         self.names = sorted((name for name in names if name), key=len, reverse=True)
-        self.used: dict[str, None] = {}
+        self.used: list[str] = []
         self.at = 0
-        self.depth = 0
         if len(text) > _LONGEST:
             raise InputError(file, key, f"the formula is longer than {_LONGEST} characters")
 
@@ -128,14 +134,18 @@ class _Parser:
         while self.at < len(self.text) and self.text[self.at].isspace():
             self.at += 1
 
-    def take(self, symbol: str) -> bool:
+    def take(self, pattern: re.Pattern[str]) -> str:
+        """The word of this pattern that stands here, empty for none."""
         self.blanks()
-        if not self.text.startswith(symbol, self.at):
-            return False
-        if symbol == "*" and self.text.startswith("**", self.at):
-            return False
-        self.at += len(symbol)
-        return True
+        found = pattern.match(self.text, self.at)
+        self.at = found.end() if found else self.at
+        return found[0] if found else ""
+
+    def here(self, symbol: str) -> bool:
+        self.blanks()
+        there = self.text.startswith(symbol, self.at)
+        self.at += len(symbol) if there else 0
+        return there
 
     def end(self) -> None:
         self.blanks()
@@ -144,40 +154,35 @@ class _Parser:
             power = "; a power is written **" if rest == "^" else ""
             raise self.wrong(f"{shown(rest)} is not expected; an operator (+ - * / **) or the end is{power}")
 
-    def sum(self) -> _Node:
-        node = self.product()
+    def sum(self) -> str:
+        """Operands with operators between them, each behind its signs and parentheses, as far as they go."""
+        words: list[str] = []
+        outer: list[int] = []  # how deep each open parenthesis stands
+        depth = 0
         while True:
-            symbol = next((each for each in "+-" if self.take(each)), None)
-            if symbol is None:
-                return node
-            node = (symbol, node, self.product())
+            while sign := self.take(_SIGN) or ("(" if self.here("(") else ""):
+                if sign == "(":
+                    outer.append(depth)
+                words.append(sign)
+                depth += 1
+            if depth > _DEEPEST:
+                raise self.wrong("nested too deeply")
+            words.append(self.operand())
+            while outer and self.here(")"):
+                words.append(")")
+                depth = outer.pop()
+            operator = self.take(_OPERATOR)
+            if not operator:
+                break
+            words.append(operator)
+            depth = depth + 1 if operator == "**" else outer[-1] + 1 if outer else 0
+        if outer:
+            raise self.wrong("a closing parenthesis is missing")
+        return " ".join(words)
 
-    def product(self) -> _Node:
-        node = self.signed()
-        while True:
-            symbol = next((each for each in "*/" if self.take(each)), None)
-            if symbol is None:
-                return node
-            node = (symbol, node, self.signed())
-
-    def signed(self) -> _Node:
-        self.depth += 1
-        if self.depth > _DEEPEST:
-            raise self.wrong("nested too deeply")
-        negative = self.take("-")
-        if negative or self.take("+"):
-            inner = self.signed()
-            node = ("minus", inner) if negative else inner
-        else:
-            node = self.operand()
-            if self.take("**"):
-                node = ("**", node, self.signed())
-        self.depth -= 1
-        return node
-
-    def operand(self) -> _Node:
-        self.blanks()
-        if self.take("`"):
+    def operand(self) -> str:
+        """A number or a column."""
+        if self.here("`"):
             close = self.text.find("`", self.at)
             name = self.text[self.at : close] if close >= 0 else ""
             if name not in self.names:
@@ -193,12 +198,7 @@ class _Parser:
             self.at = number.end()
             if (value := float(number[0])) == float("inf"):
                 raise self.wrong("a number is too large")
-            return ("number", value)
-        if self.take("("):
-            node = self.sum()
-            if not self.take(")"):
-                raise self.wrong("a closing parenthesis is missing")
-            return node
+            return repr(value)
         if self.at >= len(self.text):
             raise self.wrong("ends where a number or a column is due")
         word = _WORD.match(self.text, self.at)
@@ -215,9 +215,10 @@ class _Parser:
                     return name
         return None
 
-    def column(self, name: str) -> _Node:
-        self.used[name] = None
-        return ("column", name)
+    def column(self, name: str) -> str:
+        if name not in self.used:
+            self.used.append(name)
+        return f"c{self.used.index(name)}"
 
     def unknown(self, name: str) -> InputError:
         return self.wrong(f"there is no column {shown(name)}{nearest(name, sorted(self.names))}")

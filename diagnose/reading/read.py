@@ -12,32 +12,29 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-from materials.quantities import InputError, shown
-from materials.reading import nearest
+from arm.chain.chain import Arm
+from diagnose.mistakes.readings import checked
+from diagnose.mistakes.row_lists import rows_text
+from diagnose.recording import Recording, RejectedRow
+from diagnose.rules.rules import RULES, Rules
+from sections.numeric import Array
+from units.quantities import InputError, shown
+from units.reading import nearest
 
-from .checks import checked
-from .column_formula import Formula, read_condition, read_formula
-from .reading_assembly import ReadColumn, assembled
-from .reading_columns import ColumnMeaning, UnitMissing, example_headers, meaning_of
-from .reading_settings import ReadingSettings, find_settings, read_settings
-from .recording import Recording, RejectedRow
-from .row_lists import rows_text
+from .assemble import ReadColumn, assembled
+from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of
+from .formula import Formula, read_condition, read_formula
+from .settings import ReadingSettings, find_settings, read_settings
 from .table import Table, read_table
-
-Array = NDArray[np.float64]
 
 _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "basex_mm", "fx_N", "qw", "rx_deg")
 _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
 _QUATERNION = ("qw", "qx", "qy", "qz")
-_MOSTLY_BLANK = 0.5
-_UNIT_LENGTH = 0.01
 _LEVEL = 1e-9
 
 
-def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Recording:
+def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, rules: Rules = RULES) -> Recording:
     """The recording that a CSV or parquet file holds, checked against the arm.
 
     `settings` is its recording.yaml; without one, a YAML file of the recording's name or recording.yaml in its folder
@@ -47,18 +44,23 @@ def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Record
     """
     path = Path(path)
     held = read_settings(settings if settings is not None else find_settings(path))
-    table = read_table(path, held.layout)
+    return recording_from(read_table(path, held.layout), arm, held, rules=rules)
+
+
+def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RULES) -> Recording:
+    """The recording that a table holds, under settings; see `read_recording`."""
+    path = Path(table.file)
     warnings = [*table.notes]
     table, sentence = _chosen_rows(table, held)
     warnings += sentence
     columns, strangers, said = _columns(table, held, arm)
     warnings += said
     _require(columns, table, arm, held)
-    columns, rejected, said = _faults(columns, table)
+    columns, rejected, said = _faults(columns, table, rules.reading.mostly_blank)
     warnings += said
     known = {each.row for each in rejected}
-    rejected += [each for each in _not_unit(columns, table) if each.row not in known]
-    recording = assembled(path, columns, strangers, table, arm, held)
+    rejected += [each for each in _not_unit(columns, table, rules.reading.unit_length) if each.row not in known]
+    recording = assembled(path, columns, strangers, table, arm, held, rules=rules.residual)
     recording = replace(recording, rejected=(*table.ragged, *rejected), warnings=(*warnings, *recording.warnings))
     bad = {each.row for each in recording.rejected}
     recording = recording.kept(np.array([row not in bad for row in recording.row.tolist()], dtype=bool))
@@ -66,7 +68,7 @@ def read_recording(path: Path, arm: Arm, settings: Path | None = None) -> Record
         why = recording.rejected[0]
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
     headers = {column.meaning.name: column.header for column in columns.values()}
-    done = checked(recording, arm, headers)
+    done = checked(recording, arm, headers, rules=rules)
     return replace(done, rejected=tuple(sorted(done.rejected, key=lambda each: each.row)))
 
 
@@ -248,7 +250,9 @@ def _along_z(direction: Sequence[float]) -> bool:
     return max(abs(direction[0]), abs(direction[1])) <= _LEVEL
 
 
-def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, ReadColumn], list[RejectedRow], list[str]]:
+def _faults(
+    columns: dict[str, ReadColumn], table: Table, mostly_blank: float
+) -> tuple[dict[str, ReadColumn], list[RejectedRow], list[str]]:
     """Set rows without a number aside; an optional column that is mostly blank is set aside itself."""
     warnings: list[str] = []
     kept = dict(columns)
@@ -259,7 +263,7 @@ def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, Rea
         if not len(bad):
             continue
         base = column.meaning.base
-        if len(bad) > _MOSTLY_BLANK * total:
+        if len(bad) > mostly_blank * total:
             said = column.fault(int(bad[0]))
             where = f"row {table.row[bad[0]]}: {said}" + (f"; so do {len(bad) - 1} more rows" if len(bad) > 1 else "")
             if base in ("q", "x", "y", "z"):
@@ -285,12 +289,12 @@ def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, Rea
     return kept, rejected, warnings
 
 
-def _not_unit(columns: dict[str, ReadColumn], table: Table) -> list[RejectedRow]:
+def _not_unit(columns: dict[str, ReadColumn], table: Table, off: float) -> list[RejectedRow]:
     """Rows whose quaternion is none: a rotation's has the length 1."""
     if any(name not in columns for name in _QUATERNION):
         return []
     length = np.sqrt(sum(columns[name].values ** 2 for name in _QUATERNION))
-    wrong = np.flatnonzero(np.isfinite(length) & (np.abs(length - 1.0) > _UNIT_LENGTH))
+    wrong = np.flatnonzero(np.isfinite(length) & (np.abs(length - 1.0) > off))
     if len(wrong) > 0.5 * len(table.row):
         first = f"row {table.row[wrong[0]]}: {length[wrong[0]]:.4g}"
         raise InputError(table.file, ", ".join(_QUATERNION), f"are no quaternions of length 1 in most rows ({first})")

@@ -9,8 +9,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
-from materials.quantities import InputError, shown
-from materials.reading import Mapping, load_yaml, read_text
+from units.quantities import InputError, shown
+from units.reading import Mapping, load_yaml, read_text
 
 from .table import Layout
 
@@ -80,9 +80,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             sigma=sigma,
             frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
             tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
-            seat=cast(
-                Literal["unused", "free"], mapping.choice("orientation", ("unused", "free"), "unused")
-            ),
+            seat=cast(Literal["unused", "free"], mapping.choice("orientation", ("unused", "free"), "unused")),
             sides=cast(Sides, mapping.choice("sides", ("columns", "from_order"), "columns")),
             layout=_layout(mapping),
         )
@@ -100,9 +98,9 @@ def _says_nothing(path: Path) -> bool:
 
 def _formula(body: Mapping, name: str) -> str:
     """A formula; a column called `7` and a constant such as 0 are plain numbers in YAML."""
-    raw = body.raw(name, "a formula such as \"Joint 1 [rad]*57.29578\"")
+    raw = body.raw(name, 'a formula such as "Joint 1 [rad]*57.29578"')
     if isinstance(raw, bool) or not isinstance(raw, str | int | float) or not str(raw).strip():
-        raise body.error(name, f"needs a formula such as \"Joint 1 [rad]*57.29578\", not {shown(raw)}")
+        raise body.error(name, f'needs a formula such as "Joint 1 [rad]*57.29578", not {shown(raw)}')
     return " ".join(str(raw).split())
 
 
@@ -122,7 +120,7 @@ def _layout(mapping: Mapping) -> Layout:
     if mapping.has("separator"):
         raw = mapping.raw("separator")
         separator = {"tab": "\t", "comma": ",", "semicolon": ";", "blank": " "}.get(str(raw), str(raw))
-        if len(separator) != 1 or separator in "\"\r\n":
+        if len(separator) != 1 or separator in '"\r\n':
             raise mapping.error("separator", f"is one character, or tab, comma, semicolon, blank; not {shown(raw)}")
     decimal = mapping.choice("decimal", (".", ","), ".")
     if separator == decimal:

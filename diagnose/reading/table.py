@@ -10,17 +10,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from materials.quantities import InputError, shown
-from materials.reading import read_text
+from diagnose.recording import RejectedRow
+from sections.numeric import Array
+from units.quantities import InputError, shown
+from units.reading import read_text
 
-from .reading_columns import looks_like_ours
-from .recording import RejectedRow
+from .columns import looks_like_ours
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 _SEPARATORS = (",", ";", "\t", "|")
 _MARKS = ("#", "%")
@@ -283,6 +287,13 @@ def _parquet(path: Path) -> Table:
         raise InputError(path, "", message) from None
     except (OSError, ValueError, KeyError) as error:  # pyarrow's own errors are heirs of ValueError or OSError
         raise InputError(path, "", f"is not a parquet file: {shown(str(error))}") from None
+    return table_of(frame, str(path))
+
+
+def table_of(frame: DataFrame, path: str) -> Table:
+    """The table that a data frame holds; `path` names it in messages. Raises `InputError`."""
+    import pandas as pd
+
     columns: dict[str, tuple[str, ...] | Array] = {}
     for position, name in enumerate(" ".join(str(each).split()) for each in frame.columns):
         if name in columns:
@@ -294,4 +305,4 @@ def _parquet(path: Path) -> Table:
             columns[name] = tuple("" if pd.isna(value) else str(value) for value in series.tolist())
     if not len(frame) or not columns:
         raise InputError(path, "", "has no rows")
-    return Table(str(path), MappingProxyType(columns), np.arange(1, len(frame) + 1))
+    return Table(path, MappingProxyType(columns), np.arange(1, len(frame) + 1))

@@ -6,21 +6,17 @@ import io
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import REFERENCE_TEMPERATURE, Arm
-from materials.quantities import format_quantity
-
-from .recording import Recording
-
-Array = NDArray[np.float64]
-
-_ICE = REFERENCE_TEMPERATURE - 20.0
+from arm.chain.chain import Arm
+from diagnose.recording import Recording
+from sections.numeric import Array
+from units.quantities import format_quantity
+from units.temperature import ZERO_CELSIUS
 
 
 def recording_text(recording: Recording, arm: Arm) -> str:
     """The recording as CSV: s, deg, mm, kg, degC, N, N*m. Lengths are written to 0.01 um, angles to 1e-6 deg."""
-    columns = list(_columns(recording, arm))
+    columns = list(recording_columns(recording, arm))
     stream = io.StringIO()
     stream.write(",".join(name for name, _, _ in columns) + "\n")
     for row in range(recording.size):
@@ -45,7 +41,7 @@ def _cell(value: float, digits: int) -> str:
     return "0" if text == "-0" else text
 
 
-def _columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Array, int]]:
+def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Array, int]]:
     """Name, values in the unit of the name, and decimals of each column."""
     if recording.time is not None:
         yield "time_s", recording.time, 3
@@ -68,10 +64,10 @@ def _columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Array, int]]
         for axis, name in enumerate("xyz"):
             yield f"f{name}_N", recording.force[:, axis], 6
     if recording.temperature is not None:
-        yield "temperature_degC", recording.temperature - _ICE, 4
+        yield "temperature_degC", recording.temperature - ZERO_CELSIUS, 4
     if recording.link_temperature is not None:
         for index in range(arm.size):
-            yield f"temperature_link{index + 1}_degC", recording.link_temperature[:, index] - _ICE, 4
+            yield f"temperature_link{index + 1}_degC", recording.link_temperature[:, index] - ZERO_CELSIUS, 4
     for axis in range(recording.tip.shape[1]):
         yield f"{'xyz'[axis]}_mm", 1e3 * recording.tip[:, axis], 5
     if recording.base_target is not None:

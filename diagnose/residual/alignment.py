@@ -1,8 +1,7 @@
 """The measuring frame and the tool where nobody knows them: found by least squares before anything is diagnosed.
 
-The frame may stand anywhere (a tracker on a tripod), so it is found exactly first: the rotation by the singular value
-decomposition of W. Kabsch, Acta Cryst. A32 (1976) 922, doi:10.1107/S0567739476001873, then frame and tool together by
-Gauss-Newton. What is left of both is linear and stays among the nuisances of every fit.
+The frame may stand anywhere (a tracker on a tripod), so it is found exactly first (`rigid`), then frame and tool
+together by Gauss-Newton. What is left of both is linear and stays among the nuisances of every fit.
 """
 
 from __future__ import annotations
@@ -12,12 +11,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from arm.statics import PoseState
+from arm.chain.arrays import matrices
+from arm.chain.statics import PoseState
+from diagnose.recording import Recording
+from sections.numeric import Array
 
-from .recording import Recording
-
-Array = NDArray[np.float64]
+from .placement import rigid
 
 _STEPS = 30
 
@@ -41,12 +42,13 @@ def aligned(recording: Recording, state: PoseState, modelled: Array) -> Alignmen
     """Set measured against modelled tips (N, D), m, with frame and tool free where the recording says so."""
     measured, width = recording.tip, recording.tip.shape[1]
     rotation, translation, tool = np.eye(width), np.zeros(width), np.zeros(width)
-    directions = tool_directions(state, recording.size, width)
+    # How a tool offset displaces the tip.
+    directions = matrices(state.frames.orientation, recording.size, width)
     free_frame, free_tool = recording.frame == "free", recording.tool == "free"
     if not (free_frame or free_tool):
         return Alignment(rotation, translation, tool, measured - modelled)
     if free_frame:
-        rotation, translation = _rigid(measured, modelled)
+        rotation, translation = rigid(measured, modelled)
     for _ in range(_STEPS):
         placed = measured @ rotation.T + translation
         residual = placed - modelled - directions @ tool
@@ -69,25 +71,6 @@ def aligned(recording: Recording, state: PoseState, modelled: Array) -> Alignmen
     return Alignment(rotation, translation, tool, residual)
 
 
-def tool_directions(state: PoseState, rows: int, width: int) -> Array:
-    """The last link's axes in the base frame, (N, D, D): how a tool offset displaces the tip."""
-    matrix = state.frames.orientation
-    full = [
-        [np.broadcast_to(np.asarray(matrix[i][j], dtype=float), (rows,)) for j in range(width)] for i in range(width)
-    ]
-    return np.stack([np.stack(row, axis=1) for row in full], axis=1)
-
-
-def _rigid(measured: Array, modelled: Array) -> tuple[Array, Array]:
-    """Rotation and translation that bring `measured` closest to `modelled`."""
-    center, goal = measured.mean(axis=0), modelled.mean(axis=0)
-    u, _, vt = np.linalg.svd((measured - center).T @ (modelled - goal))
-    keep = np.eye(len(center))
-    keep[-1, -1] = np.sign(np.linalg.det(vt.T @ u.T)) or 1.0
-    rotation = vt.T @ keep @ u.T
-    return rotation, goal - rotation @ center
-
-
 def _frame_columns(points: Array) -> Array:
     """How points (N, D) move with a shift and a small turn of the frame, (N, D, 3 or 6)."""
     count, width = points.shape
@@ -105,6 +88,4 @@ def _rotation(turn: NDArray[np.floating[Any]]) -> Array:
     if len(turn) == 1:
         c, s = np.cos(turn[0]), np.sin(turn[0])
         return np.array([[c, -s], [s, c]])
-    from scipy.spatial.transform import Rotation
-
     return np.asarray(Rotation.from_rotvec(turn).as_matrix())

@@ -15,27 +15,20 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
-from arm.chain import Arm
-from materials.quantities import format_quantity
+from arm.chain.chain import Arm
+from diagnose.mistakes.row_lists import rows_text
+from diagnose.recording import Recording, RejectedRow
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
+from units.quantities import format_quantity
 
 from .placement import placed
-from .recording import SAME_ANGLE, SAME_LENGTH, Recording, RejectedRow
-from .robust import qn, resolution
-from .row_lists import rows_text
-from .stays import differences_of_revisits, without_drift
+from .repeats import differences_of_revisits, without_drift
+from .robust_scale import qn, resolution
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]
-
-_COARSE = 10.0
-_FALSE_OUTLIER = 0.01
-"""Chance that any row of a clean Gaussian recording is called an outlier."""
-_ENOUGH = 5
-"""Degrees of freedom (for each component) from which repeats are trusted more than a declared sigma."""
-_DISAGREE = 0.01
-_LEAST = 1e-9
-"""m; no instrument of an arm's size resolves less."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +69,7 @@ class _Cleaned:
     doubtful: tuple[int, ...]
 
 
-def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
+def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> NoiseFloor:
     """The noise floor: from repeats where the recording has enough of them, else the declared sigma, else from poses
     that were come back to, else none.
 
@@ -87,9 +80,9 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
     place = placed(arm, recording.q, recording.tip, frame=free, tool=recording.tool == "free")
     # Components are those of the measuring instrument: the residual is turned back into its frame.
     residual = place.residual @ place.rotation
-    visited = repeat_groups(recording, arm)
-    groups = without_drift(residual, visited)
-    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording)
+    visited = repeat_groups(recording, arm, rules=rules)
+    groups = without_drift(residual, visited, rules=rules)
+    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording, rules)
     width = recording.tip.shape[1]
     dof = cleaned.degrees_of_freedom
     step = [resolution(recording.tip[:, k]) or 0.0 for k in range(width)]
@@ -97,27 +90,32 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
     measured = np.sqrt(cleaned.squares / dof) if dof else None
     coarse = measured is not None and bool((measured <= least).all()) and bool(least.any())
     if measured is not None:
-        measured = np.maximum(np.maximum(measured, least), _LEAST)
+        measured = np.maximum(np.maximum(measured, least), rules.finest)
     declared = recording.sigma
     warnings: list[str] = []
-    disagree = measured is not None and declared is not None and not coarse and _differ(cleaned, declared, width)
+    disagree = (
+        measured is not None
+        and declared is not None
+        and not coarse
+        and _differ(cleaned, declared, width, rules.disagree)
+    )
     if disagree and measured is not None and declared is not None:
         warnings.append(
             f"Repeats scatter by {_mean_text(measured)} a component, but the declared sigma is "
             f"{_length(declared)}: chance does not explain the difference ({dof} degrees of freedom)."
         )
-    if measured is not None and (declared is None or disagree or (dof >= _ENOUGH and not coarse)):
+    if measured is not None and (declared is None or disagree or (dof >= rules.enough_freedom and not coarse)):
         sigma, source, rested = tuple(float(each) for each in measured), "repeats", dof
     elif declared is not None:
         sigma, source, rested = (declared,) * width, "declared", 0
     else:
         sigma, source, rested = None, "none", 0
-        again = differences_of_revisits(residual, _revisits(groups, recording, arm))
+        again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
         # Neighbouring differences share a reading: two thirds of them are worth one each.
-        if (rested := 2 * len(again) // 3) >= _ENOUGH:
-            spread = (qn(np.concatenate([again[:, k], -again[:, k]])) for k in range(width))
-            sigma, source = tuple(max(each, _LEAST, float(least[k])) for k, each in enumerate(spread)), "revisits"
-    drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm)
+        if (rested := 2 * len(again) // 3) >= rules.enough_freedom:
+            spread = (qn(np.concatenate([again[:, k], -again[:, k]]), rules=rules) for k in range(width))
+            sigma, source = tuple(max(each, rules.finest, float(least[k])) for k, each in enumerate(spread)), "revisits"
+    drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm, rules)
     floor = None if sigma is None else float(np.sqrt(sum(each * each for each in sigma)))
     sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
     if source == "repeats" and len(groups) > len(visited):
@@ -149,23 +147,23 @@ def noise_floor(recording: Recording, arm: Arm) -> NoiseFloor:
     )
 
 
-def repeat_groups(recording: Recording, arm: Arm) -> tuple[Rows, ...]:
+def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> tuple[Rows, ...]:
     """Visits: consecutive readings at one pose and condition, as indices (from 0) into the recording.
 
     Every reading is in one group, often alone. A pause of more than ten usual intervals begins a new group.
     """
-    same = pose_tolerance(recording, arm)
+    same = pose_tolerance(recording, arm, rules=rules)
     usual = np.inf
     if recording.time is not None and recording.size > 1:
         steps = np.diff(recording.time)
-        usual = _COARSE * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
+        usual = rules.long_pause * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
     held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
     changed = np.zeros(recording.size, dtype=bool)
     for each in held:
         columns = each.reshape(recording.size, -1)
-        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + 1e-3 * np.abs(columns[1:])).any(axis=1)
+        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.other_load * np.abs(columns[1:])).any(axis=1)
     if recording.velocity is not None:
-        limit = 1e-3 + 1e-2 * np.abs(recording.velocity[1:])
+        limit = 1e-3 + rules.other_speed * np.abs(recording.velocity[1:])
         changed[1:] |= (np.abs(np.diff(recording.velocity, axis=0)) > limit).any(axis=1)
     if recording.time is not None:
         changed[1:] |= np.abs(np.diff(recording.time)) > usual
@@ -180,26 +178,27 @@ def repeat_groups(recording: Recording, arm: Arm) -> tuple[Rows, ...]:
     return tuple(np.array(group, dtype=np.int64) for group in groups)
 
 
-def pose_tolerance(recording: Recording, arm: Arm) -> Array:
+def pose_tolerance(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Array:
     """How far coordinates (n,) may differ at one pose: rad, m."""
     found: list[float] = []
     for index, joint in enumerate(arm.joints):
-        least = SAME_ANGLE if joint.revolute else SAME_LENGTH
-        found.append(min(max(1.5 * _count(recording.q[:, index], _COARSE * least), least), _COARSE * least))
+        least = rules.same_coordinate(joint.revolute)
+        most = rules.coarsest * least
+        found.append(min(max(rules.steps * _count(recording.q[:, index], most, rules), least), most))
     return np.array(found)
 
 
-def _count(values: Array, largest: float) -> float:
+def _count(values: Array, largest: float, rules: ResidualRules) -> float:
     """The step of an encoder that counts coarsely, 0 where there is none below `largest`."""
     steps = np.diff(np.unique(values))
     steps = steps[steps > 1e-9]
     if len(steps) < 2 or (least := float(steps.min())) > largest:
         return 0.0
     counts = steps / least
-    return least if np.all(np.abs(counts - np.round(counts)) < 0.02 * np.maximum(counts, 1.0)) and least > 1e-5 else 0.0
+    return least if np.all(np.abs(counts - np.round(counts)) < rules.even_steps * np.maximum(counts, 1.0)) else 0.0
 
 
-def _clean(residual: Array, groups: Sequence[Rows], recording: Recording) -> _Cleaned:
+def _clean(residual: Array, groups: Sequence[Rows], recording: Recording, rules: ResidualRules) -> _Cleaned:
     """Take rows that stand out of their groups, twice: by a robust scale, then by the scatter that is left."""
     width = residual.shape[1]
     outliers: tuple[RejectedRow, ...] = ()
@@ -207,27 +206,29 @@ def _clean(residual: Array, groups: Sequence[Rows], recording: Recording) -> _Cl
     kept = tuple(groups)
     squares, dof = _pooled(residual, kept)
     for step in range(3):
-        if dof < _ENOUGH:
+        if dof < rules.enough_freedom:
             break
         if step == 0:
             contrasts = np.concatenate([_contrasts(residual[group]) for group in groups])
-            scale = np.array([qn(np.concatenate([contrasts[:, k], -contrasts[:, k]])) for k in range(width)])
+            scale = np.array(
+                [qn(np.concatenate([contrasts[:, k], -contrasts[:, k]]), rules=rules) for k in range(width)]
+            )
         else:
             scale = np.sqrt(squares / dof)
         if not (scale > 0.0).all():
             break
-        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording)
+        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules.false_outlier)
         squares, dof = _pooled(residual, kept)
     return _Cleaned(kept, squares, dof, outliers, doubtful)
 
 
 def _without_outliers(
-    scaled: Array, groups: Sequence[Rows], recording: Recording
+    scaled: Array, groups: Sequence[Rows], recording: Recording, false_outlier: float
 ) -> tuple[tuple[Rows, ...], tuple[RejectedRow, ...], tuple[int, ...]]:
     count = sum(len(group) for group in groups)
     # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
     width = scaled.shape[1]
-    limit = width * float(f_distribution.isf(_FALSE_OUTLIER / count, width, 0.8 * (count - len(groups))))
+    limit = width * float(f_distribution.isf(false_outlier / count, width, 0.8 * (count - len(groups))))
     kept: list[Rows] = []
     outliers: list[RejectedRow] = []
     doubtful: list[int] = []
@@ -263,17 +264,15 @@ def _pooled(residual: Array, groups: Sequence[Rows]) -> tuple[Array, int]:
 def _contrasts(values: Array) -> Array:
     """m readings (m, D) as m - 1 independent differences (Helmert's), each with the variance of one reading."""
     count = len(values)
-    found = [
-        (values[:k].sum(axis=0) - k * values[k]) / np.sqrt(k * (k + 1.0)) for k in range(1, count)
-    ]
+    found = [(values[:k].sum(axis=0) - k * values[k]) / np.sqrt(k * (k + 1.0)) for k in range(1, count)]
     return np.array(found)
 
 
-def _differ(cleaned: _Cleaned, declared: float, width: int) -> bool:
-    """Whether the repeats' scatter is one that the declared sigma gives once in a hundred times."""
+def _differ(cleaned: _Cleaned, declared: float, width: int, chance: float) -> bool:
+    """Whether the repeats' scatter is one that the declared sigma gives more seldom than `chance`."""
     total = float(np.sum(cleaned.squares)) / declared**2
     dof = width * cleaned.degrees_of_freedom
-    return min(float(chi2.cdf(total, dof)), float(chi2.sf(total, dof))) < _DISAGREE / 2.0
+    return min(float(chi2.cdf(total, dof)), float(chi2.sf(total, dof))) < chance / 2.0
 
 
 def _drift(
@@ -283,13 +282,14 @@ def _drift(
     sigma: tuple[float, ...] | None,
     recording: Recording,
     arm: Arm,
+    rules: ResidualRules,
 ) -> tuple[float | None, int]:
     """By how much (RMS length, m) visits of the same pose and condition differ beyond what noise explains."""
     bad = {each.row for each in cleaned.outliers} | set(cleaned.doubtful)
     good = [np.array([k for k in group if recording.row[k] not in bad], dtype=np.int64) for group in groups]
     squares, expected, dof = 0.0, 0.0, 0
     noise = 0.0 if sigma is None else sum(each * each for each in sigma)
-    for again in _of_one_pose([group for group in good if len(group)], recording, arm):
+    for again in _of_one_pose([group for group in good if len(group)], recording, arm, rules):
         if len(again) < 2:
             continue
         means = np.array([residual[visit].mean(axis=0) for visit in again])
@@ -300,13 +300,13 @@ def _drift(
         return None, 0
     over = squares - expected
     # Noise alone exceeds its expectation by about this much, which is then no drift.
-    chance = 3.0 * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
+    chance = rules.drift_beyond * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
     return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
 
 
-def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm) -> list[list[Rows]]:
+def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[list[Rows]]:
     """Visits together that were of one pose and condition."""
-    same = 4.0 * pose_tolerance(recording, arm)
+    same = rules.one_pose * pose_tolerance(recording, arm, rules=rules)
     keys: dict[tuple[int, ...], list[Rows]] = {}
     for visit in visits:
         key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
@@ -317,10 +317,10 @@ def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm) -> list
     return list(keys.values())
 
 
-def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm) -> list[Rows]:
+def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[Rows]:
     """The readings of each pose and condition in the order of time."""
     found: list[Rows] = []
-    for again in _of_one_pose(groups, recording, arm):
+    for again in _of_one_pose(groups, recording, arm, rules):
         rows = np.concatenate(again)
         found.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
     return found

@@ -9,26 +9,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm, EffectEntry, FloatVector
+from arm.chain.arrays import columns
+from arm.chain.chain import Arm, EffectEntry, FloatVector
+from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
-from arm.error import active_effects
-from arm.model import beams_of
-from arm.recorded import Asked, Channels, beyond, seen, seen_of_model
-from arm.statics import PoseState, solve
+from arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, Channels, on_shape, seen, shape_of
+from arm.errors.tip import ActiveEffect, active_effects
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES, Rules
 
 from .alignment import Alignment, aligned
-from .conditions import conditions_of
 from .orientation import has_orientation, turn_left
-from .recording import SAME_ANGLE, SAME_LENGTH, Recording
+from .recorded_conditions import conditions_of
 
 Array = NDArray[np.float64]
 
-_SHORT_STAY = 6
-"""Readings of a visit, where a stay at one pose is twice as long or longer."""
 _TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
 """m; a free tool is put into the arm and sought again until it moves by less than this."""
 
@@ -40,11 +43,14 @@ class Observed:
 
     `correlation` is that of each reading's noise with the one before, taken out by `whitened`. `about` is what was
     found so large that first order is taken about it: the residual is less by what that moves beyond first order.
+    `nominal` is the arm undeformed, `state` as its model and `about` deform it: patterns are those about that shape.
+    `rules` are those of the whole diagnosis.
     """
 
     arm: Arm
     unknown_masses: tuple[int, ...]
     recording: Recording
+    nominal: PoseState
     state: PoseState
     asked: Asked
     alignment: Alignment
@@ -53,6 +59,7 @@ class Observed:
     block: NDArray[np.int64]
     correlation: float = 0.0
     about: tuple[EffectEntry, ...] = ()
+    rules: Rules = RULES
 
     @property
     def components(self) -> int:
@@ -90,6 +97,11 @@ class Observed:
     def signature(self, effect: str, settings: Settings) -> Array:
         """What an effect moves in every column (N, C), m and rad."""
         return self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
+
+    def drive_moved(self, joint: int) -> Array:
+        """What one unit of motion (rad, m) of a joint (from 0) moves in every column (N, C), m and rad."""
+        unit = Settings((joint,), MappingProxyType({"offset": 1.0}))
+        return self.stacked(seen(self.state, ENCODER_OFFSET, unit, self.asked))
 
     def whitened(self, columns: Array) -> Array:
         """Columns (N, C) or (N, C, d) as (N * C) or (N * C, d) of unit scatter, without the correlation of neighbouring
@@ -142,13 +154,14 @@ def observe(
     scale: Array | None = None,
     correlation: float = 0.0,
     about: Sequence[EffectEntry] = (),
+    rules: Rules = RULES,
 ) -> Observed:
     """Set a recording against an arm's model.
 
     Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
     `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels. `about`
     what else is known to be at work, still to be fitted: see `Observed`.
-    Raises `arm.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
     known = arm.with_links(
@@ -162,12 +175,12 @@ def observe(
         command=recording.commanded is not None,
         turn=bool(has_orientation(recording).any()),
     )
-    state, modelled, alignment, first = _placed(known, recording, asked, about)
+    nominal, state, modelled, alignment, first = _placed(known, recording, asked, about, rules.residual)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))
-        state, modelled, further, first = _placed(known, recording, asked, about)
+        nominal, state, modelled, further, first = _placed(known, recording, asked, about, rules.residual)
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
@@ -181,67 +194,75 @@ def observe(
     if recording.commanded is not None and modelled.command is not None:
         parts.append(recording.q - recording.commanded - modelled.command)
     if modelled.turn is not None:
-        left = turn_left(recording, state, modelled.turn + first[1], alignment.rotation) + first[2]
+        left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
         parts.append(left[:, -turns_measured(recording.tip.shape[1]) :])
     residual = np.concatenate(parts, axis=1)
     return Observed(
         known,
         unknown,
         recording,
+        nominal,
         state,
         asked,
         alignment,
         residual,
         np.ones(residual.shape[1]) if scale is None else scale,
-        visits(recording, arm),
+        visits(recording, arm, rules=rules.residual),
         correlation,
         tuple(about),
+        rules,
     )
 
 
 def _placed(
-    arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry]
-) -> tuple[PoseState, Channels, Alignment, tuple[Array, Array, Array]]:
-    """The arm at the readings, what its model moves in every channel, and measured set against modelled tips; of what
-    else is known to be at work, the shift to first order, the turn and the turn to first order, (N, 3)."""
-    state = solve(
+    arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry], rules: ResidualRules
+) -> tuple[PoseState, PoseState, Channels, Alignment, Array]:
+    """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
+    measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3)."""
+    nominal = solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
-        conditions=conditions_of(recording, arm),
+        conditions=conditions_of(recording, arm, rules=rules),
         payload_mass=recording.payload_mass,
         tip_force=None if recording.force is None else _columns(recording.force),
     )
-    modelled = seen_of_model(state, active_effects(arm), asked)
-    width = recording.tip.shape[1]
-    further, turned, first, turn = _about(state, arm, about, asked)
-    nominal = np.stack([np.broadcast_to(np.asarray(x, dtype=float), (recording.size,)) for x in state.tip()], axis=1)
-    # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
-    alignment = aligned(recording, state, (nominal + modelled.tip + further + first)[:, :width])
-    placed = replace(alignment, residual=alignment.residual + first[:, :width])
-    return state, modelled, placed, (first, turned + turn, turn)
-
-
-def _about(
-    state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked
-) -> tuple[Array, Array, Array, Array]:
-    """What entries beside the arm's own move and turn the tip by beyond first order, and to first order; (N, 3) each,
-    m, rad, m and rad."""
-    nothing = np.zeros((asked.rows, 3))
-    if not about:
-        return nothing, nothing, nothing, nothing
     own = active_effects(arm)
-    whole = active_effects(replace(arm, effects=(*arm.effects, *about)))
-    found = [seen(state, each.effect, each.settings, asked) for each in whole[len(own) :]]
-    first = sum((each.tip for each in found), nothing)
-    turn = sum((each.turn for each in found if each.turn is not None), nothing)
-    (shift, turned), (own_shift, own_turned) = beyond(state, whole, asked), beyond(state, own, asked)
-    return shift - own_shift, turned - own_turned, first, turn
+    whole = (*own, *_entries(arm, about))
+    shape = shape_of(nominal, whole, asked)
+    modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
+    first, turn = _to_first_order(shape.state, arm, about, asked)
+    width = recording.tip.shape[1]
+    # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
+    alignment = aligned(recording, shape.state, (columns(nominal.tip(), recording.size) + shape.tip)[:, :width])
+    placed = replace(alignment, residual=alignment.residual + first[:, :width])
+    return nominal, shape.state, modelled, placed, turn
+
+
+def _to_first_order(state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked) -> tuple[Array, Array]:
+    """What entries beside the arm's own move and turn the tip by to first order about `state`; (N, 3) m and rad."""
+    found = [seen(state, each.effect, each.settings, asked) for each in _entries(arm, about)]
+    nothing = np.zeros((asked.rows, 3))
+    return (
+        sum((each.tip for each in found), nothing),
+        sum((each.turn for each in found if each.turn is not None), nothing),
+    )
+
+
+def _entries(arm: Arm, about: Sequence[EffectEntry]) -> tuple[ActiveEffect, ...]:
+    """Entries beside the arm's own, as effects at work."""
+    return active_effects(replace(arm, effects=(*arm.effects, *about)))[len(active_effects(arm)) :]
 
 
 def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Array:
-    """What entries beside the arm's own move the tip by beyond first order, (N, D), m."""
-    return _about(observed.state, observed.arm, about, observed.asked)[0][:, : observed.components]
+    """What entries beside the arm's own move the tip by beyond first order about the state observed, (N, D), m."""
+    if not about:
+        return np.zeros((observed.rows, observed.components))
+    arm, asked = observed.arm, observed.asked
+    with_them = shape_of(observed.nominal, (*active_effects(arm), *_entries(arm, about)), asked).tip
+    without = shape_of(observed.nominal, active_effects(arm), asked).tip
+    first, _ = _to_first_order(observed.state, arm, about, asked)
+    return (with_them - without - first)[:, : observed.components]
 
 
 def _moved(tool: FloatVector, by: Array) -> FloatVector:
@@ -249,23 +270,28 @@ def _moved(tool: FloatVector, by: Array) -> FloatVector:
     return (tool[0] + x, tool[1] + y, tool[2] + z)
 
 
-def visits(recording: Recording, arm: Arm) -> NDArray[np.int64]:
+def visits(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> NDArray[np.int64]:
     """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
-    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in arm.joints])
+    same = same_pose(arm, rules)
     new = (np.abs(np.diff(recording.q, axis=0)) > same).any(axis=1)
     for held in (recording.payload_mass, recording.sides, recording.force):
         if held is not None:
             changed = np.diff(held, axis=0) != 0.0
             new |= changed if changed.ndim == 1 else changed.any(axis=1)
     block = np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
-    return block if recording.time is None else _long_stays_cut(block)
+    return block if recording.time is None else _long_stays_cut(block, rules.short_stay)
 
 
-def _long_stays_cut(block: NDArray[np.int64]) -> NDArray[np.int64]:
+def same_pose(arm: Arm, rules: ResidualRules) -> Array:
+    """How close coordinates (n,) of one pose lie, rad and m."""
+    return np.array([rules.same_coordinate(joint.revolute) for joint in arm.joints])
+
+
+def _long_stays_cut(block: NDArray[np.int64], short: int) -> NDArray[np.int64]:
     """Visits with long stays as several of a few readings each: meanwhile arms warm and frames drift."""
     count = np.bincount(block)
     within = np.arange(len(block)) - np.repeat(np.cumsum(count) - count, count)
-    part = np.where(count[block] >= 2 * _SHORT_STAY, within // _SHORT_STAY, 0)
+    part = np.where(count[block] >= 2 * short, within // short, 0)
     new = (np.diff(block) != 0) | (np.diff(part) != 0)
     return np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
 
@@ -287,8 +313,8 @@ def looks_quieter(observed: Observed) -> float:
 
 def poses(observed: Observed) -> NDArray[np.int64]:
     """Which pose (from 0) each reading belongs to, however often and under whatever load it was visited."""
-    same = np.array([SAME_ANGLE if joint.revolute else SAME_LENGTH for joint in observed.arm.joints])
-    rounded = np.round(observed.recording.q / (4.0 * same)).astype(np.int64)
+    same = same_pose(observed.arm, observed.rules.residual)
+    rounded = np.round(observed.recording.q / (observed.rules.residual.one_pose * same)).astype(np.int64)
     return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 

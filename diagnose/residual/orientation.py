@@ -13,26 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain import Arm
-from arm.model import beams_of
-from arm.statics import PoseState, solve
-
-from .recording import Recording
-
-Array = NDArray[np.float64]
-
-_TURNED = 0.1
-"""rad; poses that differ by no more tell nothing of how orientations are written."""
-_HALF_TURN = 2.5
-_DISAGREE = 0.1
-"""rad; measured and modelled turns between poses that differ by more (median) are not of one convention."""
-
-
-def modelled_orientation(state: PoseState, rows: int) -> Array:
-    """The last link's orientation at each reading, (N, 3, 3)."""
-    matrix = state.frames.orientation
-    rows_of = [[np.broadcast_to(np.asarray(matrix[i][j], dtype=float), (rows,)) for j in range(3)] for i in range(3)]
-    return np.stack([np.stack(row, axis=1) for row in rows_of], axis=1)
+from arm.chain.arrays import matrices
+from arm.chain.chain import Arm
+from arm.chain.statics import PoseState, solve
+from arm.errors.model import beams_of
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
 
 def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation: Array) -> Array:
@@ -44,7 +32,7 @@ def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation:
     frame = np.eye(3)
     frame[: len(rotation), : len(rotation)] = rotation
     measured, sound = _measured(recording), has_orientation(recording)
-    model = Rotation.from_rotvec(modelled) * Rotation.from_matrix(modelled_orientation(state, recording.size))
+    model = Rotation.from_rotvec(modelled) * Rotation.from_matrix(matrices(state.frames.orientation, recording.size))
     placed = Rotation.from_matrix(frame) * measured
     sits = Rotation.from_matrix((model.inv() * placed).as_matrix()[sound]).mean()
     left = (placed * (model * sits).inv()).as_rotvec()
@@ -55,7 +43,7 @@ def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation:
 def tool_turns(recording: Recording, state: PoseState, width: int) -> Array:
     """How a small turn of the target on the tool shows, (N, 3, k): about the last link's axes, or the one of the
     plane."""
-    columns = modelled_orientation(state, recording.size)[:, :, 2 if width == 2 else 0 :]
+    columns = matrices(state.frames.orientation, recording.size)[:, :, 2 if width == 2 else 0 :]
     return columns * has_orientation(recording)[:, None, None]
 
 
@@ -66,7 +54,7 @@ def has_orientation(recording: Recording) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(recording.orientation).all(axis=(1, 2)), dtype=np.bool_)
 
 
-def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
+def with_sound_orientation(arm: Arm, recording: Recording, *, rules: ResidualRules = RULES.residual) -> Recording:
     """The recording without orientations that are written in another way than the model's, and a warning of it.
 
     Seen from the tool, its turns from one reading to the next are the same in any frame, and but for one constant turn
@@ -79,18 +67,18 @@ def with_sound_orientation(arm: Arm, recording: Recording) -> Recording:
     # What links weigh turns nothing to speak of.
     weightless = arm.with_links(tuple(replace(link, mass=0.0) if link.mass is None else link for link in arm.links))
     state = solve(weightless, [q[:, index] for index in range(arm.size)], beams_of(weightless))
-    model = Rotation.from_matrix(modelled_orientation(state, len(q)))
+    model = Rotation.from_matrix(matrices(state.frames.orientation, len(q)))
     measured = Rotation.from_matrix(_measured(recording).as_matrix()[sound])
     turns, seen = ((each[:-1].inv() * each[1:]).as_rotvec() for each in (model, measured))
     size = np.linalg.norm(turns, axis=1)
     # Half a turn has no sign.
-    telling = (size > _TURNED) & (size < _HALF_TURN)
+    telling = (size > rules.turned) & (size < rules.half_turn)
     if not telling.any():
         return recording
     if recording.tip.shape[1] == 3:
         turns = Rotation.align_vectors(seen[telling], turns[telling])[0].apply(turns)
     off = float(np.median(np.linalg.norm(seen - turns, axis=1)[telling]))
-    if off <= _DISAGREE:
+    if off <= rules.turns_disagree:
         return recording
     warning = (
         f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median): "

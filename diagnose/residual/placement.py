@@ -6,16 +6,13 @@ This looks for gross mistakes only; the fits of a diagnosis align frame and tool
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain import Arm
-from arm.kinematics import place
-
-Array = NDArray[np.float64]
+from arm.chain.arrays import nominal
+from arm.chain.chain import Arm
+from sections.numeric import Array
 
 _STEPS = 40
 _TUKEY = 4.685
@@ -45,19 +42,6 @@ class Placement:
     def misfit(self) -> float:
         """The middle distance, m: what a majority of the rows says."""
         return float(np.median(self.distance))
-
-
-def nominal(arm: Arm, q: Array, width: int) -> tuple[Array, Array]:
-    """The nominal tips (N, D), m, and the last link's axes (N, D, D) that carry a tool offset."""
-    frames = place(arm, [q[:, index] for index in range(arm.size)])
-    rows = len(q)
-
-    def column(value: Any) -> Array:
-        return np.broadcast_to(np.asarray(value, dtype=float), (rows,))
-
-    tips = np.stack([column(part) for part in frames.tip()[:width]], axis=1)
-    axes = [[column(frames.orientation[i][j]) for j in range(width)] for i in range(width)]
-    return tips, np.stack([np.stack(row, axis=1) for row in axes], axis=1)
 
 
 def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> Placement:
@@ -93,12 +77,13 @@ def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> P
     return Placement(modelled, measured @ rotation.T + translation - modelled, rotation, translation, offset)
 
 
-def rigid(measured: Array, goal: Array, weight: Array) -> tuple[Array, Array]:
-    """The weighted best rotation and translation of `measured` onto `goal` (W. Kabsch, Acta Cryst. A32 (1976) 922,
-    doi:10.1107/S0567739476001873)."""
-    share = weight / weight.sum()
-    center, end = share @ measured, share @ goal
-    u, _, vt = np.linalg.svd(((measured - center) * share[:, None]).T @ (goal - end))
+def rigid(measured: Array, goal: Array, weight: Array | None = None) -> tuple[Array, Array]:
+    """The best rotation and translation of `measured` onto `goal`, weighted or not (W. Kabsch, Acta Cryst. A32 (1976)
+    922, doi:10.1107/S0567739476001873)."""
+    share = None if weight is None else weight / weight.sum()
+    center, end = (points.mean(axis=0) if share is None else share @ points for points in (measured, goal))
+    arms = measured - center if share is None else (measured - center) * share[:, None]
+    u, _, vt = np.linalg.svd(arms.T @ (goal - end))
     keep = np.eye(len(center))
     keep[-1, -1] = np.sign(np.linalg.det(vt.T @ u.T)) or 1.0
     rotation = vt.T @ keep @ u.T

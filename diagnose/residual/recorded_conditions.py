@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import REFERENCE_TEMPERATURE, Arm
-from arm.conditions import Conditions
-
-from .recording import Recording
-
-Array = NDArray[np.float64]
-
-_SAME_PAYLOAD = 1e-3
-"""kg; a scale's noise is no new payload."""
+from arm.chain.chain import Arm
+from arm.chain.conditions import Conditions
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
+from units.temperature import REFERENCE_TEMPERATURE
 
 
-def conditions_of(recording: Recording, arm: Arm) -> Conditions:
+def conditions_of(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Conditions:
     """The conditions of the N readings, in arrays of N.
 
     The warming of a link is its own temperature's where the recording has that, else the air's, else None. The
@@ -30,7 +27,7 @@ def conditions_of(recording: Recording, arm: Arm) -> Conditions:
         velocities=_by_joint(recording.velocity),
         accelerations=_by_joint(recording.acceleration),
         commanded=_by_joint(recording.commanded),
-        loaded_for=loaded_for(recording.time, recording.payload_mass),
+        loaded_for=loaded_for(recording.time, recording.payload_mass, rules=rules),
     )
 
 
@@ -46,7 +43,7 @@ def _by_joint(values: Array | None) -> tuple[Array, ...] | None:
     return None if values is None else tuple(values[:, index] for index in range(values.shape[1]))
 
 
-def loaded_for(time: Array | None, payload: Array | None) -> Array | None:
+def loaded_for(time: Array | None, payload: Array | None, *, rules: ResidualRules = RULES.residual) -> Array | None:
     """How long (s) each reading's payload (N, kg) had been carried, None without time (N, s)."""
     if time is None:
         return None
@@ -55,7 +52,7 @@ def loaded_for(time: Array | None, payload: Array | None) -> Array | None:
     if payload is not None:
         start, held = float(time[order[0]]), float(payload[order[0]])
         for index in order.tolist():
-            if abs(payload[index] - held) > _SAME_PAYLOAD:
+            if abs(payload[index] - held) > rules.same_payload:
                 start, held = float(time[index]), float(payload[index])
             since[index] = start
     return time - since

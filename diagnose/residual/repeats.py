@@ -13,31 +13,33 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
-Array = NDArray[np.float64]
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
+
 Rows = NDArray[np.int64]
 
-_LONG, _TOGETHER = 12, 4
-_WANDERS = 1e-3
-"""Chance that a stay without drift is taken for one that drifts."""
 
-
-def without_drift(residual: Array, groups: Sequence[Rows]) -> tuple[Rows, ...]:
-    """Groups of repeats (indices of `residual`, (N, D) m), long ones that drift cut into runs of four.
+def without_drift(
+    residual: Array, groups: Sequence[Rows], *, rules: ResidualRules = RULES.residual
+) -> tuple[Rows, ...]:
+    """Groups of repeats (indices of `residual`, (N, D) m), long ones that drift cut into short runs.
 
     Whether they drift tells the scatter of the runs' means against that within runs (F test over all components).
     """
     found: list[Rows] = []
     for group in groups:
-        found += _runs(group) if len(group) >= _LONG and _drifts(residual[group]) else [group]
+        drifts = len(group) >= rules.long_stay and _drifts(residual[group], rules)
+        found += _runs(group, rules.neighbours) if drifts else [group]
     return tuple(found)
 
 
-def _runs(group: Rows) -> list[Rows]:
-    return np.array_split(group, len(group) // _TOGETHER)
+def _runs(group: Rows, together: int) -> list[Rows]:
+    return np.array_split(group, len(group) // together)
 
 
-def _drifts(values: Array) -> bool:
-    runs = [values[run] for run in _runs(np.arange(len(values)))]
+def _drifts(values: Array, rules: ResidualRules) -> bool:
+    runs = [values[run] for run in _runs(np.arange(len(values)), rules.neighbours)]
     within = sum(float(np.sum((run - run.mean(axis=0)) ** 2)) for run in runs)
     middle = values.mean(axis=0)
     between = sum(len(run) * float(np.sum((run.mean(axis=0) - middle) ** 2)) for run in runs)
@@ -46,7 +48,7 @@ def _drifts(values: Array) -> bool:
     if within <= 0.0:
         return between > 0.0
     ratio = between / of_between / (within / of_within)
-    return float(f_distribution.sf(ratio, of_between, of_within)) < _WANDERS
+    return float(f_distribution.sf(ratio, of_between, of_within)) < rules.drift_false_alarm
 
 
 def differences_of_revisits(residual: Array, visits: Sequence[Rows]) -> Array:

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
 _QN = 2.21914
 _SMALL = (0.399, 0.994, 0.512, 0.844, 0.611, 0.857, 0.669, 0.872)
-_MOST = 1500
 
 
-def qn(values: Array) -> float:
+def qn(values: Array, *, rules: ResidualRules = RULES.residual) -> float:
     """The robust scale Qn of at least two values: the standard deviation where they are Gaussian.
 
     P. J. Rousseeuw, C. Croux, J. Am. Stat. Assoc. 88 (1993) 1273, doi:10.1080/01621459.1993.10476408; factors for small
-    samples from C. Croux, P. J. Rousseeuw, COMPSTAT 1992, p. 411. Half of the values may be wrong. Of more than 1500
-    values an even share is taken, because all their pairs are compared.
+    samples from C. Croux, P. J. Rousseeuw, COMPSTAT 1992, p. 411. Half of the values may be wrong. Of more than
+    `rules.most_values` an even share is taken, because all their pairs are compared.
     """
-    if len(values) > _MOST:
-        values = values[np.linspace(0, len(values) - 1, _MOST).astype(int)]
+    if len(values) > rules.most_values:
+        values = values[np.linspace(0, len(values) - 1, rules.most_values).astype(int)]
     count = len(values)
     half = count // 2 + 1
     rank = half * (half - 1) // 2

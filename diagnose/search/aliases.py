@@ -6,22 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .candidates import PLAUSIBLE, STANDS
-from .fit import Fit, fit, typical
+from arm.effects import EFFECTS
+from arm.effects.effect import LAST_RANK
+from diagnose.fitting.fit import Fit, fit, typical
+from sections.numeric import Array
+
 from .naming import Namer
-from .search import gains, products
-
-Array = NDArray[np.float64]
-
-ALIKE = 0.98
-"""Patterns whose correlation is above this are one class."""
-CONFIDENT = 6.0
-"""Names whose criterion is worse by no more than this (odds of 20 to 1) stay in the confidence set."""
-REFUTED = 20.0
-"""Of one class or not: a name whose criterion is worse by this is refuted by the data (odds of 20,000 to 1)."""
-_TIED = 2.0
+from .subsets import gains, products
 
 
 @dataclass(frozen=True)
@@ -54,17 +46,19 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
 
 def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
     """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
+    rules = namer.rules
     shared, gained = likenesses(namer, members, member)
     own_criterion = namer.criterion_of(members)
     taken = {namer.pool.groups[m].candidate.family for m in members}
     found: dict[object, Rival] = {}
-    for number in np.flatnonzero(namer.library & ((shared >= ALIKE) | (gained >= 0.5 * gained[member]))).tolist():
+    near = (shared >= rules.alike) | (gained >= rules.rivalling * gained[member])
+    for number in np.flatnonzero(namer.library & near).tolist():
         family = namer.pool.groups[number].candidate.family
         if family in taken:
             continue
         trial = [number if m == member else m for m in members]
         worse = namer.criterion_of(trial) - own_criterion
-        if worse <= (REFUTED if shared[number] >= ALIKE else CONFIDENT) and namer.possible(trial):
+        if worse <= (rules.refuted if shared[number] >= rules.alike else rules.confident) and namer.possible(trial):
             rival = Rival(number, float(shared[number]), worse)
             if family not in found or found[family].worse > worse:
                 found[family] = rival
@@ -75,21 +69,21 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
     """Which name of an alias class goes first: among those that fit equally well, one at a joint that moves before one
     that only shares its pattern, then the one with fewest coefficients, of a usual size, and the commonest cause."""
 
-    travel = namer.prepared.observed.recording.q
+    travel, whole = namer.prepared.observed.recording.q, namer.prepared.observed.rules
 
     def order(number: int) -> tuple[bool, int, bool, int]:
         candidate = namer.pool.groups[number].candidate
         trial = [number if m == member else m for m in members]
         fitted: Fit = fit(namer.prepared, trial)
         sizes = fitted.sizes[trial.index(number)]
-        rank = PLAUSIBLE.index(candidate.effect) if candidate.effect in PLAUSIBLE else len(PLAUSIBLE)
-        still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < STANDS
+        rank = LAST_RANK if candidate.outside else EFFECTS[candidate.effect].rank
+        still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < whole.patterns.stands
         # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
         unknown = len(sizes) != len(candidate.sizes)
         coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
-        return (still, coefficients, not (unknown or typical(candidate, sizes)), rank)
+        return (still, coefficients, not (unknown or typical(candidate, sizes, rules=whole.fitting)), rank)
 
     # A joint that never moves is not accused while one that does would do nearly as well.
-    limit = REFUTED if order(member)[0] else _TIED
+    limit = namer.rules.refuted if order(member)[0] else namer.rules.tied
     tied = [member, *(rival.member for rival in others if rival.worse <= limit)]
     return min(tied, key=order)

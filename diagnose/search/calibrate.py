@@ -18,18 +18,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .pool import Pool, orthonormal
-from .search import Criterion
+from diagnose.patterns.pool import Pool, orthonormal
+from diagnose.rules.rules import RULES
+from diagnose.rules.search_rules import SearchRules
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .subsets import Criterion
 
-_WORK = 4e9
-"""Multiplications that the draws of one test may cost by default."""
 _CHUNK = 32
 _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
-_ENOUGH_VISITS = 12
-"""Visits whose signs alone give draws enough: 2048."""
 
 
 @dataclass(frozen=True)
@@ -80,12 +78,13 @@ def one_more(
     beside = _beside(pool, given.columns)
     statistic = _statistic(beside, given.residual[:, None], criterion)[:, 0]
     among = [usable & criterion.fits for usable in among]
-    draws = max(99, min(draws, int(_WORK / max(pool.basis.size, 1))))
+    rules = pool.rules.search
+    draws = max(rules.few_draws, min(draws, int(rules.work / max(pool.basis.size, 1))))
     table = given.residual.reshape(-1, width)
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
         count = min(_CHUNK, draws - start)
-        permuted = np.stack([drawn_anew(table, visits, rng).reshape(-1) for _ in range(count)], axis=1)
+        permuted = np.stack([drawn_anew(table, visits, rng, rules=rules).reshape(-1) for _ in range(count)], axis=1)
         permuted -= given.basis @ (given.basis.T @ permuted)
         found = _statistic(beside, permuted, criterion)
         for values, usable in zip(drawn, among, strict=True):
@@ -108,10 +107,12 @@ def permutation(visits: NDArray[np.int64], rng: np.random.Generator) -> NDArray[
     return np.roll(rows, int(rng.integers(len(rows)))) if count < len(rows) else rows
 
 
-def drawn_anew(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+def drawn_anew(
+    table: Array, visits: NDArray[np.int64], rng: np.random.Generator, *, rules: SearchRules = RULES.search
+) -> Array:
     """Readings (N, C) with a random sign for each visit (N, numbered from 0, ascending); few visits in random order."""
     count = int(visits[-1]) + 1
-    if count < _ENOUGH_VISITS:
+    if count < rules.enough_visits:
         return shuffled(table, visits, rng)
     return table * rng.choice((-1.0, 1.0), count)[visits][:, None]
 
@@ -123,17 +124,22 @@ def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) 
     return table[rows] * flips[visits[rows], None]
 
 
+def gumbel(drawn: Array) -> tuple[float, float]:
+    """Location and spread of the Gumbel distribution through the moments of draws, each the largest of many (E. J.
+    Gumbel, Statistics of Extremes, 1958)."""
+    spread = float(np.std(drawn)) * math.sqrt(6.0) / math.pi
+    return float(np.mean(drawn)) - 0.5772156649 * spread, spread
+
+
 def p_value(observed: float, drawn: Array) -> float:
-    """The p-value of a statistic among permuted ones: counted where draws reach it, else by the tail of a Gumbel
-    distribution through their moments (largest of many; E. J. Gumbel, Statistics of Extremes, 1958)."""
+    """The p-value of a statistic among permuted ones: counted where draws reach it, else by the tail of `gumbel`."""
     reached = int(np.sum(drawn >= observed))
     counted = (1.0 + reached) / (1.0 + len(drawn))
     if reached >= 5 or len(drawn) < 50:
         return counted
-    spread = float(np.std(drawn)) * math.sqrt(6.0) / math.pi
+    location, spread = gumbel(drawn)
     if spread <= 0.0:
         return counted
-    location = float(np.mean(drawn)) - 0.5772156649 * spread
     return float(min(counted, -math.expm1(-math.exp(-(observed - location) / spread))))
 
 

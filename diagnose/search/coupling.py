@@ -14,24 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain import EffectEntry
+from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
+from diagnose.fitting.fit import fit
+from diagnose.fitting.prepare import Patterns, Prepared, set_up
+from diagnose.patterns.flexibility import entry, flexible, through_flexibility
+from diagnose.patterns.forces import forces
+from diagnose.patterns.library import candidates
 
-from .candidates import candidates
-from .fit import fit
-from .flexibility import LOADS, entry, flexible, through_flexibility
-from .forces import forces
 from .naming import Namer
-from .prepare import Patterns, Prepared, set_up
-from .search import Subset
-
-_ROUNDS = 4
-_SAME = 0.01
-"""Flexibility that has changed by no more than this share is what was assumed."""
-_MATTERS = 0.02
-"""Loads whose patterns a flexibility changes by less than this share need no second look."""
-_SHORT = 2000
-"""Readings up to which several beginnings are tried."""
+from .subsets import Subset
 
 
 def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozenset[str] = frozenset()) -> Prepared:
@@ -42,9 +34,10 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     """
     observed = prepared.observed.softened(entries)
     held = list(zip(prepared.pool.groups, prepared.columns, strict=True))
-    loads = [*candidates(observed, without | (frozenset(EFFECTS) - LOADS)), *forces(observed)]
+    others = frozenset(effect.id for effect in EFFECTS.values() if not effect.through_flexibility)
+    loads = [*candidates(observed, without | others), *forces(observed)]
     before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
-    if not _differ(before, loads):
+    if not _differ(before, loads, observed.rules.search.coupling_matters):
         return prepared
     kept = [(group.candidate, columns) for group, columns in held if not through_flexibility(group.candidate)]
     again = set_up(observed, [*kept, *loads], prepared.rejected)
@@ -63,10 +56,10 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
     if len(chosen.members) < 2:
         return namer
     found, value = namer, chosen.criterion
-    long = namer.prepared.observed.rows > _SHORT
+    long = namer.prepared.observed.rows > namer.rules.several_beginnings
     starts = list(itertools.islice(_starts(namer, best), 1 if long else None))
     for number, start in enumerate(starts):
-        trial, criterion = _consistent(namer, start, without, 1 if long else _ROUNDS)
+        trial, criterion = _consistent(namer, start, without, 1 if long else namer.rules.coupling_rounds)
         if criterion < value:
             found, value = trial, criterion
         tell((number + 1.0) / len(starts))
@@ -97,10 +90,8 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
     found: list[EffectEntry] = []
     for member, sizes in zip(members, fitted.sizes, strict=True):
         candidate, values = namer.pool.groups[member].candidate, sizes.tolist()
-        if candidate.effect == "link_modulus":
-            # The pattern is that of a small excess x, and what the link gives goes with 1/(1 + x).
-            values = [1.0 / (1.0 - value) - 1.0 if value < 1.0 else np.inf for value in values]
-        one = entry(candidate, values)
+        turned = None if candidate.outside else EFFECTS[candidate.effect].size_from_slope
+        one = entry(candidate, values if turned is None else [turned(value) for value in values])
         if one is not None:
             found.append(one)
     return tuple(found)
@@ -119,25 +110,25 @@ def _consistent(
         best = min(trial.best_of_library().values(), key=lambda subset: subset.criterion)
         value = best.criterion
         again = _entries(trial, best.members)
-        if not again or _close(entries, again):
+        if not again or _close(entries, again, namer.rules.same_flexibility):
             break
         entries = again
     return trial, value
 
 
-def _differ(before: Patterns, after: Patterns) -> bool:
+def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
     """Whether patterns are others than before, by more than matters."""
     own = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
     for candidate, columns in after:
         was = own.get((candidate.family, tuple(candidate.shapes.items())))
-        if was is None or was.shape != columns.shape or np.linalg.norm(columns - was) > _MATTERS * np.linalg.norm(was):
+        if was is None or was.shape != columns.shape or np.linalg.norm(columns - was) > matters * np.linalg.norm(was):
             return True
     return False
 
 
-def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry]) -> bool:
+def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry], same: float) -> bool:
     have = {(each.effect, each.at): each.parameters for each in entries}
     if set(have) != {(each.effect, each.at) for each in others}:
         return False
     pairs = [(have[each.effect, each.at][name], value) for each in others for name, value in each.parameters.items()]
-    return all(abs(a - b) <= _SAME * max(abs(a), abs(b)) for a, b in pairs)
+    return all(abs(a - b) <= same * max(abs(a), abs(b)) for a, b in pairs)

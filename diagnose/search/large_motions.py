@@ -13,27 +13,18 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import EffectEntry
-from arm.effects import EFFECTS
+from arm.chain.chain import EffectEntry
+from diagnose.fitting.corrected_arm import as_entry
+from diagnose.fitting.fit import beyond_nuisances, fit
+from diagnose.patterns.basis import tip_of
+from diagnose.residual.observed import Observed, beyond_first_order, rms_length
 
-from .correct import as_entry
-from .fit import beyond_nuisances, fit
-from .form import tip_of
+from .aliases import likenesses
 from .naming import Named, Namer
-from .observed import Observed, beyond_first_order, rms_length
-from .rivals import ALIKE, likenesses
 
 Array = NDArray[np.float64]
 Entries = tuple[EffectEntry, ...]
 Search = Callable[[Entries], tuple[Namer, Named]]
-
-_ROUNDS = 4
-_MATTERS = 0.1
-"""Of the readings' scatter: what a change in what lies beyond first order must reach (RMS) to be looked at again."""
-_MOTIONS = frozenset({"geometry", "angle errors", "measurement"})
-"""Causes that move the chain as it stands, by whatever amount."""
-_NAMES = 4
-"""Names of one pattern that a search is made about, at most."""
 
 
 def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
@@ -55,7 +46,7 @@ def _criterion(namer: Namer, named: Named) -> float:
 
 
 def _settled(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
-    for _ in range(_ROUNDS):
+    for _ in range(namer.rules.motion_rounds):
         found = _motions(namer, _members(namer, named))
         if not _matters(namer, found):
             break
@@ -71,9 +62,10 @@ def _members(namer: Namer, named: Named) -> Sequence[int]:
 def _may_matter(namer: Namer, members: Sequence[int]) -> bool:
     """Whether anything moves the tip so far that its square over the tip's distance is near what matters."""
     observed = namer.prepared.observed
+    least = namer.rules.may_matter * namer.rules.motion_matters
     reach = rms_length(tip_of(observed))
     furthest = max((rms_length(move) for move in _moves(namer, members)), default=0.0)
-    return reach > 0.0 and furthest**2 / reach > 0.1 * _MATTERS * _scatter(observed)
+    return reach > 0.0 and furthest**2 / reach > least * _scatter(observed)
 
 
 def _scatter(observed: Observed) -> float:
@@ -93,17 +85,19 @@ def _matters(namer: Namer, found: Entries) -> bool:
     width = observed.components
     change = np.zeros(observed.residual.shape)
     change[:, :width] = beyond_first_order(observed, found) - beyond_first_order(observed, observed.about)
-    return rms_length(beyond_nuisances(namer.prepared, change)[:, :width]) > _MATTERS * _scatter(observed)
+    return rms_length(beyond_nuisances(namer.prepared, change)[:, :width]) > namer.rules.motion_matters * _scatter(
+        observed
+    )
 
 
 def _motions(namer: Namer, members: Sequence[int]) -> Entries:
-    """Those of some groups that move the chain as it stands, as fitted."""
+    """Some groups as entries of an arm file, as fitted; what is a share of loads or lacks a size stays out."""
     fitted = fit(namer.prepared, members)
     pairs = [(namer.pool.groups[m].candidate, s.tolist()) for m, s in zip(fitted.members, fitted.sizes, strict=True)]
     return tuple(
         as_entry(candidate, sizes)
         for candidate, sizes in pairs
-        if not candidate.share and len(sizes) == len(candidate.sizes) and EFFECTS[candidate.effect].cause in _MOTIONS
+        if not candidate.share and len(sizes) == len(candidate.sizes)
     )
 
 
@@ -112,10 +106,10 @@ def _beginnings(namer: Namer, members: Sequence[int]) -> Iterator[Entries]:
     yield _motions(namer, members)
     largest = members[int(np.argmax([rms_length(move) for move in _moves(namer, members)]))]
     shared, _ = likenesses(namer, members, largest)
-    families = {namer.pool.groups[m].candidate.family for m in members}
+    families, rules = {namer.pool.groups[m].candidate.family for m in members}, namer.rules
     for number in np.argsort(-shared).tolist():
         family = namer.pool.groups[number].candidate.family
-        if shared[number] < ALIKE or len(families) - len(members) >= _NAMES:
+        if shared[number] < rules.alike or len(families) - len(members) >= rules.motion_names:
             break
         if family not in families:
             families.add(family)

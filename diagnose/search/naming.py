@@ -9,34 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnose.fitting.fit import fit, impossible
+from diagnose.fitting.prepare import Prepared, limits
+from diagnose.fitting.refit import refined_shapes
+from diagnose.patterns.forces import pull_found
+from diagnose.patterns.library import Candidate, columns_of
+from diagnose.patterns.pool import Pool, with_group
+from diagnose.rules.search_rules import SearchRules
+from sections.numeric import Array
+
 from .calibrate import Calibrated, Given, given_model, one_more
-from .candidates import Candidate, columns_of
-from .fit import fit, impossible
-from .forces import pull_found
-from .pool import Pool, with_group
-from .prepare import Prepared, limits
-from .refit import refined_shapes
-from .search import Subset, best_subsets, gains_beside, own_blocks, products
+from .subsets import Subset, best_subsets, gains_beside, own_blocks, products
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-FALSE_ALARM = 0.003
-"""The level of each test; a null meets two of them (library and forms)."""
-_MARGIN = 10.0
-"""How much better a form's criterion must be than the library's before the library's answer is given up."""
-_BESIDE = 6.0
-"""How much a form must better the criterion beside something that was named."""
-_MATERIAL = 0.15
-"""A remainder below this share of the whole mismatch (RMS) is a blemish of the model found, not another cause."""
-_MANY = 3000
-_DRAWS, _THOROUGH_DRAWS = 499, 2999
-_FEW_DRAWS = 99
-"""Draws for each finding beyond three; the tail is read off a Gumbel distribution."""
-_MOST = 30
-_WORTH_OF_MANY = 0.004
-_WORTH = 0.01
-"""Beyond three findings, one more must take off this share of the sum of squares that is left."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +48,8 @@ class Namer:
 
     def __init__(self, prepared: Prepared, *, thorough: bool, seed: int) -> None:
         self.prepared = prepared
-        self.draws = _THOROUGH_DRAWS if thorough else _DRAWS
+        self.rules: SearchRules = prepared.observed.rules.search
+        self.draws = self.rules.thorough_draws if thorough else self.rules.draws
         self.rng = np.random.default_rng(seed)
         self.visits = prepared.visits
         self.library: Mask = prepared.library()
@@ -101,7 +87,8 @@ class Namer:
     def _take_in(self, candidate: Candidate, columns: Array) -> int | None:
         """The number of a new group of these columns (N, C, d); None where nothing is seen of it."""
         white = self.prepared.observed.whitened(columns)
-        pool = with_group(self.pool, candidate, white, limits(candidate, columns))
+        fitting = self.prepared.observed.rules.fitting
+        pool = with_group(self.pool, candidate, white, limits(candidate, columns, rules=fitting))
         if len(pool.groups) == len(self.pool.groups):
             return None
         self.prepared = replace(self.prepared, pool=pool, columns=(*self.prepared.columns, columns))
@@ -159,7 +146,7 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
     namer.seek_pull(())
     gate = namer.test(())
     tell(0.2)
-    if min(gate[0].p_value, gate[1].p_value) > FALSE_ALARM:
+    if min(gate[0].p_value, gate[1].p_value) > namer.rules.false_alarm:
         return Named((), (), (), gate, None)
     members, p_values = _of_library(namer)
     tell(0.6)
@@ -182,7 +169,7 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
             continue
         smallest = len(chosen)
         p_values = own_tests(namer, chosen)
-        if all(p <= FALSE_ALARM for p in p_values):
+        if all(p <= namer.rules.false_alarm for p in p_values):
             return chosen, p_values
     return (), ()
 
@@ -201,15 +188,15 @@ def _carried_on(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it."""
-    while len(members) < _MOST:
-        tested = namer.test(members, _FEW_DRAWS)[0]
-        if tested.p_value > FALSE_ALARM:
+    while len(members) < namer.rules.most_findings:
+        tested = namer.test(members, namer.rules.few_draws)[0]
+        if tested.p_value > namer.rules.false_alarm:
             break
         before = fit(namer.prepared, members)
         added = _swapped(namer, _best_addition(namer, members, tested))
         after = fit(namer.prepared, added)
         worse = namer.criterion_of(added) >= namer.criterion_of(members)
-        worth = _WORTH if namer.criterion.count < _MANY else _WORTH_OF_MANY
+        worth = worth_of_one_more(namer.rules, namer.criterion.count)
         if len(added) <= len(members) or worse or after.rss > (1.0 - worth) * before.rss:
             break
         members, p_values = added, (*p_values, tested.p_value)
@@ -224,7 +211,7 @@ def _pruned(
         whole = fit(namer.prepared, members).rss
         without = [fit(namer.prepared, [m for m in members if m != member]).rss for member in members]
         least = int(np.argmin(without))
-        if without[least] > (1.0 + 0.5 * _WORTH_OF_MANY) * whole:
+        if without[least] > (1.0 + namer.rules.worth_keeping * namer.rules.worth_of_many) * whole:
             break
         members = tuple(m for k, m in enumerate(members) if k != least)
         p_values = tuple(p for k, p in enumerate(p_values) if k != least)
@@ -267,6 +254,14 @@ def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
     return members
 
 
+def weighed_again(namer: Namer, named: Named, members: tuple[int, ...], p_values: tuple[float, ...]) -> Named:
+    """What is named where only some members are left, as readings held out have refuted the rest: a form may be the
+    better answer than those are, by the same margin as before, or stand beside them."""
+    members, outside, p_values = _against_forms(namer, members, p_values)
+    left = namer.test((*members, *outside))
+    return replace(named, members=members, outside=outside, p_values=p_values, left=left)
+
+
 def _against_forms(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
@@ -277,22 +272,43 @@ def _against_forms(
     own = namer.criterion_of(members)
     rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
     best = min(rivals, key=lambda subset: subset.criterion, default=None)
-    handicap = _MARGIN * (1 if len(members) <= 2 else 2 - len(members))
-    if best is not None and best.criterion < own - handicap and not _near_enough(namer, members, best):
+    if (
+        best is not None
+        and best.criterion < own - margin_of_forms(namer.rules, len(members))
+        and not _near_enough(namer, members, best)
+    ):
         outside = tuple(m for m in best.members if not namer.library[m])
         inside = tuple(m for m in best.members if namer.library[m])
-        if namer.test(inside)[1].p_value <= FALSE_ALARM:
+        if namer.test(inside)[1].p_value <= namer.rules.false_alarm:
             return _still_there(namer, inside, outside)
     tested = namer.test(members)[1]
-    if tested.p_value <= FALSE_ALARM and tested.best >= 0:
+    if tested.p_value <= namer.rules.false_alarm and tested.best >= 0:
         without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
         whole = float(namer.prepared.vector @ namer.prepared.vector)
-        needed = namer.criterion_of(members) - (_BESIDE if members else 0.0)
-        material = without - beside > _MATERIAL**2 * (whole - beside)
+        needed = namer.criterion_of(members) - (namer.rules.beside if members else 0.0)
+        material = without - beside > namer.rules.material**2 * (whole - beside)
         wider = [*members, tested.best]
         if material and namer.criterion_of(wider) < needed and namer.possible(wider):
             return _still_there(namer, members, (tested.best,))
     return members, (), p_values
+
+
+def margin_of_forms(rules: SearchRules, findings: int) -> float:
+    """How much better a form's criterion must be than that of so many findings before they are given up for it.
+
+    Never less than nought, however many: what fits worse than named physics does not take its place.
+    """
+    return rules.margin if findings <= rules.sparing else 0.0
+
+
+def worth_of_one_more(rules: SearchRules, count: int) -> float:
+    """The share of what is left that one more finding beyond three must take off, by so many observations."""
+    return max(rules.worth_of_many, rules.worth * min(1.0, rules.many / max(count, 1)))
+
+
+def blemish(rules: SearchRules, count: int) -> float:
+    """The share of the mismatch (RMS) that named physics may miss of what a form explains, by so many observations."""
+    return rules.material * min(1.0, count / rules.many) ** 2
 
 
 def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
@@ -301,11 +317,11 @@ def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
     With thousands of readings the least blemish is beyond chance, and a smooth field can always be found that describes
     it; with few, whatever is beyond chance is large.
     """
-    if namer.criterion.count < _MANY or not members:
+    if not members:
         return False
     whole = float(namer.prepared.vector @ namer.prepared.vector)
     missed = fit(namer.prepared, members).rss - best.rss
-    return missed < _MATERIAL**2 * (whole - best.rss)
+    return missed < blemish(namer.rules, namer.criterion.count) ** 2 * (whole - best.rss)
 
 
 def _still_there(
@@ -315,7 +331,7 @@ def _still_there(
     while members:
         p_values = own_tests(namer, members, outside)
         worst = int(np.argmax(p_values))
-        if p_values[worst] <= FALSE_ALARM:
+        if p_values[worst] <= namer.rules.false_alarm:
             return members, outside, p_values
         members = tuple(m for k, m in enumerate(members) if k != worst)
     return (), outside, ()

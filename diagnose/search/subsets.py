@@ -17,20 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .pool import Layout, Pool
+from diagnose.patterns.pool import Layout, Pool
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
-
-_KEPT = 60
-"""How many of the best subsets of each size are kept for a closer look."""
-_MOST_FITTED = 0.5
-"""Coefficients for each observation, at most."""
 _GONE = 1e-9
 """A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
 _RIDGE = 1e-8
 """Added to blocks of unit scale, so that directions which others have taken wholly count nothing."""
-_MOST_IN_TRIPLES = 160
-"""Families that triples are made of; with more, those that explain least alone and beside the best are left."""
 
 
 @dataclass(frozen=True)
@@ -120,17 +114,18 @@ class Criterion:
     """The extended BIC for `count` observations (nuisances already counted off) and `families` candidates.
 
     `price` (G,) is what each group costs for its coefficients and for being picked from its variants, `ranks` (G,) its
-    coefficients. A subset with more than half as many coefficients as observations explains nothing: it is infinite.
+    coefficients. A subset with more than `most_fitted` coefficients an observation explains nothing: it is infinite.
     """
 
     count: int
     families: int
     price: Array
     ranks: NDArray[np.int64]
+    most_fitted: float = RULES.search.most_fitted
 
     def __call__(self, rss: float, members: Sequence[int]) -> float:
         """The criterion of a subset; smaller is better."""
-        if sum(int(self.ranks[member]) for member in members) > _MOST_FITTED * self.count:
+        if sum(int(self.ranks[member]) for member in members) > self.most_fitted * self.count:
             return math.inf
         prior = 2.0 * _log_choose(max(self.families, len(members)), len(members))
         priced = float(sum(self.price[member] for member in members))
@@ -139,12 +134,12 @@ class Criterion:
     @property
     def fits(self) -> NDArray[np.bool_]:
         """Which groups have few enough coefficients to explain anything."""
-        return self.ranks <= _MOST_FITTED * self.count
+        return self.ranks <= self.most_fitted * self.count
 
     def of_many(self, rss: float, gained: Array, price: Array, rank: NDArray[np.int64]) -> Array:
         """The criterion of subsets of one size, but for the prior that they share: what each gains, costs and fits."""
         value = self.count * np.log(np.maximum(rss - gained, 1e-300)) + price
-        return np.where(rank > _MOST_FITTED * self.count, np.inf, value)
+        return np.where(rank > self.most_fitted * self.count, np.inf, value)
 
 
 def criterion_for(pool: Pool, count: int) -> Criterion:
@@ -160,7 +155,7 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
         choice = 2.0 * math.log(len(members))
         free = np.array([len(pool.groups[member].candidate.free_shapes) for member in members])
         price[members] = price[members] + np.maximum(choice, free * math.log(count))
-    return Criterion(count, max(len(alike), 1), price, pool.ranks)
+    return Criterion(count, max(len(alike), 1), price, pool.ranks, pool.rules.search.most_fitted)
 
 
 def _log_choose(total: int, taken: int) -> float:
@@ -195,24 +190,27 @@ def best_subsets(
         return found
     alone = np.where(usable, gains(pool, start), -1.0)
     singles = [(float(gain), (number,)) for number, gain in enumerate(alone.tolist()) if gain >= 0.0]
-    found[1] = _ranked(start.rss, singles, criterion)
+    kept = pool.rules.search.kept
+    found[1] = _ranked(start.rss, singles, criterion, kept)
     if largest >= 2:
-        pairs = _best(_pairs(pool, start, alone, usable, criterion))
-        found[2] = _ranked(start.rss, pairs, criterion)
+        pairs = _best(_pairs(pool, start, alone, usable, criterion), kept)
+        found[2] = _ranked(start.rss, pairs, criterion, kept)
     if largest >= 3 and found.get(2):
         reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced, criterion)), criterion)
+        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced, criterion), kept), criterion, kept)
     return {size: subsets for size, subsets in found.items() if subsets}
 
 
-def _best(found: Iterator[tuple[float, float, tuple[int, ...]]]) -> list[tuple[float, tuple[int, ...]]]:
+def _best(found: Iterator[tuple[float, float, tuple[int, ...]]], kept: int) -> list[tuple[float, tuple[int, ...]]]:
     """What the subsets of the smallest criterion gain: a group of many coefficients always gains much."""
-    return [(gain, members) for _, gain, members in heapq.nsmallest(_KEPT, found)]
+    return [(gain, members) for _, gain, members in heapq.nsmallest(kept, found)]
 
 
-def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion) -> list[Subset]:
+def _ranked(
+    rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion, kept: int
+) -> list[Subset]:
     subsets = [Subset(members, rss - gain, criterion(rss - gain, members)) for gain, members in gained]
-    return sorted(subsets, key=lambda subset: subset.criterion)[:_KEPT]
+    return sorted(subsets, key=lambda subset: subset.criterion)[:kept]
 
 
 def _pairs(
@@ -226,7 +224,7 @@ def _pairs(
         both[family == family[first]] = -1.0
         price = criterion.price[first] + criterion.price
         value = np.where(both > 0.0, criterion.of_many(start.rss, both, price, ranks[first] + ranks), np.inf)
-        for second in np.argsort(value)[:_KEPT].tolist():
+        for second in np.argsort(value)[: pool.rules.search.kept].tolist():
             if value[second] < np.inf:
                 yield float(value[second]), float(both[second]), (first, second)
 
@@ -270,9 +268,10 @@ def _worth_a_triple(
         if able:
             taken |= {max(able, key=lambda m, g=gain: g[m]) for gain in gained}
     taken |= set(found[2][0].members)
-    if len(taken) > _MOST_IN_TRIPLES:
+    most = pool.rules.search.most_in_triples
+    if len(taken) > most:
         strength = np.max(np.stack(gained), axis=0)
-        taken = set(sorted(taken, key=lambda m: -strength[m])[:_MOST_IN_TRIPLES]) | set(found[2][0].members)
+        taken = set(sorted(taken, key=lambda m: -strength[m])[:most]) | set(found[2][0].members)
     return sorted(taken)
 
 
@@ -293,4 +292,4 @@ def _sub_pool(pool: Pool, members: Sequence[int]) -> Pool:
         group = pool.groups[member]
         groups.append(replace(group, start=at, stop=at + group.rank))
         at += group.rank
-    return Pool(pool.nuisance, tuple(groups), pool.basis[:, :0], pool.gram[:0, :0], ())
+    return Pool(pool.nuisance, tuple(groups), pool.basis[:, :0], pool.gram[:0, :0], (), pool.rules)

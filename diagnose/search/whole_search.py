@@ -8,11 +8,7 @@ import numpy as np
 
 from .calibrate import drawn_anew, p_value
 from .naming import Named, Namer
-from .search import best_subsets
-
-_DRAWS = 99
-LEVEL = 0.01
-"""False alarms of the whole search, at most."""
+from .subsets import best_subsets
 
 
 def whole_search_p(namer: Namer, named: Named, seed: int, tell: Callable[[float], None]) -> float:
@@ -27,11 +23,12 @@ def whole_search_p(namer: Namer, named: Named, seed: int, tell: Callable[[float]
     table = prepared.vector.reshape(-1, width)
     rng = np.random.default_rng(seed)
     drawn: list[float] = []
-    for number in range(_DRAWS):
-        vector = pool.projected(drawn_anew(table, namer.visits, rng).reshape(-1))
+    rules = namer.rules
+    for number in range(rules.whole_draws):
+        vector = pool.projected(drawn_anew(table, namer.visits, rng, rules=rules).reshape(-1))
         found = best_subsets(pool, vector, criterion, largest=largest)
         nothing = found[0][0].criterion
         drawn.append(max(nothing - subsets[0].criterion for subsets in found.values()))
-        tell((number + 1) / _DRAWS)
+        tell((number + 1) / rules.whole_draws)
     gained = namer.criterion_of(()) - namer.criterion_of(named.everything)
     return p_value(gained, np.array(drawn))

@@ -1,0 +1,1 @@
+"""Patterns fitted: sizes and intervals, rows held out, and the corrected arm."""

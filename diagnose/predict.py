@@ -1,0 +1,63 @@
+"""What an arm's model is worth on a recording: its residual, nothing fitted but a free frame and a free tool."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm, LoadCase
+from diagnose.recording import Recording
+from diagnose.residual.observed import observe, rms_length
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
+
+_HAIR = 1e-8
+"""rad or m; coordinates no further beyond a range are within it: files round them."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """`residual` (N, 2 or 3) m is measured less modelled, in the base frame's directions; `rms`, `mean` and `largest`
+    (m) are of its length, `nominal_rms` the RMS of the arm's geometry alone, frame and tool fitted alike. `outside`
+    are the rows of the file whose joints leave the coordinates that the arm was learned from."""
+
+    arm: Arm
+    recording: Recording
+    residual: Array
+    rms: float
+    mean: float
+    largest: float
+    nominal_rms: float
+    outside: tuple[int, ...]
+
+
+def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float]] | None = None) -> Prediction:
+    """Set a recording against an arm's model; frame and tool are fitted where the recording says `free`.
+
+    `learned` are the least and greatest coordinates (rad, m) of each joint that the arm was learned from; the joint
+    ranges by default. Raises `MissingProperty` where the model lacks a figure.
+    """
+    bare = replace(recording, orientation=None, joint_side=None, commanded=None, base_target=None)
+    residual = observe(arm, bare, rules=RULES).tip_residual()
+    length = np.linalg.norm(residual, axis=1)
+    lower, upper = np.array(learned or [joint.range for joint in arm.joints]).T
+    outside = ((recording.q < lower - _HAIR) | (recording.q > upper + _HAIR)).any(axis=1)
+    return Prediction(
+        arm=arm,
+        recording=recording,
+        residual=residual,
+        rms=rms_length(residual),
+        mean=float(length.mean()),
+        largest=float(length.max()),
+        nominal_rms=rms_length(observe(nominal(arm), bare, rules=RULES).tip_residual()),
+        outside=tuple(recording.row[outside].tolist()),
+    )
+
+
+def nominal(arm: Arm) -> Arm:
+    """The arm's geometry alone: rigid and weightless, without play and without what its `effects` name."""
+    joints = tuple(replace(joint, clearance=0.0, backlash=0.0, stiffness=None, mass=0.0) for joint in arm.joints)
+    links = tuple(replace(link, section=None, material=None, mass=0.0) for link in arm.links)
+    return replace(arm, joints=joints, links=links, effects=(), payload=LoadCase())

@@ -1,0 +1,1 @@
+"""Recordings read and written: tables, columns, settings, formulas of columns."""

@@ -1,0 +1,1 @@
+"""What a recording differs by from the model: frame and tool, conditions, visits, noise."""

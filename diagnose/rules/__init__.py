@@ -1,0 +1,1 @@
+"""The rules of the diagnosis: every threshold with its unit, the reason for it and where it comes from."""

@@ -1,0 +1,100 @@
+"""Rules of the answer: what is confirmed, located, called unknown, and which poses come next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .rule import JUDGED, PROOF, TIME, rule
+
+
+@dataclass(frozen=True)
+class AnswerRules:
+    """What a search's findings are held to before they are said."""
+
+    enough_repeats: int = rule(
+        20,
+        "degrees of freedom",
+        "From here on repeats are trusted to tell noise from physics.",
+        PROOF,
+        rows="A noise floor from fewer is off by a sixth and more, which is what it is to judge.",
+    )
+    farther: float = rule(
+        2.0,
+        "times the noise floor",
+        "So much must be left, where nothing was found, to be called unknown: heavy tails and memory together make "
+        "repeats look up to twice too quiet.",
+        PROOF,
+    )
+    enough_returns: int = rule(
+        8,
+        "visits",
+        "Returns to a pose (less one for each) from which they tell what lasts from what does not.",
+        PROOF,
+        rows="A scatter from fewer is off by a quarter and more.",
+    )
+    lasting: float = rule(
+        0.2,
+        "share of the remainder",
+        "As much must be there again, or predict itself elsewhere, for it to be the model's fault.",
+        PROOF,
+    )
+    most_left: float = rule(
+        0.5,
+        "share of the mismatch",
+        "Findings that leave more (sum of squares beyond the noise) do not explain it.",
+        PROOF,
+    )
+    refuted: float = rule(
+        0.05,
+        "share of the RMS",
+        "A finding without which held-out readings are better by as much is dropped.",
+        PROOF,
+    )
+    local: float = rule(0.25, "median over RMS", "A remainder below this sits at a few visits.", PROOF)
+    power: float = rule(0.9, "probability", "With which an effect of the size shown would have been found.", "usual")
+    smooth_rows: int = rule(
+        300,
+        "readings",
+        "So many at most make the smooth model of what is unknown.",
+        TIME,
+        rows="Its cost grows with the third power; of more readings as many are picked at random.",
+    )
+    least_visits: int = rule(
+        5,
+        "readings",
+        "At one pose from which a standard deviation is told.",
+        "ISO 230-2:2014 asks for five visits",
+        rows="It only decides whether a figure is shown.",
+    )
+    least_each: int = rule(
+        3,
+        "readings",
+        "In each of two groups (sides, loads, times) whose means are compared.",
+        JUDGED,
+        rows="It only decides whether a figure is shown.",
+    )
+    same_load: float = rule(1e-3, "kg or N", "A scale's noise is no other load.", JUDGED)
+    longer: float = rule(3.0, "usual steps", "A longer pause between readings of one pose begins a new visit.", JUDGED)
+    location_draws: int = rule(299, "draws", "Of the test what a mismatch depends on.", TIME)
+    location_level: float = rule(0.01, "p-value", "Below which a mismatch depends on a covariate.", JUDGED)
+    noticeable: float = rule(
+        0.05, "share of the strongest", "A dependence that describes less is not worth a word.", JUDGED
+    )
+    clearest: float = rule(
+        0.15, "share of the mismatch", "By which one joint must describe more than the next to be named.", PROOF
+    )
+    one_direction: float = rule(0.6, "share of the mismatch", "Along one direction, or it is mixed.", JUDGED)
+    tried: int = rule(150, "poses", "Tried for those worth recording next.", TIME, rows="They are tried, not recorded.")
+    taken: int = rule(6, "poses", "Proposed.", JUDGED, rows="They are proposed, not recorded.")
+    told: float = rule(
+        13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
+    )
+    hopeless: float = rule(0.02, "non-centrality a reading", "Below this no number of poses is reasonable.", JUDGED)
+    forms: int = rule(5, "forms", "That describe an unknown, at most.", JUDGED)
+    form_tells: float = rule(
+        0.05,
+        "share of what is left",
+        "A form must predict as much on readings held out to give the unknown its shape.",
+        PROOF,
+    )
+    near: int = rule(12, "entries", "Of the library that came nearest, with why they were not taken.", JUDGED)

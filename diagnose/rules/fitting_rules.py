@@ -1,0 +1,122 @@
+"""Rules of fits: weights, outliers, the noise's memory, what is physically possible, what is held out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .rule import JUDGED, PROOF, rule
+
+
+@dataclass(frozen=True)
+class FittingRules:
+    """How a recording is prepared, and what a fit may say."""
+
+    far_tail: float = rule(
+        0.002,
+        "chance a recording",
+        "An outlier is a row that scatter alone would produce in one recording of 500.",
+        JUDGED,
+    )
+    outlier_margin: float = rule(
+        1.25, "1", "Upon that limit, since the scale is an estimate and tails are heavier than Gauss's.", PROOF
+    )
+    most_outliers: float = rule(
+        0.05, "share of the rows", "More rows far off are no handful of bad readings but part of the mismatch.", PROOF
+    )
+    least_pairs: int = rule(
+        20,
+        "pairs of readings",
+        "From so many on the noise's memory is looked for.",
+        JUDGED,
+        rows="The correlation of fewer is chance; below this none is beyond doubt anyway.",
+    )
+    memory_beyond: float = rule(
+        2.5, "standard errors", "A correlation of neighbours must lie this far from nought to be allowed for.", PROOF
+    )
+    most_memory: float = rule(0.95, "correlation", "No more is taken out of readings, whatever is found.", JUDGED)
+    passes: int = rule(3, "passes", "So often the rough model is made anew where the noise remembers much.", PROOF)
+    much_memory: float = rule(
+        0.3, "correlation", "A memory beyond this makes the rough model worth another pass.", PROOF
+    )
+    memory_of_physics: int = rule(
+        1000,
+        "readings",
+        "In longer recordings a memory is rather physics that the rough model lacks, and goes with the arm's path: "
+        "beyond these, the memory that is worth another pass grows in proportion.",
+        PROOF,
+        rows="The limit grows evenly with the readings; no reading by itself decides.",
+    )
+    memory_grows: float = rule(
+        0.02, "correlation", "A pass that finds so little more memory is the last: the sum no longer moves.", JUDGED
+    )
+    no_more_of_memory: float = rule(
+        3.0, "scatters", "A reading further off says no more of the noise's memory than one that far off.", JUDGED
+    )
+    moved_anew: float = rule(
+        0.5,
+        "share of the visits",
+        "Before more of them the arm must have moved for a visit's readings to share an error: a long stay cut into "
+        "visits shares none within each.",
+        JUDGED,
+    )
+    weighed_down: float = rule(
+        2.5, "times the middle distance", "A reading further off weighs less in the rough model (P. J. Huber).", JUDGED
+    )
+    own_scatter: float = rule(
+        40.0,
+        "readings",
+        "With as many, a component's scatter is half its own and half that of all.",
+        JUDGED,
+        rows="The weight shifts evenly with the readings.",
+    )
+    softest: float = rule(
+        1e-3,
+        "rad/(N*m) kg",
+        "The compliance of a soft drive times a light link's mass, or of a stiff one times a heavy one's.",
+        JUDGED,
+    )
+    tether: float = rule(
+        5.0,
+        "standard deviations",
+        "Of what a size is held to where the data say nothing: its bounds lie there.",
+        JUDGED,
+    )
+    many_sizes: int = rule(
+        12,
+        "coefficients",
+        "A curve of more is held to usual sizes, or readings that lie close make them anything.",
+        PROOF,
+    )
+    far_above: float = rule(
+        1.6,
+        "times the noise floor",
+        "Noise with a memory (correlation 0.6) makes repeats of three look 1.45 times too quiet at most; what is more "
+        "than this is more than noise.",
+        PROOF,
+    )
+    at_the_floor: float = rule(
+        1.1, "times the noise floor", "What remains and is no more is called the noise floor.", JUDGED
+    )
+    rough: int = rule(4, "patterns", "In the first rough model, at most.", PROOF)
+    unusual: float = rule(30.0, "times the usual size", "A larger one must be beyond doubt to be believed.", PROOF)
+    sure: float = rule(100.0, "standard errors", "From here on an unusual size is beyond doubt.", PROOF)
+    cancelling: float = rule(
+        4.0, "times the mismatch", "A displacement whose sum of squares is more can only cancel another.", PROOF
+    )
+    beyond_bounds: float = rule(
+        2.5, "standard errors", "A size so far outside its bounds is impossible, not just badly known.", PROOF
+    )
+    usual: float = rule(3.0, "times", "Beyond its typical limits a size is still of a usual magnitude.", JUDGED)
+    held: float = rule(
+        0.8, "share of what holds it", "A standard error from here on: the data tell nothing of that size.", PROOF
+    )
+    few_sizes: int = rule(
+        8, "sizes", "Up to so many, those that the data do not tell are left out of a finding.", JUDGED
+    )
+    telling: float = rule(
+        0.5, "half interval over value", "A compliance under unknown weights is told where it is less.", JUDGED
+    )
+    folds: int = rule(5, "parts", "Into which readings are held out in turn.", "usual; five to ten")
+    whole: float = rule(
+        0.25, "share", "Physics that was left out comes back where its fitted share is within this of 1.", JUDGED
+    )

@@ -1,0 +1,33 @@
+"""All rules of the diagnosis in one frozen object, by the room that asks them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .answer_rules import AnswerRules
+from .compare_rules import CompareRules
+from .fitting_rules import FittingRules
+from .mistake_rules import MistakeRules
+from .pattern_rules import PatternRules
+from .reading_rules import ReadingRules
+from .residual_rules import ResidualRules
+from .search_rules import SearchRules
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Every threshold of a diagnosis. `dataclasses.replace` makes others for one diagnosis:
+    `replace(RULES, search=replace(RULES.search, false_alarm=0.001))`."""
+
+    reading: ReadingRules = field(default_factory=ReadingRules)
+    mistakes: MistakeRules = field(default_factory=MistakeRules)
+    residual: ResidualRules = field(default_factory=ResidualRules)
+    patterns: PatternRules = field(default_factory=PatternRules)
+    fitting: FittingRules = field(default_factory=FittingRules)
+    search: SearchRules = field(default_factory=SearchRules)
+    answer: AnswerRules = field(default_factory=AnswerRules)
+    compare: CompareRules = field(default_factory=CompareRules)
+
+
+RULES = Rules()
+"""The rules as they stand; frozen."""

@@ -1,0 +1,1 @@
+"""Which patterns explain a recording: exhaustive search, its calibration, names and their aliases."""
