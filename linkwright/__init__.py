@@ -1,1 +1,104 @@
-"""How people meet Linkwright: the command line, its tables, the JSON for machines and the report pages."""
+"""Design robot arms for the least worst-case position error, and diagnose what a model of a real arm leaves out.
+
+`import linkwright as lw` and ask: `lw.evaluate`, `lw.optimize`, `lw.diagnose`, ... Every name is loaded when it is
+first used, so the import alone costs nothing. Quantities are text with a unit (`"400 mm"`) or numbers in SI.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from linkwright.face.arm import Arm, Joint, Link, read_arm
+    from linkwright.face.catalogues.actuators import actuators
+    from linkwright.face.catalogues.effects import effects
+    from linkwright.face.catalogues.limits import limits
+    from linkwright.face.catalogues.materials import materials
+    from linkwright.face.catalogues.sections import sections
+    from linkwright.face.catalogues.shapes import shapes
+    from linkwright.face.compensation import compensate
+    from linkwright.face.design import optimize
+    from linkwright.face.diagnosis import compare, diagnose, redesign
+    from linkwright.face.evaluation import evaluate
+    from linkwright.face.inverse import inverse
+    from linkwright.face.prediction import predict
+    from linkwright.face.problem import Problem, read_problem
+    from linkwright.face.recording import read_recording, read_recordings, simulate
+    from linkwright.face.tradeoff import tradeoff
+    from linkwright.paper.face import figures, seam, tables
+    from materials.material import MissingProperty
+    from units.quantities import InputError, NoAnswer
+
+_HOMES = MappingProxyType(
+    {
+        "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
+        "linkwright.face.catalogues.actuators": ("actuators",),
+        "linkwright.face.catalogues.effects": ("effects",),
+        "linkwright.face.catalogues.limits": ("limits",),
+        "linkwright.face.catalogues.materials": ("materials",),
+        "linkwright.face.catalogues.sections": ("sections",),
+        "linkwright.face.catalogues.shapes": ("shapes",),
+        "linkwright.face.compensation": ("compensate",),
+        "linkwright.face.design": ("optimize",),
+        "linkwright.face.diagnosis": ("compare", "diagnose", "redesign"),
+        "linkwright.face.evaluation": ("evaluate",),
+        "linkwright.face.inverse": ("inverse",),
+        "linkwright.face.prediction": ("predict",),
+        "linkwright.face.problem": ("Problem", "read_problem"),
+        "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
+        "linkwright.face.tradeoff": ("tradeoff",),
+        "linkwright.paper.face": ("figures", "seam", "tables"),
+        "materials.material": ("MissingProperty",),
+        "units.quantities": ("InputError", "NoAnswer"),
+    }
+)
+"""Where each public name stands."""
+
+__all__ = [
+    "Arm",
+    "InputError",
+    "Joint",
+    "Link",
+    "MissingProperty",
+    "NoAnswer",
+    "Problem",
+    "actuators",
+    "compare",
+    "compensate",
+    "diagnose",
+    "effects",
+    "evaluate",
+    "figures",
+    "inverse",
+    "limits",
+    "materials",
+    "optimize",
+    "predict",
+    "read_arm",
+    "read_problem",
+    "read_recording",
+    "read_recordings",
+    "redesign",
+    "seam",
+    "sections",
+    "shapes",
+    "simulate",
+    "tables",
+    "tradeoff",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, loaded from where it stands and kept."""
+    home = next((module for module, names in _HOMES.items() if name in names), None)
+    if home is None:
+        raise AttributeError(f"module 'linkwright' has no attribute '{name}'")
+    found = globals()[name] = getattr(import_module(home), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    """What can be used."""
+    return sorted({*globals(), *__all__})

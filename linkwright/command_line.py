@@ -3,34 +3,45 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from types import MappingProxyType
 from typing import Annotated, Any
 
 import typer
 
-from linkwright.screen.console import OutputClosed, drop_output
-from materials.quantities import InputError
+from linkwright.output.stream import OutputClosed, drop_output
+from linkwright.version import program_version
+from units.quantities import InputError, NoAnswer
 
-from .as_json import program_version
-from .commands import (
-    actuators,
-    compare,
-    compensate,
-    diagnose,
-    effects,
-    evaluate,
-    figures,
-    materials,
-    optimize,
-    seam,
-    sections,
-    simulate,
-    tables,
-    tradeoff,
-)
-from .commands.groups import PLAIN
+from .commands.groups import PLAIN, command_group
 
+VERSION = "--version"
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
+
+COMMANDS: Mapping[str, str] = MappingProxyType(
+    {
+        "evaluate": "evaluate",
+        "optimize": "optimize",
+        "tables": "paper.tables",
+        "figures": "paper.figures",
+        "seam": "seam",
+        "inverse": "inverse",
+        "simulate": "simulate",
+        "tradeoff": "tradeoff",
+        "diagnose": "diagnose",
+        "compare": "compare",
+        "predict": "predict",
+        "compensate": "compensate",
+        "materials": "materials",
+        "sections": "sections",
+        "effects": "effects",
+        "actuators": "actuators",
+    }
+)
+"""Every command and its module, in the order of the help. A module has `HELP` and a function of the command's name (and
+`SETTINGS` where its arguments are read otherwise), or `group()` where the command has commands of its own. What they
+work with they import inside their functions, for the help of all commands imports every one of these modules."""
 
 HELP = """Design robot arms for the least worst-case position error.
 
@@ -47,30 +58,26 @@ def _version(asked: bool) -> None:
 def _start(
     context: typer.Context,
     version: Annotated[  # noqa: ARG001 - its callback does it all
-        bool, typer.Option("--version", help="Show the version.", callback=_version, is_eager=True)
+        bool, typer.Option(VERSION, help="Show the version.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
 
 
-def command_line() -> typer.Typer:
-    """The whole command line."""
+def command_line(asked: str = "") -> typer.Typer:
+    """The command line with the command that is asked for; for any other word, with all, the groups by their help only.
+
+    Nothing that the word cannot come to is imported.
+    """
     made: Any = typer.Typer(help=HELP, callback=_start, invoke_without_command=True, **PLAIN)
-    made.command("evaluate", help=evaluate.HELP)(evaluate.evaluate)
-    made.command("optimize", help=optimize.HELP)(optimize.optimize)
-    made.command("tables", help=tables.HELP)(tables.tables)
-    made.command("figures", help=figures.HELP)(figures.figures)
-    made.command("seam", help=seam.HELP)(seam.seam)
-    made.command("simulate", help=simulate.HELP)(simulate.simulate)
-    made.command("tradeoff", help=tradeoff.HELP)(tradeoff.tradeoff)
-    made.command("diagnose", help=diagnose.HELP)(diagnose.diagnose)
-    made.command("compare", help=compare.HELP)(compare.compare)
-    made.command("compensate", help=compensate.HELP)(compensate.compensate)
-    made.add_typer(materials.group(), name="materials")
-    made.add_typer(sections.group(), name="sections")
-    made.add_typer(effects.group(), name="effects")
-    made.add_typer(actuators.group(), name="actuators")
+    for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
+        module: Any = import_module(f"linkwright.commands.{COMMANDS[name]}")
+        if hasattr(module, "group"):
+            made.add_typer(module.group() if name == asked else command_group(module.HELP, {}), name=name)
+        else:
+            settings = dict(getattr(module, "SETTINGS", {}))
+            made.command(name, help=module.HELP, context_settings=settings)(getattr(module, name))
     return made
 
 
@@ -80,9 +87,10 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="replace")  # a terminal that cannot show a symbol shows a question mark
-    given = None if arguments is None else list(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    asked = next((word for word in given if word != "--"), "")
     try:
-        status: object = command_line()(args=given, prog_name="linkwright", standalone_mode=False)
+        status: object = command_line(asked)(args=given, prog_name="linkwright", standalone_mode=False)
         sys.stdout.flush()
     except InputError as error:
         return _failed(str(error), WRONG_INPUT)
@@ -101,7 +109,7 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
             raise
         drop_output()
         return _failed(f"standard output: cannot be written: {error.strerror}", WRONG_INPUT)
-    except _unanswerable() as error:
+    except NoAnswer as error:
         return _failed(str(error), NO_ANSWER)
     return status if isinstance(status, int) else 0
 
@@ -110,14 +118,6 @@ def _usage_error() -> type[Exception]:
     """What a wrong use of the command line raises; its home moved between releases, its heir BadParameter did not."""
     ancestors = [kind for kind in typer.BadParameter.__mro__ if issubclass(kind, Exception)]
     return next(kind for kind in reversed(ancestors) if hasattr(kind, "exit_code"))
-
-
-def _unanswerable() -> tuple[type[Exception], ...]:
-    """What a well-formed question without an answer raises; looked up only once something has gone wrong."""
-    from arm.workspace import Unreachable
-    from optimize.problem import NoAnswer
-
-    return Unreachable, NoAnswer
 
 
 def _failed(message: str, status: int) -> int:

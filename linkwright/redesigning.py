@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
-from arm.chain import Arm, EffectEntry, Link, LoadCase
+from arm.chain.chain import Arm, Link, LoadCase
 from arm.compensation import without_instrument
-from arm.model import beam_values, beams_of, error_model
-from arm.workspace import Workspace
-from arm.worst import WorstSearch
-from materials.quantities import InputError
+from arm.effects import EFFECTS
+from arm.effects.elastic.joint_compliance import drive_compliance, with_compliance
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Workspace
 from optimize.problem import Problem
 from optimize.result import OptimizationResult
 from optimize.run import optimise
+from units.quantities import InputError
 
 STIFFER = 0.1
 """How much stiffer a drive is tried: a tenth."""
@@ -74,20 +75,6 @@ class Redesign:
         return min(self.drives, key=lambda each: each.change, default=None)
 
 
-LINK_EFFECTS = frozenset({
-    "link_modulus",
-    "link_bending",
-    "link_length",
-    "link_mass",
-    "slope_propagation",
-    "axial",
-    "torsion",
-    "shear_deformation",
-    "thermal_bending",
-})
-"""Findings about the links as built; a link of another shape or material need not have them."""
-
-
 def redesign(
     problem: Problem,
     given: Arm,
@@ -129,9 +116,7 @@ def _silent(text: str, share: float) -> None:
 
 def with_findings(design: Arm, corrected: Arm) -> Arm:
     """A design with the corrected arm's physics: its links, and all else as corrected."""
-    links = tuple(
-        mine if mine.elastic else theirs for mine, theirs in zip(design.links, corrected.links, strict=True)
-    )
+    links = tuple(mine if mine.elastic else theirs for mine, theirs in zip(design.links, corrected.links, strict=True))
     return replace(corrected, name=design.name, links=links)
 
 
@@ -172,25 +157,7 @@ def _differs(one: float, other: float) -> bool:
     return abs(one - other) > _SAME_SIZE * max(abs(one), abs(other))
 
 
-def drive_compliance(arm: Arm, joint: int) -> float:
-    """The whole compliance of a drive (from 0) in an arm's model, rad/(N*m) or m/N."""
-    stiffness = arm.joints[joint].stiffness
-    own = 0.0 if stiffness is None else 1.0 / stiffness
-    total = 0.0 if "joint_compliance" in arm.leave_out else own
-    for entry in arm.effects:
-        if entry.effect == "joint_compliance" and (not entry.at or joint + 1 in entry.at):
-            if "compliance" in entry.parameters:
-                total += entry.parameters["compliance"]
-            elif "stiffness" in entry.parameters:
-                total += 1.0 / entry.parameters["stiffness"]
-            else:
-                total += own
-    return total
-
-
-def stiffer_drives(
-    arm: Arm, workspace: Workspace, cases: Sequence[LoadCase], error: float
-) -> tuple[StifferDrive, ...]:
+def stiffer_drives(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase], error: float) -> tuple[StifferDrive, ...]:
     """What each drive that gives would bring if it were stiffer by a tenth, the links kept; `error` is that before (m).
 
     Of first order this is also what a new optimum would gain, for at an optimum the links' own share vanishes.
@@ -200,8 +167,7 @@ def stiffer_drives(
         compliance = drive_compliance(arm, joint)
         if compliance <= 0.0:
             continue
-        less = MappingProxyType({"compliance": -compliance * STIFFER / (1.0 + STIFFER)})
-        stiffened = replace(arm, effects=(*arm.effects, EffectEntry("joint_compliance", (joint + 1,), less)))
+        stiffened = with_compliance(arm, joint, -compliance * STIFFER / (1.0 + STIFFER))
         found.append(StifferDrive(joint + 1, compliance, worst_error(stiffened, workspace, cases) - error))
     return tuple(found)
 
@@ -215,6 +181,6 @@ def _mass_price(result: OptimizationResult) -> float | None:
 
 
 def _carried_over(given: Arm, corrected: Arm) -> tuple[str, ...]:
-    """Findings that belong to the links as built."""
+    """Findings that belong to the links as built; a link of another shape or material need not have them."""
     new = [entry for entry in corrected.effects if entry not in given.effects]
-    return tuple(dict.fromkeys(entry.effect for entry in new if entry.effect in LINK_EFFECTS))
+    return tuple(dict.fromkeys(entry.effect for entry in new if EFFECTS[entry.effect].belongs_to_link))

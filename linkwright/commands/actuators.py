@@ -5,17 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from arm.actuators import Actuator, load_actuators
-from linkwright.as_json import program_version
-from linkwright.words import figure, with_unit
-from linkwright.writing import check_target, write_json
+import linkwright as lw
+from linkwright.output.files import check_target, write_json
+from linkwright.results.figures_in_words import figure, with_unit
+from linkwright.version import program_version
 
 from .groups import command_group
 from .options import JsonFile
+
+if TYPE_CHECKING:
+    from arm.actuators import Actuator
 
 HELP = """Gears and actuators by name: list, show."""
 LIST_HELP = """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
@@ -40,12 +43,11 @@ def list_actuators(
 ) -> None:
     """Run `actuators list`."""
     from linkwright.screen.console import console, table
-    from materials.quantities import read_quantity
+    from units.quantities import read_quantity
 
     check_target(json, catalogue)
-    known = load_actuators([catalogue] if catalogue is not None else [])
     least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")
-    found = [each for each in known if each.rated_torque >= least]
+    found = [each for each in lw.actuators.with_file(catalogue).values() if each.rated_torque >= least]
     write_json(json, _content({"actuators": [_as_json(each) for each in found]}))
     if not found:
         console().print("no actuator is rated for that")
@@ -72,7 +74,7 @@ def show_actuator(
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
-    found = load_actuators([catalogue] if catalogue is not None else []).find(name)
+    found = lw.actuators.with_file(catalogue)[name]
     write_json(json, _content(_as_json(found)))
     screen = console()
     screen.print(f"{found.name}: {found.maker}, {found.gear}", style="bold")

@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from linkwright.writing import check_target, write_json
+import linkwright as lw
+from linkwright.output.files import check_target, write_markdown, write_result
 
-from .diagnose import RecordingYaml, Thorough, Without, diagnosed, known_effects
-from .options import CatalogueFile, JsonFile, asked_of, catalogue_with
+from .diagnose import RecordingYaml, Thorough, Without, known_effects, steps
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of
 
 HELP = """What changed between two recordings of one arm: parameters with intervals, noise, figures of the standards.
 
@@ -23,30 +24,30 @@ def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="The earlier recording.")],
     second: Annotated[Path, typer.Argument(metavar="B", help="The later recording.")],
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     thorough: Thorough = False,
     without_effect: Without = None,
     recording_yaml: RecordingYaml = None,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from arm.files import read_arm
-    from diagnose.compare import compare as compared
-    from diagnose.options import Options
-    from diagnose.reading import read_recording
-    from linkwright.comparison_words import comparison_json
-    from linkwright.screen.comparison import show_comparison
+    from linkwright.results.comparison import describe
     from linkwright.screen.console import console, waiting
+    from linkwright.screen.described import show
 
-    check_target(json, arm, first, second, recording_yaml, catalogue)
-    options = Options(thorough=thorough, without=known_effects(without_effect or ()))
+    for target in (json, markdown):
+        check_target(target, arm, first, second, recording_yaml, catalogue)
+    without = known_effects(without_effect or ())
     with waiting("reading"):
-        given = read_arm(arm, catalogue_with(catalogue))
-        recordings = [read_recording(path, given, recording_yaml) for path in (first, second)]
-    with asked_of(arm):
-        diagnoses = [diagnosed(given, recording, options) for recording in recordings]
-        comparison = compared(given, *diagnoses)
-    write_json(json, comparison_json(comparison))
+        given = lw.read_arm(arm, catalogue=catalogue)
+        before, after = lw.read_recordings((first, second), given, settings=recording_yaml)
+    with asked_of(arm), steps() as told:
+        found = lw.compare(given, before, after, thorough=thorough, without=without, progress=told)
+    write_result(json, found.to_json())
     screen = console()
-    show_comparison(screen, comparison)
-    if json is not None:
-        screen.print(f"written: {json}", soft_wrap=True)
+    described = describe(found.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in (json, markdown):
+        if path is not None:
+            screen.print(f"written: {path}", soft_wrap=True)

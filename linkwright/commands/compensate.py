@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from linkwright.as_json import program_version
-from linkwright.writing import check_target, write_file, write_json
-from materials.quantities import InputError, read_quantity
+import linkwright as lw
+from linkwright.output.files import check_target, write_markdown, write_result
+from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, asked_of, catalogue_with
+from .options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from arm.chain import Arm
-    from arm.compensation import Table
+    from arm.chain.chain import Arm
 
 HELP = """The error over the workspace as a table: by how much the tip is off, and what to add to each joint against it.
 
 Example: linkwright compensate arm.yaml --grid 9 --out table.csv
 """
-_MOST_ROWS = 1_000_000
-_DIGITS = 9
 
 
 def compensate(
@@ -43,49 +40,32 @@ def compensate(
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as CSV.")] = None,
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from arm.compensation import default_grid, table_at, table_over
-    from arm.files import read_arm
-    from linkwright.screen.compensation import show_compensation
+    from linkwright.results.compensation import describe
     from linkwright.screen.console import console, waiting
+    from linkwright.screen.described import show
 
-    for target in (out, json):
+    for target in (out, json, markdown):
         check_target(target, arm, poses, catalogue)
     if grid is not None and poses is not None:
         raise InputError("", "--poses", "goes without --grid: the poses are the file's")
-    read = read_arm(arm, catalogue_with(catalogue))
-    masses = tuple(_mass(text) for text in payload or ()) or (read.payload.mass,)
-    if len(set(masses)) != len(masses):
-        raise InputError("", "--payload", "names the same mass twice")
-    with asked_of(arm), waiting("computing the table"):
-        if poses is not None:
-            table = table_at(read, read_poses(poses, read), masses)
-        else:
-            points = default_grid(read.size, len(masses)) if grid is None else grid
-            if points**read.size * len(masses) > _MOST_ROWS:
-                message = f"makes {points**read.size * len(masses)} rows; take fewer, {_MOST_ROWS} at most"
-                raise InputError("", "--grid", message)
-            table = table_over(read, points, masses)
-    columns = table_columns(table)
+    given = lw.read_arm(arm, catalogue=catalogue)
+    with asked_of(arm), as_options(), waiting("computing the table"):
+        at = None if poses is None else read_poses(poses, given.model).tolist()
+        found = lw.compensate(given, grid=grid, poses=at, payload=payload or ())
     if out is not None:
-        import pandas as pd
-
-        write_file(out, pd.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
-    write_json(json, _as_json(table, columns))
+        found.save(out)
+    write_result(json, found.to_json())
     screen = console()
-    show_compensation(screen, table)
-    for path in (out, json):
+    described = describe(found.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in (out, json, markdown):
         if path is not None:
             screen.print(f"written: {path}", soft_wrap=True)
-
-
-def _mass(text: str) -> float:
-    mass = read_quantity(text, "mass", file="", key="--payload")
-    if mass < 0.0:
-        raise InputError("", "--payload", f"cannot be negative, not '{text}'")
-    return mass
 
 
 def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
@@ -112,48 +92,3 @@ def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
             raise InputError(path, name, f"is not a number in row {int(bad[0]) + 1}")
         found.append(np.radians(values) if joint.revolute else 1e-3 * values)
     return np.stack(found, axis=1)
-
-
-def table_columns(table: Table) -> dict[str, NDArray[np.float64]]:
-    """The table's columns by name, in degrees and mm."""
-    import numpy as np
-
-    arm = table.arm
-    factor = [180.0 / np.pi if joint.revolute else 1e3 for joint in arm.joints]
-    unit = ["deg" if joint.revolute else "mm" for joint in arm.joints]
-    columns = {f"q{k + 1}_{unit[k]}": factor[k] * table.q[:, k] for k in range(arm.size)}
-    columns["payload_kg"] = table.payload
-    for axis, values in zip("xy" if arm.planar() else "xyz", table.error.T, strict=False):
-        columns[f"d{axis}_mm"] = 1e3 * values
-    for k in range(arm.size):
-        columns[f"dq{k + 1}_{unit[k]}"] = factor[k] * table.correction[:, k]
-    columns["left_mm"] = 1e3 * table.left
-    return {name: values.round(_DIGITS) + 0.0 for name, values in columns.items()}
-
-
-def _as_json(table: Table, columns: dict[str, Any]) -> dict[str, Any]:
-    import numpy as np
-
-    length = 1e3 * np.linalg.norm(table.error, axis=1)
-    check = table.check
-    return {
-        "made_by": f"linkwright compensate {program_version()}",
-        "arm": table.arm.name,
-        "grid": None if table.axes is None else [len(axis) for axis in table.axes],
-        "rms_error_mm": float(np.sqrt(np.mean(length**2))),
-        "max_error_mm": float(length.max()),
-        "max_left_mm": float(1e3 * table.left.max()),
-        "between": None
-        if check is None
-        else {
-            "poses": check.poses,
-            "rms_without_mm": 1e3 * check.rms_without,
-            "max_without_mm": 1e3 * check.largest_without,
-            "rms_subtracted_mm": 1e3 * check.rms_subtracted,
-            "max_subtracted_mm": 1e3 * check.largest_subtracted,
-            "rms_corrected_mm": 1e3 * check.rms_corrected,
-            "max_corrected_mm": 1e3 * check.largest_corrected,
-        },
-        "columns": list(columns),
-        "rows": np.stack(list(columns.values()), axis=1).tolist(),
-    }

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from arm.effects import EFFECTS
-from linkwright.writing import check_target, json_text, write_json
-from materials.quantities import InputError
-from materials.reading import nearest
+import linkwright as lw
+from linkwright.output.files import check_target, write_markdown, write_result
+from units.quantities import InputError
+from units.reading import nearest
 
-from .options import CatalogueFile, JsonFile, OutFolder, asked_of, catalogue_with
+from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
 
 if TYPE_CHECKING:
-    from arm.chain import Arm
-    from diagnose.options import Options
-    from diagnose.recording import Recording
-    from diagnose.result import Diagnosis
-    from linkwright.redesign import Redesign
-    from optimize.problem import Problem
+    from linkwright.screen.progress import Steps
 
 HELP = """What the model of an arm leaves out, by a recording of the real one: where, what, how sure, and what to do.
 
@@ -43,6 +40,7 @@ def diagnose(
     recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="The recording, CSV or parquet.")],
     out: OutFolder = None,
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     thorough: Thorough = False,
     without_effect: Without = None,
     recording_yaml: RecordingYaml = None,
@@ -53,78 +51,54 @@ def diagnose(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from arm.files import read_arm
-    from diagnose.options import Options
-    from diagnose.reading import read_recording
-    from linkwright.diagnosis_files import FILES, claim_diagnosis, write_diagnosis
-    from linkwright.diagnosis_json import diagnosis_json
-    from linkwright.redesign_words import redesign_json, redesign_sentences
+    from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
+    from linkwright.results.diagnosis import describe
     from linkwright.screen.console import console, waiting
-    from linkwright.screen.diagnosis import show_diagnosis
+    from linkwright.screen.described import show
 
-    check_target(json, arm, recording, recording_yaml, problem, catalogue)
-    without = known_effects(without_effect or ())
+    for target in (json, markdown):
+        check_target(target, arm, recording, recording_yaml, problem, catalogue)
+    known_effects(without_effect or ())
     with waiting("reading"):
-        materials = catalogue_with(catalogue)
-        given = read_arm(arm, materials)
-        read = read_recording(recording, given, recording_yaml)
-        asked = None if problem is None else _read_problem(problem, catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue)
+        read = lw.read_recording(recording, given, settings=recording_yaml)
+        asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
         claim_diagnosis(out)
-    with asked_of(arm):
-        found = diagnosed(given, read, Options(thorough=thorough, without=without))
-        redesigned = None if asked is None else _redesigned(asked, found)
-    content: dict[str, Any] = diagnosis_json(found)
-    content["redesign"] = None if redesigned is None else redesign_json(redesigned)
-    write_json(json, content)
+    with asked_of(arm), steps() as told:
+        found = lw.diagnose(given, read, thorough=thorough, without=without_effect or (), progress=told)
+    if asked is not None:
+        with asked_of(arm), steps() as told:
+            found = replace(found, redesign=lw.redesign(asked, found, progress=told))
+    write_result(json, found.to_json())
     written = [] if json is None else [json]
     if out is not None:
-        from linkwright.report.diagnosis import diagnosis_page
-
-        names = write_diagnosis(out, found, json_text(content), diagnosis_page(found, redesigned))
-        written = [*(out / name for name in FILES if name in names), *written]
+        found.save(out)
+        written = [*(out / name for name in FILES if (out / name).exists()), *written]
     screen = console()
-    show_diagnosis(screen, found)
-    if redesigned is not None:
-        screen.print()
-        screen.print("The design with the corrected physics", style="bold")
-        for sentence in redesign_sentences(redesigned):
-            screen.print(sentence, soft_wrap=True)
-    for path in written:
+    described = describe(found.found, None if found.redesign is None else found.redesign.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in written + ([] if markdown is None else [markdown]):
         screen.print(f"written: {path}", soft_wrap=True)
 
 
 def known_effects(names: Sequence[str]) -> frozenset[str]:
     """The effects named by `--without-effect`; raises `InputError` with the nearest name for one that is not known."""
+    from arm.effects import EFFECTS
+
     for name in names:
         if name not in EFFECTS:
             raise InputError("", "--without-effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
     return frozenset(names)
 
 
-def diagnosed(arm: Arm, recording: Recording, options: Options) -> Diagnosis:
-    """Diagnose, with a bar on a terminal."""
-    from diagnose.diagnosis import diagnose as run
+@contextmanager
+def steps() -> Generator[Steps]:
+    """A bar on a terminal, lines elsewhere."""
     from linkwright.screen.progress import Steps
 
-    steps = Steps()
+    made = Steps()
     try:
-        return run(arm, recording, options, steps)
+        yield made
     finally:
-        steps.close()
-
-
-def _read_problem(path: Path, catalogue: Path | None) -> Problem:
-    from optimize.problem import read_problem
-
-    return read_problem(path, catalogue_with(catalogue))
-
-
-def _redesigned(problem: Problem, found: Diagnosis) -> Redesign:
-    from linkwright.redesign import redesign
-    from linkwright.screen.progress import Steps
-
-    steps = Steps()
-    try:
-        return redesign(problem, found.arm, found.corrected, steps)
-    finally:
-        steps.close()
+        made.close()

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from arm.effects import EFFECTS, Effect, Parameter
-from linkwright.as_json import program_version
-from linkwright.writing import check_target, write_json
-from materials.quantities import InputError, format_quantity
+import linkwright as lw
+from linkwright.output.files import check_target, write_json
+from linkwright.version import program_version
+from units.quantities import format_quantity
 
 from .groups import command_group
 from .options import JsonFile
+
+if TYPE_CHECKING:
+    from arm.effects import Effect, Parameter
 
 HELP = """The physics that the models know: list, show."""
 LIST_HELP = """Every effect, and whether a model has it without being asked.
@@ -43,10 +45,10 @@ def list_effects(json: JsonFile = None) -> None:
     from linkwright.screen.console import console, table
 
     check_target(json)
-    _write(json, {"effects": [_as_json(effect) for effect in EFFECTS.values()]})
+    _write(json, {"effects": [_as_json(effect) for effect in lw.effects.values()]})
     shown = table("effect", "what", "acts at", "sizes (shapes)", "in the model")
     shown.columns[0].no_wrap = True
-    for effect in EFFECTS.values():
+    for effect in lw.effects.values():
         shown.add_row(effect.id, effect.title, effect.place, _fitted(effect), _when(effect))
     console().print(shown)
 
@@ -58,11 +60,7 @@ def show_effect(
     from linkwright.screen.console import console, table
 
     check_target(json)
-    effect = EFFECTS.get(name)
-    if effect is None:
-        near = difflib.get_close_matches(name, EFFECTS, n=1, cutoff=0.5)
-        hint = f"; did you mean '{near[0]}'?" if near else "; `linkwright effects list` has them all"
-        raise InputError("", "effect", f"there is no effect '{name}'{hint}")
+    effect = lw.effects[name]
     _write(json, _as_json(effect))
     screen = console()
     screen.print(f"{effect.id}: {effect.title}", style="bold")

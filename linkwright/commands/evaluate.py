@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from linkwright.writing import REPORT, RESULT, check_target, claim_folder, json_text, write_folder, write_json
-from materials.quantities import InputError
+import linkwright as lw
+from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_markdown, write_result
+from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, OutFolder, asked_of, catalogue_with
+from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
 
 if TYPE_CHECKING:
-    from arm.chain import Arm
-    from arm.evaluation import ErrorMap, Evaluation
+    from arm.chain.chain import Arm
 
 HELP = """The worst position error over the workspace, where it is, what each effect adds, and the arm's figures.
 
@@ -35,31 +35,33 @@ def evaluate(
     ] = None,
     out: OutFolder = None,
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
+    from linkwright.results.evaluation import describe
     from linkwright.screen.console import console, waiting
-    from linkwright.screen.evaluation import show_evaluation
+    from linkwright.screen.described import show
 
-    check_target(json, arm, problem, catalogue)
+    for target in (json, markdown):
+        check_target(target, arm, problem, catalogue)
     with waiting("evaluating"):
-        from arm.files import read_arm
-
-        materials = catalogue_with(catalogue)
-        given = read_arm(arm, materials)
-        at = None if pose is None else read_pose(pose, given)
+        given = lw.read_arm(arm, catalogue=catalogue)
+        at = None if pose is None else read_pose(pose, given.model)
         claim_folder(out, "evaluate")
         with asked_of(arm):
-            evaluation = _evaluation(given, arm, problem, catalogue, at)
-            field = _error_map(evaluation) if out is not None else None
-    content = _written(evaluation, json)
-    if field is not None:
-        from linkwright.report.evaluation import evaluation_page
-
-        write_folder(out, {RESULT: json_text(content), REPORT: evaluation_page(evaluation, field)})
+            asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
+            found = lw.evaluate(given, asked, pose=at)
+            if out is not None:
+                found.save(out)
+    write_result(json, found.to_json())
     screen = console()
-    show_evaluation(screen, evaluation)
-    for path in ([out / REPORT, out / RESULT] if out is not None else []) + ([json] if json is not None else []):
+    described = describe(found.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in ([out / REPORT, out / RESULT] if out is not None else []) + [
+        path for path in (json, markdown) if path is not None
+    ]:
         screen.print(f"written: {path}", soft_wrap=True)
 
 
@@ -78,37 +80,3 @@ def read_pose(text: str, arm: Arm) -> tuple[float, ...]:
             raise InputError("", "--pose", f"'{word}' is not a number of degrees (or mm)")
         values.append(math.radians(value) if joint.revolute else 1e-3 * value)
     return tuple(values)
-
-
-def _evaluation(
-    given: Arm, file: Path, problem: Path | None, catalogue: Path | None, pose: tuple[float, ...] | None
-) -> Evaluation:
-    from arm.evaluation import evaluate as evaluated
-
-    if problem is None:
-        return evaluated(given, pose=pose)
-    from optimize.problem import read_problem
-
-    asked = read_problem(problem, catalogue_with(catalogue))
-    workspace = asked.workspace
-    if workspace.ranges is not None and len(workspace.ranges) != given.size:
-        raise InputError(problem, "workspace", f"is for {len(workspace.ranges)} joints; {file} has {given.size}")
-    return evaluated(given, workspace, asked.load_cases, pose=pose)
-
-
-def _error_map(evaluation: Evaluation) -> ErrorMap:
-    from arm.evaluation import error_map
-    from arm.model import beam_values, beams_of, error_model
-    from arm.worst import WorstSearch
-
-    model = error_model(evaluation.arm, evaluation.load_cases)
-    beams = beams_of(evaluation.arm, evaluation.load_cases)
-    return error_map(WorstSearch(model, evaluation.workspace), beam_values(beams))
-
-
-def _written(evaluation: Evaluation, json: Path | None) -> dict[str, object]:
-    from linkwright.as_json import evaluation_json
-
-    content = evaluation_json(evaluation)
-    write_json(json, content)
-    return content

@@ -7,24 +7,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from linkwright.writing import (
+import linkwright as lw
+from linkwright.output.files import (
     DESIGN,
     REPORT,
     RESULT,
     check_target,
     claim_folder,
-    json_text,
-    write_folder,
-    write_json,
+    write_markdown,
+    write_result,
 )
-from materials.quantities import InputError
+from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, OutFolder, asked_of, catalogue_with
+from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
 
 if TYPE_CHECKING:
-    from optimize.problem import Problem
-    from optimize.result import Iteration, OptimizationResult
-    from optimize.round_options import Rounding
+    from linkwright.face.design import Optimization
+    from linkwright.face.problem import Problem
+    from optimize.result import Iteration
 
 HELP = """The best design within a problem's limits: what changes, how sure it is, what binds and what that costs.
 
@@ -37,6 +37,7 @@ def optimize(
     problem: Annotated[Path, typer.Argument(metavar="PROBLEM", help="The problem file.")],
     out: OutFolder = None,
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
     round_to: Annotated[
         str | None,
@@ -50,60 +51,52 @@ def optimize(
     ] = None,
 ) -> None:
     """Run the command."""
-    from linkwright.as_json import optimization_json
+    from linkwright.results.optimization import describe
     from linkwright.screen.console import console, waiting
-    from linkwright.screen.optimization import show_optimization
+    from linkwright.screen.described import show
 
-    check_target(json, problem, catalogue)
-    rounding = _rounding(round_to, round_length)
+    for target in (json, markdown):
+        check_target(target, problem, catalogue)
+    if round_to is None and round_length is not None:
+        raise InputError("", "--round-length", "goes with --round; write --round stock, or --round '0.5 mm'")
+    if round_to is not None:
+        from optimize.rounding.options import read_rounding
+
+        read_rounding(round_to, round_length)  # a mistake is told before anything is read
     with waiting("reading"):
-        from optimize.problem import read_problem
-
-        asked = read_problem(problem, catalogue_with(catalogue))
+        asked = lw.read_problem(problem, catalogue=catalogue)
     claim_folder(out, "optimize")
     with asked_of(problem):
-        result = _solved(asked, rounding)
-    content = optimization_json(result)
-    write_json(json, content)
+        result = _solved(asked, round_to, round_length)
+    write_result(json, result.to_json())
     if out is not None:
-        from arm.writing import arm_to_yaml
-        from linkwright.report.optimization import optimization_page
-
-        page = optimization_page(result)
-        write_folder(out, {RESULT: json_text(content), REPORT: page, DESIGN: arm_to_yaml(result.built)})
+        result.save(out)
     screen = console()
-    show_optimization(screen, result)
+    described = describe(result.found)
+    write_markdown(markdown, described)
+    screen.print()
+    show(screen, described)
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
-    for path in written + ([json] if json is not None else []):
+    for path in written + [path for path in (json, markdown) if path is not None]:
         screen.print(f"written: {path}", soft_wrap=True)
+    if result.interrupted:
+        console(errors=True).print("stopped: this is the best design so far", soft_wrap=True)
+        raise KeyboardInterrupt
 
 
-def _rounding(text: str | None, length: str | None) -> Rounding | None:
-    from optimize.round_options import read_rounding
-
-    if text is None:
-        if length is not None:
-            raise InputError("", "--round-length", "goes with --round; write --round stock, or --round '0.5 mm'")
-        return None
-    return read_rounding(text, length)
-
-
-def _solved(problem: Problem, rounding: Rounding | None) -> OptimizationResult:
+def _solved(problem: Problem, round_to: str | None, round_length: str | None) -> Optimization:
     """Optimise (and round), with a line for each iteration and a bar (or lines) while combinations are tried."""
-    from linkwright.screen.console import Tries, console
-    from linkwright.screen.optimization import iteration_line
-    from optimize.rounding import optimise_rounded
-    from optimize.run import optimise
+    from linkwright.results.optimization import iteration_line
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import Steps
 
     screen = console()
-    tries = Tries(screen)
+    steps = Steps(screen)
 
     def log(iteration: Iteration) -> None:
-        screen.print(iteration_line(iteration, problem.minimize), soft_wrap=True)
+        screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
 
     try:
-        if rounding is not None:
-            return optimise_rounded(problem, rounding, log=log, progress=tries)
-        return optimise(problem, log=log, progress=tries)
+        return lw.optimize(problem, round_to=round_to, round_length=round_length, progress=steps, log=log)
     finally:
-        tries.close()
+        steps.close()

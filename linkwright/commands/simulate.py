@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 
-from linkwright.writing import check_target, write_file, write_json
-from materials.catalogue import Catalogue
-from materials.quantities import InputError, format_quantity, read_quantity
-from materials.reading import Mapping, load_yaml, nearest, parse_yaml
+import linkwright as lw
+from linkwright.output.files import check_target, write_result
+from units.quantities import InputError, format_quantity
+from units.reading import load_yaml, parse_yaml
 
-from .options import CatalogueFile, JsonFile, asked_of, catalogue_with
-
-if TYPE_CHECKING:
-    from arm.chain import Arm
-    from diagnose.simulate import Plan, Simulation
+from .options import CatalogueFile, JsonFile, as_options, asked_of
 
 HELP = """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
 Example: linkwright simulate arm.yaml --poses 40 --out recording.csv --with '{effect: joint_compliance, at: 2,
 compliance: 21 urad/(N*m)}'
 """
-
-_SIDES = ("both", "one", "random")
-_MOST_ROWS = 2_000_000
 
 
 def simulate(
@@ -66,6 +58,7 @@ def simulate(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
+    from linkwright.face.recording import with_effects
     from linkwright.screen.console import console, waiting
 
     settings = out.with_suffix(".yaml")
@@ -74,20 +67,32 @@ def simulate(
     check_target(settings, arm, catalogue, json)
     _refuse_others_settings(settings, out)
     with waiting("simulating"):
-        from diagnose.recording_files import recording_text, settings_text
-        from diagnose.simulate import simulate as simulated
-
-        given = arm_with(arm, effects or [], catalogue_with(catalogue))
-        plan = _plan(
-            poses, noise, repeats, payloads, sides, temperature, hours, seed, frame_free, outliers,
-            joint_side, commands, base_target, orientation,
-        )  # fmt: skip
-        with asked_of(arm):
-            simulation = simulated(given, plan)
-        recording = replace(simulation.recording, sigma=plan.noise if declare_sigma and plan.noise > 0.0 else None)
-        write_file(out, recording_text(recording, given))
-        write_file(settings, settings_text(recording))
-    write_json(json, _content(simulation, given, plan))
+        given = lw.read_arm(arm, catalogue=catalogue)
+        with asked_of(arm), as_options():
+            entries = read_entries(effects or [])
+            with_effects(given, entries, as_in_files=True)
+            made = lw.simulate(
+                given,
+                poses=poses,
+                with_=entries,
+                noise=noise,
+                repeats=repeats,
+                payloads=() if payloads is None else payloads.split(","),
+                sides=sides,  # pyright: ignore[reportArgumentType] - what it can be is checked there
+                temperature=None if temperature is None else _span(temperature),
+                hours=hours,
+                seed=seed,
+                frame_free=frame_free,
+                outliers=outliers,
+                joint_side=joint_side,
+                commands=commands,
+                base_target=base_target,
+                orientation=orientation,
+                declare_sigma=declare_sigma,
+            )
+        made.save(out)
+    write_result(json, made.to_json())
+    simulation, plan, recording = made.made, made.plan, made.found
     screen = console()
     rms = format_quantity(math.sqrt(float((simulation.error**2).sum(axis=1).mean())), "length", digits=3)
     scatter = format_quantity(plan.noise, "length", digits=3)
@@ -100,21 +105,23 @@ def simulate(
             screen.print(f"written: {path}", soft_wrap=True)
 
 
-def arm_with(path: Path, entries: list[str], catalogue: Catalogue) -> Arm:
-    """The arm of a file with further `effects` entries in YAML's flow form. Raises `InputError`."""
-    from arm.files import arm_from, read_arm
-
-    arm = read_arm(path, catalogue)
-    if not entries:
-        return arm
-    parsed = [parse_yaml(text, file="--with") for text in entries]
-    for text, entry in zip(entries, parsed, strict=True):
+def read_entries(texts: list[str]) -> list[dict[str, Any]]:
+    """Entries of an arm file's `effects` in YAML's flow form. Raises `InputError`."""
+    entries: list[dict[str, Any]] = []
+    for text in texts:
+        entry = parse_yaml(text, file="--with")
         if not isinstance(entry, dict):
             example = "'{effect: joint_compliance, at: 2, compliance: 21 urad/(N*m)}'"
             raise InputError("", "--with", f"needs an entry such as {example}, not {text!r}")
-    content = {**load_yaml(path).content, "effects": parsed}
-    added = arm_from(Mapping(content, file="--with"), catalogue)
-    return replace(arm, effects=(*arm.effects, *added.effects))
+        entries.append(cast(dict[str, Any], entry))
+    return entries
+
+
+def _span(text: str) -> tuple[str, str]:
+    ends = text.split(" to ")
+    if len(ends) > 2:
+        raise InputError("", "--temperature", f"needs two, e.g. '20 degC to 35 degC', not {text!r}")
+    return ends[0], ends[-1]
 
 
 def _refuse_others_settings(settings: Path, out: Path) -> None:
@@ -124,72 +131,3 @@ def _refuse_others_settings(settings: Path, out: Path) -> None:
     if settings.is_file() and not set(load_yaml(settings).content) <= {"sigma", "frame", "tool"}:
         message = "is there already and holds more than a simulation's settings; name another recording"
         raise InputError(settings, "", message)
-
-
-def _plan(
-    poses: int,
-    noise: str,
-    repeats: int,
-    payloads: str | None,
-    sides: str,
-    temperature: str | None,
-    hours: float | None,
-    seed: int,
-    frame_free: bool,
-    outliers: float,
-    joint_side: bool,
-    commands: bool,
-    base_target: bool,
-    orientation: bool,
-) -> Plan:
-    from diagnose.simulate import Plan
-
-    if sides != "both" and sides != "one" and sides != "random":
-        raise InputError("", "--sides", f"{sides!r} is not one of {', '.join(_SIDES)}{nearest(sides, _SIDES)}")
-    sigma = read_quantity(noise, "length", file="", key="--noise")
-    if sigma < 0.0:
-        raise InputError("", "--noise", "cannot be negative")
-    masses: tuple[float, ...] = ()
-    if payloads is not None:
-        masses = tuple(read_quantity(each, "mass", file="", key="--payloads") for each in payloads.split(","))
-        if min(masses) < 0.0:
-            raise InputError("", "--payloads", "cannot be negative")
-    limits = None
-    if temperature is not None:
-        ends = temperature.split(" to ")
-        if len(ends) > 2:
-            raise InputError("", "--temperature", f"needs two, e.g. '20 degC to 35 degC', not {temperature!r}")
-        low, high = (read_quantity(each, "temperature", file="", key="--temperature") for each in (ends[0], ends[-1]))
-        limits = (low, high)
-    rows = poses * repeats * max(1, len(masses)) * (2 if sides == "both" else 1)
-    if rows > _MOST_ROWS:
-        raise InputError("", "--poses", f"would make {rows} rows; at most {_MOST_ROWS} are simulated")
-    return Plan(
-        poses=poses,
-        noise=sigma,
-        repeats=repeats,
-        payloads=masses,
-        sides=sides,
-        temperature=limits,
-        hours=hours,
-        seed=seed,
-        free_frame=frame_free,
-        outliers=outliers,
-        joint_side=joint_side,
-        commands=commands,
-        base_target=base_target,
-        orientation=orientation,
-    )
-
-
-def _content(simulation: Simulation, arm: Arm, plan: Plan) -> dict[str, Any]:
-    return {
-        "arm": arm.name,
-        "rows": simulation.recording.size,
-        "poses": plan.poses,
-        "seed": plan.seed,
-        "noise_mm": 1e3 * plan.noise,
-        "rms_error_mm": 1e3 * math.sqrt(float((simulation.error**2).sum(axis=1).mean())),
-        "effects": [{"effect": each.effect, "at": list(each.at)} for each in arm.effects],
-        "idle": list(simulation.idle),
-    }

@@ -2,44 +2,39 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from linkwright.writing import (
-    REPORT,
+import linkwright as lw
+from linkwright.output.files import (
     RESULT,
     check_target,
-    json_text,
     made_folder,
     refuse_strangers,
     write_file,
-    write_folder,
-    write_json,
+    write_markdown,
+    write_result,
 )
-from materials.quantities import InputError
+from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, asked_of, catalogue_with
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of
 
 if TYPE_CHECKING:
-    from optimize.tradeoff_journal import Journal
-    from optimize.tradeoff_question import Question
-    from optimize.tradeoff_result import Tradeoff
-    from optimize.tradeoff_trace import Progress
+    from linkwright.face.problem import Problem
+    from linkwright.face.tradeoff import Tradeoff
+    from optimize.tradeoff.journal import Journal
+    from optimize.tradeoff.question import Question
 
 HELP = """The trade-off between two figures: no design of the front can be beaten in both.
 
-Any two of max_error, mass, total_mass, cost, reach, first_frequency. A front that was stopped goes on with --resume.
+Any two figures: max_error, mass, total_mass, cost, reach, safety_factor, first_frequency, wall_slenderness, aspect,
+tip_stiffness. A front that was stopped goes on with --resume.
 
 Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 """
-CSV, PICTURE, POINTS = "tradeoff.csv", "tradeoff.svg", "points"
 
 
 class GroupBy(StrEnum):
@@ -77,44 +72,49 @@ def tradeoff(
         ),
     ] = None,
     json: JsonFile = None,
+    markdown: MarkdownFile = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points as CSV.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal in --out DIR holds.")] = False,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
+    from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console, waiting
-    from linkwright.screen.tradeoff import show_tradeoff
+    from linkwright.screen.described import show
 
-    for target in (json, csv):
+    for target in (json, csv, markdown):
         check_target(target, problem, catalogue)
     if resume and out is None:
         raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
     with waiting("reading"):
-        from optimize.problem import read_problem
-        from optimize.tradeoff_question import question
+        from optimize.tradeoff.question import question
 
-        given = read_problem(problem, catalogue_with(catalogue))
-        asked = question(given, x, y, by=None if by is None else by.value, reach=reach.value)
+        given = lw.read_problem(problem, catalogue=catalogue)
+        asked = question(given.model, x, y, by=None if by is None else by.value, reach=reach.value)
     with asked_of(problem), _journal(asked, accuracy, out, resume=resume) as journal:
-        result = _traced(asked, accuracy, journal, out)
+        result = _traced(given, asked, accuracy, journal, out)
         written = _write(result, out, json, csv)
     screen = console()
-    show_tradeoff(screen, result)
-    for path in written:
+    described = describe(result.found)
+    write_markdown(markdown, described)
+    screen.print()
+    show(screen, described)
+    for path in written + ([markdown] if markdown is not None else []):
         screen.print(f"written: {path}", soft_wrap=True)
 
 
 def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool) -> Journal:
     """The journal in the output folder, which is made or taken again; without a folder, one that is not written."""
-    from linkwright.tradeoff_data import made_by
-    from optimize.tradeoff_journal import JOURNAL, Journal, journal_digest
-    from optimize.tradeoff_question import digest
+    from linkwright.json.tradeoff import made_by
+    from linkwright.output.tradeoff_folder import FILES
+    from optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
+    from optimize.tradeoff.question import digest
 
     own = digest(asked, accuracy)
     if out is None:
         return Journal(None, own)
-    names = made_folder(out)
-    refuse_strangers(out, names, (RESULT, REPORT, CSV, PICTURE, POINTS, JOURNAL))
+    names = made_folder(out) - {LOCK}
+    refuse_strangers(out, names, FILES)
     there = journal_digest(out / JOURNAL)
     if names and there is None:
         # A kill in the first instant leaves an empty journal, which is as good as none.
@@ -130,92 +130,37 @@ def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool
     return journal
 
 
-def _traced(asked: Question, accuracy: float, journal: Journal, out: Path | None) -> Tradeoff:
+def _traced(given: Problem, asked: Question, accuracy: float, journal: Journal, out: Path | None) -> Tradeoff:
     """Trace the fronts, with a sign of how far they are; an interrupt ends the work between two of its parts."""
+    from linkwright.face.tradeoff import traced_front
     from linkwright.screen.console import console
-    from linkwright.screen.tradeoff import TracingProgress
-    from optimize.tradeoff import trade_off
+    from linkwright.screen.tracing import TracingProgress
 
     screen = console(errors=True)
     shown = TracingProgress(console(), groups=asked.by is not None)
-    with _interrupts() as interrupted:
-
-        def told(progress: Progress) -> None:
-            if interrupted():
-                raise KeyboardInterrupt
-            shown(progress)
-
-        try:
-            return trade_off(asked, accuracy=accuracy, journal=journal, told=told)
-        except KeyboardInterrupt:
-            kept = "nothing is kept without --out DIR"
-            if out is not None:
-                kept = f"{journal.size} solved points are kept in {out}; --resume goes on with them"
-            shown.close()
-            screen.print(f"stopped: {kept}", soft_wrap=True)
-            raise
-        finally:
-            shown.close()
-
-
-@contextmanager
-def _interrupts() -> Generator[Callable[[], bool]]:
-    """Note the first Ctrl-C instead of raising it, for the solver would take it for a failure of its own; a second one
-    is raised."""
-    noted: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        if noted:
-            signal.default_int_handler(number, frame)
-        noted.append(number)
-
     try:
-        before = signal.signal(signal.SIGINT, note)
-    except ValueError:  # not the main thread, which alone hears of signals
-        yield lambda: False
-        return
-    try:
-        yield lambda: bool(noted)
+        result = traced_front(given, asked, accuracy, journal, shown)
+        if result.interrupted:
+            raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        kept = "nothing is kept without --out DIR"
+        if out is not None:
+            kept = f"{journal.size} solved points are kept in {out}; --resume goes on with them"
+        shown.close()
+        screen.print(f"stopped: {kept}", soft_wrap=True)
+        raise
     finally:
-        signal.signal(signal.SIGINT, before)
+        shown.close()
+    return result
 
 
 def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | None) -> list[Path]:
     """Write what is asked for; the files of the folder, and which there are."""
-    from linkwright.tradeoff_data import tradeoff_csv, tradeoff_json
+    from linkwright.json.tradeoff import tradeoff_csv
+    from linkwright.output.tradeoff_folder import write_tradeoff
 
-    content = tradeoff_json(result)
-    write_json(json, content)
-    rows = tradeoff_csv(result)
+    write_result(json, result.to_json())
     if csv is not None:
-        write_file(csv, rows)
-    written: list[Path] = []
-    if out is not None:
-        from linkwright.report.tradeoff import tradeoff_page
-        from linkwright.report.tradeoff_picture import tradeoff_picture
-
-        _write_points(result, out)
-        files = {REPORT: tradeoff_page(result), PICTURE: tradeoff_picture(result), CSV: rows}
-        for name, text in files.items():
-            write_file(out / name, text)
-        write_folder(out, {RESULT: json_text(content)})
-        written = [out / name for name in (REPORT, PICTURE, CSV, RESULT)] + [out / POINTS]
+        write_file(csv, tradeoff_csv(result.found))
+    written = [] if out is None else write_tradeoff(result.found, out)
     return written + [path for path in (json, csv) if path is not None]
-
-
-def _write_points(result: Tradeoff, out: Path) -> None:
-    from arm.writing import arm_to_yaml
-    from linkwright.tradeoff_data import point_file
-
-    files = {point_file(result, point): arm_to_yaml(point.arm) for point in result.points}
-    folder = out / POINTS
-    there = made_folder(folder)
-    refuse_strangers(folder, {name for name in there if not _numbered(name)}, ())
-    for name in there - {Path(name).name for name in files}:
-        (folder / name).unlink()
-    for name, text in files.items():
-        write_file(out / name, text)
-
-
-def _numbered(name: str) -> bool:
-    return name.endswith(".yaml") and name.removesuffix(".yaml").isdigit()

@@ -3,45 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from arm.chain import Arm, Link, LoadCase
-from arm.workspace import Workspace
-from arm.writing import material_to_value, section_to_mapping
-from materials.quantities import format_quantity
+from arm.chain.chain import Arm, Link
+from arm.files.write import material_to_value, section_to_mapping
+from arm.worst.workspace import Workspace
+from linkwright.version import program_version
+from optimize.limits import FIGURES, Figure
 from sections.taper import Tapered
+from units.quantities import format_quantity
+
+from .fields import fields, in_mm
 
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
-    from optimize.result import BindingLimit, OptimizationResult, Rounded
+    from optimize.result import OptimizationResult, Rounded
 
 _LENGTH_DIGITS = 7
-_UNITS = MappingProxyType(
-    {
-        "max_error": 1e3,
-        "mass": 1.0,
-        "total_mass": 1.0,
-        "reach": 1e3,
-        "cost": 1.0,
-        "safety_factor": 1.0,
-        "first_frequency": 1.0,
-        "buckling": 1.0,
-        "torque_use": 1.0,
-    }
-)
-"""What one SI unit of a limited figure is in the unit that people read."""
-
-
-def program_version() -> str:
-    """The version of the installed distribution; `unknown` where the code runs uninstalled."""
-    try:
-        return version("linkwright")
-    except PackageNotFoundError:
-        return "unknown"
 
 
 def coordinates(arm: Arm, q: Sequence[float]) -> dict[str, list[float | None]]:
@@ -55,17 +35,9 @@ def coordinates(arm: Arm, q: Sequence[float]) -> dict[str, list[float | None]]:
     return shown
 
 
-def _mm(metres: float | None) -> float | None:
-    return None if metres is None else 1e3 * metres
-
-
-def _load_case(case: LoadCase) -> dict[str, Any]:
-    return {"payload_kg": case.mass, "force_N": list(case.force), "moment_Nm": list(case.moment)}
-
-
 def _workspace(arm: Arm, workspace: Workspace) -> dict[str, Any]:
     used = 2 if workspace.in_plane else 3
-    points = [[1e3 * value for value in point[:used]] for point in workspace.points]
+    points = in_mm([point[:used] for point in workspace.points])
     ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
     lowest, highest = ([pair[end] for pair in ranges] for end in (0, 1))
     spans = {"lower": coordinates(arm, lowest), "upper": coordinates(arm, highest)}
@@ -76,9 +48,9 @@ def _compliance(arm: Arm, compliance: Compliance) -> dict[str, Any]:
     """mm/N and N/mm are what people say; 1 m/N is 1000 mm/N."""
     return {
         **coordinates(arm, compliance.q),
-        "matrix_mm_per_N": [[1e3 * value for value in row] for row in compliance.matrix],
-        "ellipse_semi_axes_mm_per_N": [1e3 * value for value in compliance.principal],
-        "ellipse_directions": [list(direction) for direction in compliance.directions],
+        "matrix_mm_per_N": in_mm(compliance.matrix),
+        "ellipse_semi_axes_mm_per_N": in_mm(compliance.principal),
+        "ellipse_directions": compliance.directions,
     }
 
 
@@ -163,31 +135,29 @@ def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
     ]
 
 
-def evaluation_figures(evaluation: Evaluation) -> dict[str, Any]:
+def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = FIGURES) -> dict[str, Any]:
     """The figures of an evaluation, by the names of the contract and a few more."""
     arm, worst, frequency = evaluation.arm, evaluation.worst, evaluation.frequency
     return {
         "arm": arm.name,
-        "max_error_mm": 1e3 * evaluation.max_error,
-        "upper_bound_mm": _mm(worst.upper_bound),
-        "certified": worst.certified,
+        **fields(evaluation, "upper_bound_mm"),
+        **fields(evaluation.beyond, "beyond_first_order_mm=at_worst", "beyond_first_order_largest_mm=largest"),
+        **fields(worst, "certified"),
         "worst_poses": [
             {
                 **coordinates(arm, pose.q),
                 "load_case": pose.load_case + 1,
-                "error_mm": 1e3 * pose.error,
-                "error_vector_mm": [1e3 * x for x in pose.vector],
+                **fields(pose, "error_mm", "error_vector_mm=vector"),
             }
             for pose in worst.poses
         ],
         "by_effect_mm": {effect: 1e3 * value for effect, value in evaluation.by_effect.items()},
-        "mass_kg": evaluation.mass,
-        "total_mass_kg": evaluation.total_mass,
-        "cost_EUR": evaluation.cost,
-        "reach_mm": 1e3 * evaluation.reach,
-        "min_safety_factor": evaluation.strength.least_safety_factor,
-        "min_buckling": evaluation.strength.least_buckling,
-        "first_frequency_Hz": None if frequency is None else frequency.value,
+        **{each.key: each.shown(each.value(evaluation)) for each in figures.values()},
+        **{
+            f"{each.name}_pose": None if (at := each.where(evaluation)) is None else coordinates(arm, at)
+            for each in figures.values()
+            if each.where is not None
+        },
         "first_frequency_pose": None
         if frequency is None
         else {**coordinates(arm, frequency.q), "load_case": frequency.load_case + 1},
@@ -196,9 +166,11 @@ def evaluation_figures(evaluation: Evaluation) -> dict[str, Any]:
         "drives": _drives(evaluation),
         "links": links_json(arm, evaluation.link_masses),
         "workspace": _workspace(arm, evaluation.workspace),
-        "load_cases": [_load_case(case) for case in evaluation.load_cases],
-        "warnings": list(evaluation.warnings),
-        "unknown": dict(evaluation.unknown),
+        "load_cases": [
+            fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment") for case in evaluation.load_cases
+        ],
+        **fields(evaluation, "warnings", "unknown"),
+        "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
     }
 
 
@@ -207,84 +179,64 @@ def evaluation_json(evaluation: Evaluation) -> dict[str, Any]:
     return {"made_by": f"linkwright evaluate {program_version()}", **evaluation_figures(evaluation)}
 
 
-def objective_unit(minimize: str) -> tuple[float, str]:
+def objective_unit(minimize: str, figures: Mapping[str, Figure] = FIGURES) -> tuple[float, str]:
     """What one SI unit of the objective is in the unit that people read, and that unit: mm, kg or EUR."""
-    if minimize == "max_error":
-        return 1e3, "mm"
-    return 1.0, "EUR" if minimize == "cost" else "kg"
-
-
-def _binding(limit: BindingLimit) -> dict[str, Any]:
-    return {
-        "name": limit.name,
-        "limit": limit.text,
-        "value": limit.value,
-        "limit_value": limit.limit,
-        "unit": limit.unit,
-        "price": limit.price,
-        "price_unit": limit.price_unit,
-    }
+    return figures[minimize].factor, figures[minimize].unit
 
 
 def optimization_json(result: OptimizationResult) -> dict[str, Any]:
     """What `optimize --json` writes: the new design's figures, those before, and how it was found."""
-    factor, unit = objective_unit(result.minimize)
+    factor, unit = objective_unit(result.minimize, result.figures)
     errors = result.minimize == "max_error"
+
+    def objective(value: float | None) -> dict[str, float | None]:
+        return {"objective": None if value is None else factor * value}
+
     return {
         "made_by": f"linkwright optimize {program_version()}",
         "problem": PurePath(result.problem_file).name,
-        "status": result.status,
-        "minimize": result.minimize,
-        "subject_to": list(result.limits),
-        "choose": list(result.choices),
+        **fields(result, "status", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"),
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,
-        **evaluation_figures(result.after),
-        "before": evaluation_figures(result.before),
-        "binding": [_binding(limit) for limit in result.binding],
-        "seconds": result.seconds,
+        **evaluation_figures(result.after, result.figures),
+        "before": evaluation_figures(result.before, result.figures),
+        "binding": [
+            fields(each, "name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit")
+            for each in result.binding
+        ],
         "iterations": len(result.iterations),
         "exchange_log": [
             {
-                "number": each.number,
+                **fields(each, "number", "design_change", "poses", "worst_violation", "certified"),
                 "objective": factor * each.objective,
                 "objective_unit": unit,
-                "design_change": each.design_change,
-                "poses": each.poses,
-                "worst_violation": each.worst_violation,
-                "certified": each.certified,
             }
             for each in result.iterations
         ],
         "candidates": [
-            {
-                "shapes": list(each.shapes),
-                "materials": list(each.materials),
-                "objective": None if each.objective is None else factor * each.objective,
-                "outcome": each.outcome,
-            }
+            {**fields(each, "shapes", "materials", "outcome"), **objective(each.objective)}
             for each in result.candidates
         ],
-        "exhaustive": result.exhaustive,
-        "actuators": [
-            {
-                "actuators": list(each.actuators),
-                "objective": None if each.objective is None else factor * each.objective,
-                "outcome": each.outcome,
-            }
-            for each in result.drives
-        ],
-        "actuators_exhaustive": result.drives_exhaustive,
-        "rounded": None if result.rounded is None else _rounded(result.rounded, factor, unit),
+        "actuators": [{**fields(each, "actuators", "outcome"), **objective(each.objective)} for each in result.drives],
+        **fields(
+            result,
+            "exhaustive",
+            "combinations",
+            "combinations_gap=gap",
+            "actuators_exhaustive=drives_exhaustive",
+            "seconds",
+        ),
+        "rounded": None if result.rounded is None else _rounded(result, result.rounded),
     }
 
 
-def _rounded(rounded: Rounded, factor: float, unit: str) -> dict[str, Any]:
+def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
     """The design of sizes that can be had: its figures, and what rounding cost."""
+    factor, unit = objective_unit(result.minimize, result.figures)
     return {
-        "to": rounded.to,
-        "length_step_mm": None if rounded.length_step is None else 1e3 * rounded.length_step,
+        **fields(rounded, "to", "length_step_mm", "designs_compared=compared", "designs_searched=searched"),
+        **fields(rounded, "exhaustive", "seconds"),
         "objective": {"value": factor * rounded.objective, "unit": unit},
         "objective_before": {"value": factor * rounded.before, "unit": unit},
         "cost_of_rounding": {
@@ -294,18 +246,13 @@ def _rounded(rounded: Rounded, factor: float, unit: str) -> dict[str, Any]:
         },
         "limits": [
             {
-                "name": limit.name,
-                "limit": limit.text,
-                "before": _UNITS[limit.name] * limit.before,
-                "value": _UNITS[limit.name] * limit.after,
-                "limit_value": _UNITS[limit.name] * limit.value,
+                **fields(limit, "name", "limit=text"),
+                "before": limit.figure.factor * limit.before,
+                "value": limit.figure.factor * limit.after,
+                "limit_value": limit.figure.factor * limit.value,
                 "kept": True,
             }
             for limit in rounded.limits
         ],
-        "designs_compared": rounded.compared,
-        "designs_searched": rounded.searched,
-        "exhaustive": rounded.exhaustive,
-        "seconds": rounded.seconds,
-        **evaluation_figures(rounded.evaluation),
+        **evaluation_figures(rounded.evaluation, result.figures),
     }

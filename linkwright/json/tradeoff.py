@@ -4,31 +4,25 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
 from pathlib import PurePath
-from types import MappingProxyType
 from typing import Any
 
-from linkwright.as_json import links_json, program_version
-from linkwright.screen.tradeoff import slope_factor
-from linkwright.words import section_words
-from optimize.tradeoff_question import Axis
-from optimize.tradeoff_result import Front, Point, Tradeoff
+from linkwright.results.figures_in_words import section_words
+from linkwright.results.tradeoff import slope_factor
+from linkwright.version import program_version
+from optimize.tradeoff.front import Front, Point, Tradeoff
+from optimize.tradeoff.question import Axis
+
+from .design import links_json
+from .fields import fields
 
 COMMAND = "linkwright tradeoff"
-_FIGURES: Mapping[str, tuple[str, float]] = MappingProxyType(
-    {
-        "max_error": ("max_error_mm", 1e3),
-        "upper_bound": ("upper_bound_mm", 1e3),
-        "mass": ("mass_kg", 1.0),
-        "total_mass": ("total_mass_kg", 1.0),
-        "cost": ("cost_EUR", 1.0),
-        "reach": ("reach_mm", 1e3),
-        "min_safety_factor": ("min_safety_factor", 1.0),
-        "min_buckling": ("min_buckling", 1.0),
-        "first_frequency": ("first_frequency_Hz", 1.0),
-    }
-)
+
+
+def _written(result: Tradeoff) -> list[tuple[str, str, float]]:
+    """The figures that are told of a point: their names, those in the files, and what one SI unit is in their unit."""
+    found = [(each.name, each.key, each.factor) for each in result.asked.given.figures.values()]
+    return [found[0], ("upper_bound", "upper_bound_mm", 1e3), *found[1:]]
 
 
 def made_by() -> str:
@@ -41,9 +35,9 @@ def point_file(result: Tradeoff, point: Point) -> str:
     return f"points/{point.number:0{max(2, len(str(len(result.points))))}d}.yaml"
 
 
-def _figures(point: Point) -> dict[str, Any]:
+def _figures(result: Tradeoff, point: Point) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name, (written, factor) in _FIGURES.items():
+    for name, written, factor in _written(result):
         value = point.figures[name]
         found[written] = None if value is None else factor * value
     return found
@@ -61,26 +55,14 @@ def _axis(axis: Axis, *, log: bool) -> dict[str, Any]:
 def _front(result: Tradeoff, front: Front) -> dict[str, Any]:
     x, y = result.asked.x, result.asked.y
     points = result.of(front)
-    factor = x.factor
+    best_x, best_y = (
+        {"point": each.number, x.name: x.factor * each.x, y.name: y.factor * each.y} for each in (points[0], points[-1])
+    )
     return {
-        "name": front.name,
-        "points": list(front.points),
-        "knee": front.knee,
-        "ends": {
-            "best_x": {"point": points[0].number, x.name: factor * points[0].x, y.name: y.factor * points[0].y},
-            "best_y": {
-                "point": points[-1].number,
-                x.name: factor * points[-1].x,
-                y.name: y.factor * points[-1].y,
-                "at_the_limit_on_x": front.capped,
-            },
-        },
-        "straight_line_error": front.error,
-        "steps": [list(pair) for pair in front.steps],
-        "idle": [[factor * start, factor * end] for start, end in front.idle],
-        "not_solved": [factor * value for value in front.failed],
-        "complete": front.complete,
-        "exhaustive": front.exhaustive,
+        **fields(front, "name", "points", "knee", "straight_line_error=error", "steps", "complete", "exhaustive"),
+        "ends": {"best_x": best_x, "best_y": {**best_y, "at_the_limit_on_x": front.capped}},
+        "idle": [[x.factor * start, x.factor * end] for start, end in front.idle],
+        "not_solved": [x.factor * value for value in front.failed],
     }
 
 
@@ -95,7 +77,6 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
         "y": _axis(result.asked.y, log=result.logs[1]),
         "by": result.asked.by,
         "subject_to": [limit.text for limit in result.asked.given.limits],
-        "accuracy": result.accuracy,
         "price_unit": slope_factor(result)[1],
         "knee_is": "the point farthest from the chord between the ends, axes scaled from 0 to 1 as drawn (Das 1999)",
         "envelope": _front(result, result.envelope),
@@ -103,22 +84,17 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
         "without": [{"name": name, "reason": reason} for name, reason in result.without],
         "points": [
             {
-                "number": point.number,
-                "front": point.front,
+                **fields(point, "number", "front", "certified", "converged"),
                 "on_envelope": point.number in on_envelope,
                 "price": _price(result, point),
-                **_figures(point),
-                "certified": point.certified,
-                "converged": point.converged,
-                "warnings": list(point.figures["warnings"]),
+                **_figures(result, point),
+                "warnings": point.figures["warnings"],
                 "links": links_json(point.arm, point.figures["link_masses"]),
                 "arm_file": point_file(result, point),
             }
             for point in result.points
         ],
-        "solved": result.solved,
-        "resumed": result.resumed,
-        "seconds": result.seconds,
+        **fields(result, "accuracy", "solved", "resumed", "seconds"),
     }
 
 
@@ -127,7 +103,7 @@ def tradeoff_csv(result: Tradeoff) -> str:
     stream = io.StringIO()
     price = f"price_{slope_factor(result)[1].replace('/', '_per_')}"
     size = result.asked.given.arm.size
-    heads = ["number", "front", "on_envelope", "knee", *(written for written, _ in _FIGURES.values()), price]
+    heads = ["number", "front", "on_envelope", "knee", *(key for _, key, _ in _written(result)), price]
     for link in range(1, size + 1):
         heads += [f"link{link}_{name}" for name in ("length_mm", "section", "material", "mass_kg")]
     writer = csv.writer(stream, lineterminator="\n")
@@ -135,7 +111,7 @@ def tradeoff_csv(result: Tradeoff) -> str:
     knees = {front.knee for front in (*result.fronts, result.envelope)}
     for point in result.points:
         row: list[Any] = [point.number, point.front, int(point.number in result.envelope.points)]
-        row += [int(point.number in knees), *_figures(point).values(), _price(result, point)]
+        row += [int(point.number in knees), *_figures(result, point).values(), _price(result, point)]
         for link, mass in zip(point.arm.links, point.figures["link_masses"], strict=True):
             row += [1e3 * link.length, section_words(link), link.material.name if link.material else "", mass]
         writer.writerow(["" if cell is None else cell for cell in [*row, point_file(result, point)]])

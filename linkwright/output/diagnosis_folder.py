@@ -2,44 +2,29 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from arm.writing import arm_to_yaml
+from arm.chain.chain import Arm
+from arm.files.write import arm_to_yaml
 from diagnose.result import Diagnosis
-from materials.quantities import InputError
+from linkwright.json.fields import joint_columns
 
-from .writing import DESIGN, REPORT, made_folder, refuse_strangers, write_file
+from .files import DESIGN, REPORT, claim_own, made_by, write_file
 
 DIAGNOSIS, RESIDUALS, COMPENSATION = "diagnosis.json", "residuals.csv", "compensation.csv"
 FILES = (REPORT, DIAGNOSIS, DESIGN, RESIDUALS, COMPENSATION)
 """Everything that a diagnosis may write."""
-_SIGNATURE = "linkwright diagnose"
 _DIGITS = 9
 
 
 def claim_diagnosis(folder: Path | None) -> None:
     """Make the output folder, or take an earlier diagnosis's again; anything else is refused. Raises `InputError`."""
-    if folder is None:
-        return
-    there = made_folder(folder)
-    refuse_strangers(folder, there, FILES)
-    if there and not _ours(folder / DIAGNOSIS):
-        message = f"holds files that are not of `linkwright diagnose` ({min(there)}); name a new or empty folder"
-        raise InputError(folder, "", message)
-
-
-def _ours(path: Path) -> bool:
-    try:
-        content: object = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    made_by = cast(dict[str, object], content).get("made_by") if isinstance(content, dict) else None
-    return isinstance(made_by, str) and made_by.startswith(_SIGNATURE)
+    if folder is not None:
+        claim_own(folder, "diagnose", FILES, DIAGNOSIS)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str) -> tuple[str, ...]:
@@ -65,10 +50,8 @@ def _poses(diagnosis: Diagnosis) -> dict[str, Any]:
     """Row, joint coordinates and what was carried, by column."""
     recording = diagnosis.recording
     columns: dict[str, Any] = {"row": recording.row}
-    for index, joint in enumerate(diagnosis.arm.joints):
-        values = recording.q[:, index]
-        name = f"q{index + 1}_{'deg' if joint.revolute else 'mm'}"
-        columns[name] = (np.degrees(values) if joint.revolute else 1e3 * values).round(_DIGITS)
+    for name, values in joint_columns(diagnosis.arm, recording.q).items():
+        columns[name] = values.round(_DIGITS)
     if recording.payload_mass is not None:
         columns["payload_kg"] = recording.payload_mass
     if recording.time is not None:
@@ -98,3 +81,22 @@ def compensation_csv(diagnosis: Diagnosis) -> str | None:
     for axis, values in zip("xyz", diagnosis.unknown.predicted.T, strict=False):
         columns[f"d{axis}_mm"] = (1e3 * values).round(_DIGITS)
     return pd.DataFrame(columns).to_csv(index=False, lineterminator="\n")
+
+
+def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None:
+    """The least and greatest coordinates (rad, m) of each joint in the diagnosis that an arm file stems from, by the
+    residuals beside it; None for an arm file of no diagnosis."""
+    if file.name != DESIGN or made_by(file.with_name(DIAGNOSIS)) != "diagnose":
+        return None
+    try:
+        poses = pd.read_csv(file.with_name(RESIDUALS))
+    except (OSError, ValueError):
+        return None
+    found: list[tuple[float, float]] = []
+    for name, joint in zip(joint_columns(arm, np.zeros((1, arm.size))), arm.joints, strict=True):
+        if name not in poses.columns:
+            return None
+        values = np.asarray(poses[name], dtype=float)
+        values = np.radians(values) if joint.revolute else 1e-3 * values
+        found.append((float(values.min()), float(values.max())))
+    return tuple(found)

@@ -7,10 +7,13 @@ import math
 import os
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from arm.writing import write_text
-from materials.quantities import InputError
+from units.files import write_whole
+from units.quantities import InputError
+
+if TYPE_CHECKING:
+    from linkwright.results.document import Description
 
 RESULT, REPORT, DESIGN = "result.json", "report.html", "arm.yaml"
 """The files of an output folder."""
@@ -64,7 +67,7 @@ def write_file(path: Path, text: str) -> None:
         if path.exists() and not path.is_file():
             path.write_text(text, encoding="utf-8")
         else:
-            write_text(text, path.resolve())
+            write_whole(path.resolve(), text)
     except OSError as error:
         raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
 
@@ -73,6 +76,12 @@ def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
     """Write the content where `--json` names a file. Raises `InputError`."""
     if path is not None:
         write_file(path, json_text(content))
+
+
+def write_result(path: Path | None, text: str) -> None:
+    """Write a result's own JSON where `--json` names a file. Raises `InputError`."""
+    if path is not None:
+        write_file(path, text)
 
 
 def made_folder(folder: Path) -> set[str]:
@@ -101,15 +110,19 @@ def claim_folder(folder: Path | None, command: str) -> None:
 
     A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
     """
-    if folder is None:
-        return
+    if folder is not None:
+        claim_own(folder, command, (RESULT, REPORT, DESIGN))
+
+
+def claim_own(folder: Path, command: str, own: Collection[str], result: str = RESULT) -> None:
+    """The same for a command with files of its own names. Raises `InputError`."""
     names = made_folder(folder)
-    refuse_strangers(folder, names, (RESULT, REPORT, DESIGN))
-    if names and _made_by(folder / RESULT) != command:
+    refuse_strangers(folder, names, own)
+    if names and made_by(folder / result) != command:
         raise InputError(folder, "", f"holds files that are not of `linkwright {command}`; name a new or empty folder")
 
 
-def _made_by(path: Path) -> str | None:
+def made_by(path: Path) -> str | None:
     """The command that wrote a result file, None for anything else."""
     try:
         content: object = json.loads(path.read_text(encoding="utf-8"))
@@ -127,3 +140,11 @@ def write_folder(folder: Path | None, files: Mapping[str, str]) -> None:
     if folder is not None:
         for name in sorted(files, key=lambda name: name != RESULT):
             write_file(folder / name, files[name])
+
+
+def write_markdown(path: Path | None, described: Description) -> None:
+    """Write a described result where `--markdown` names a file. Raises `InputError`."""
+    if path is not None:
+        from linkwright.markdown.described import markdown
+
+        write_file(path, markdown(described))

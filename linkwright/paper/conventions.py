@@ -20,12 +20,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from .printed import Paper, Parameters
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .printed import Paper, Parameters
 
 GRAVITY = 9.81
 SQUARE = math.sqrt(2.0)

@@ -14,22 +14,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link
-from arm.model import beam_values, beams_of, error_model
-from arm.refine import uphill
-from arm.workspace import Workspace
-from arm.worst import WorstSearch
-from materials.entry import read_inline
+from arm.chain.chain import Arm, Joint, Link
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.refine import uphill
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Workspace
+from materials.catalogue_entry import read_inline
 from materials.material import Material
-from materials.quantities import format_quantity
 from sections import build
+from sections.numeric import Array
 from sections.section import Section
+from units.quantities import format_quantity
 
 from .printed import FILE, Paper
-
-Array = NDArray[np.float64]
 
 DEFORMATION = frozenset({"link_bending", "slope_propagation", "axial", "torsion", "shear_deformation"})
 """The effects that are deformation; left out for the figures without it."""

@@ -13,12 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Arm
-from arm.model import beam_values, beams_of, error_model
-from arm.workspace import Unreachable, Workspace, pull
-from arm.worst import WorstSearch
-
-Array = NDArray[np.float64]
+from arm.chain.chain import Arm
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Unreachable, Workspace, pull
+from sections.numeric import Array
 
 _HELD = 1e-7
 """How near (m) a posture's tip must be to its point."""

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from arm.chain import Arm
-from linkwright.words import figure, mm
+from arm.chain.chain import Arm
+from linkwright.results.figures_in_words import figure, mm
 from sections import build
 
 from .conventions import Conventions, printed_second_moment

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from arm.chain import Arm, Joint, Link
-from arm.reach import ring_of
-from arm.seam import SeamCheck, check_seam
-from linkwright.words import figure, mm
+from arm.chain.chain import Arm, Joint, Link
+from arm.worst.reach import ring_of
+from arm.worst.seam import SeamCheck, check_seam
+from linkwright.results.figures_in_words import figure, mm
 
 from .corrected import PaperArm, least_deformation, worst_error
 from .tables import Book

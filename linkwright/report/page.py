@@ -9,10 +9,9 @@ from importlib.resources import files
 
 from plotly.offline import get_plotlyjs
 
-from linkwright.writing import strict
-
-from .figures import Figure
-from .svg import element, text
+from linkwright.output.files import strict
+from linkwright.report.pictures.plots import Figure
+from linkwright.report.pictures.svg import element, text
 
 
 def section(title: str, *body: str, lead: str = "") -> str:
@@ -31,22 +30,6 @@ def figure_place(name: str, label: str, caption: str = "") -> str:
 def side_by_side(*parts: str) -> str:
     """Parts beside each other where there is room, below each other on a phone."""
     return element("div", *parts, class_=f"columns-{len(parts)}")
-
-
-def table(headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), class_: str = "") -> str:
-    """A table of text; the columns `numbers` (from 0) are set right. The first cell of a row is its heading."""
-
-    def cell(tag: str, index: int, content: str, **more: str) -> str:
-        return element(tag, text(content), class_="number" if index in numbers else None, **more)
-
-    head = element("tr", *(cell("th", k, words, scope="col") for k, words in enumerate(headings)))
-
-    def line(row: Sequence[str]) -> str:
-        return element("tr", cell("th", 0, row[0], scope="row"), *(cell("td", k, x) for k, x in enumerate(row[1:], 1)))
-
-    body = [line(row) for row in rows]
-    made = element("table", element("thead", head), element("tbody", *body), class_=class_ or None)
-    return element("div", made, class_="scroll")
 
 
 def _unbroken(words: str) -> str:
@@ -78,8 +61,7 @@ def page(
         f"<script>{get_plotlyjs()}</script><script>{script}</script>"
     )
     missing = element("noscript", element("p", without, class_="lead"))
-    opening = element(
-        "header", element("h1", text(title)), element("p", text(_unbroken(summary)), class_="headline"), missing
-    )
+    told = _unbroken(summary[:1].upper() + summary[1:])
+    opening = element("header", element("h1", text(title)), element("p", text(told), class_="headline"), missing)
     main = element("main", opening, *body)
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>{main}{scripts}</body></html>\n'

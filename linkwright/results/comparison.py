@@ -1,24 +1,92 @@
-"""A comparison of two recordings in words, and as a mapping for JSON."""
+"""A comparison of two recordings described: what changed, in a sentence first; and as a mapping for JSON."""
 
 from __future__ import annotations
 
-import math
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.compare import Change, Comparison
-from diagnose.compare_places import Region
+from diagnose.compare.compare import Change, Comparison
+from diagnose.compare.places import Region
+from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
+from linkwright.json.fields import fields, in_mm
+from linkwright.version import program_version
 
-from .as_json import program_version
-from .diagnosis_json import covered_json, in_unit, parameter_json, unit_of
-from .diagnosis_words import effect_words, listed, quantity, value_words
-from .words import figure, mm
+from .diagnosis_words import (
+    covered,
+    effect_words,
+    listed,
+    measured,
+    probability,
+    quantity,
+    value,
+    verdict_words,
+)
+from .document import Description, Lines, Section, Table, Value, count, length, section, table
+from .figures_in_words import figure, mm
+
+
+def describe(comparison: Comparison) -> Description:
+    """What changed between two recordings."""
+    sentence = comparison_sentence(comparison)
+    regions = [
+        (
+            region_words(each),
+            Value(f"{each.counts[0]}, {each.counts[1]}"),
+            length(each.first, 3),
+            length(each.second, 3),
+        )
+        for each in comparison.regions
+    ]
+    figures = [(one.symbol, covered(one), covered(other), one.standard, one.name) for one, other in comparison.figures]
+    headings = ("region", "readings", "RMS, first", "RMS, second")
+    standards = ("figure", "first", "second", "standard", "")
+    found: list[Section] = [section("Both recordings", _both(comparison))]
+    if comparison.changes:
+        found.append(section("What was fitted", _changes(comparison)))
+    if regions:
+        found.append(section("By region of the workspace", table(headings, regions)))
+    if figures:
+        found.append(section("In the words of the standards", table(standards, figures)))
+    if comparison.notes:
+        found.append(section("Notes", Lines(comparison.notes)))
+    name = comparison.first.arm.name
+    return Description(f"{name}: what changed between two recordings", sentence, tuple(found), sentence.split(". ")[0])
+
+
+def _both(comparison: Comparison) -> Table:
+    pair = (comparison.first, comparison.second)
+    rows: list[tuple[str | Value, ...]] = [
+        ("verdict", *(verdict_words(each.verdict, short=True) for each in pair)),
+        ("readings", *(count(each.recording.size) for each in pair)),
+        ("noise floor", *(length(each.noise_floor, 3) for each in pair)),
+        ("RMS of the mismatch", *(length(each.rms_before, 3) for each in pair)),
+        ("left by the common model", *(length(each, 3) for each in comparison.unexplained)),
+    ]
+    shared = comparison.shared
+    if shared is not None:
+        rows.append((f"at {shared.count} shared poses", length(shared.first, 3), length(shared.second, 3)))
+    return table(("", "first", "second"), rows)
+
+
+def _changes(comparison: Comparison) -> Table:
+    rows = [
+        (
+            f"{effect_words(each.effect, each.first.at)}: {each.first.parameter.replace('_', ' ')}",
+            measured(each.first),
+            measured(each.second),
+            Value(difference_words(each)),
+            probability(each.adjusted),
+            "changed" if each.changed else "",
+        )
+        for each in comparison.changes
+    ]
+    return table(("what", "first (95 % interval)", "second", "change", "p, adjusted", ""), rows)
 
 
 def change_words(change: Change) -> str:
     """A change as a phrase: what, from and to."""
     what = f"{effect_words(change.effect, change.first.at)}, {change.first.parameter.replace('_', ' ')}"
-    return f"{what} from {value_words(change.first)} to {value_words(change.second)}"
+    return f"{what} from {value(change.first).text} to {value(change.second).text}"
 
 
 def difference_words(change: Change) -> str:
@@ -67,24 +135,20 @@ def region_words(region: Region) -> str:
 def _change(change: Change) -> dict[str, Any]:
     kind = change.first.kind
     return {
-        "effect": change.effect,
-        "at": list(change.first.at),
-        "parameter": change.first.parameter,
+        **fields(change, "effect", "p_value", "p_adjusted=adjusted", "changed"),
+        **fields(change.first, "at", "parameter"),
         "first": parameter_json(change.first),
         "second": parameter_json(change.second),
         "difference": in_unit(change.difference, kind),
         "unit": unit_of(kind),
-        "ci95": [in_unit(end, kind) if math.isfinite(end) else None for end in change.interval],
-        "p_value": change.p_value,
-        "p_adjusted": change.adjusted,
-        "changed": change.changed,
+        "ci95": [in_unit(end, kind) for end in change.interval],
     }
 
 
 def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """What `compare --json` writes."""
-    shared = comparison.shared
-    pair = (comparison.first, comparison.second)
+    shared, pair = comparison.shared, (comparison.first, comparison.second)
+    told = ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
     return {
         "made_by": f"linkwright compare {program_version()}",
         "arm": comparison.first.arm.name,
@@ -93,33 +157,19 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             {
                 "file": PurePath(each.recording.file).name,
                 "rows": each.recording.size,
-                "verdict": each.verdict,
-                "sentence": each.sentence,
-                "noise_floor_mm": None if each.noise_floor is None else 1e3 * each.noise_floor,
-                "rms_before_mm": 1e3 * each.rms_before,
-                "rms_after_mm": 1e3 * each.rms_after,
-                "rms_common_model_mm": 1e3 * left,
+                **fields(each, *told),
+                "rms_common_model_mm": in_mm(left),
             }
             for each, left in zip(pair, comparison.unexplained, strict=True)
         ],
         "changes": [_change(each) for each in comparison.changes],
         "shared_poses": None
         if shared is None
-        else {
-            "count": shared.count,
-            "rms_mm": [1e3 * shared.first, 1e3 * shared.second],
-            "moved_mm": 1e3 * shared.moved,
-            "by_chance_mm": None if shared.by_chance is None else 1e3 * shared.by_chance,
-        },
+        else {**fields(shared, "count", "moved_mm", "by_chance_mm"), "rms_mm": in_mm((shared.first, shared.second))},
         "regions": [
-            {
-                "lower_mm": [1e3 * value for value in each.lower],
-                "upper_mm": [1e3 * value for value in each.upper],
-                "rms_mm": [1e3 * each.first, 1e3 * each.second],
-                "rows": list(each.counts),
-            }
+            {**fields(each, "lower_mm", "upper_mm", "rows=counts"), "rms_mm": in_mm((each.first, each.second))}
             for each in comparison.regions
         ],
         "iso_figures": [[covered_json(one), covered_json(other)] for one, other in comparison.figures],
-        "notes": list(comparison.notes),
+        "notes": comparison.notes,
     }

@@ -1,4 +1,4 @@
-"""A diagnosis in words: places, parameters with their intervals, what cannot be told apart; for screen and report."""
+"""The words of a diagnosis: places, parameters with their intervals, what cannot be told apart."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import re
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from arm.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
-from materials.quantities import format_quantity
+from units.quantities import format_quantity
 
-from .words import effect_title, figure, mm, percent, pose, with_unit
+from .document import Value, amount, share
+from .figures_in_words import effect_title, figure, percent, with_unit
 
 MOST_PARAMETERS = 6
 
@@ -74,26 +74,47 @@ def quantity(value: float, kind: str, digits: int = 3, like: float | None = None
     return written.replace("-", "−").replace("*", "·").replace("^2", "²")
 
 
-def value_words(fitted: FittedParameter) -> str:
+def value(fitted: FittedParameter) -> Value:
     """A fitted value with its unit."""
-    return quantity(fitted.value, fitted.kind, _digits(fitted), _largest(fitted))
+    return Value(quantity(fitted.value, fitted.kind, _digits(fitted), _largest(fitted)))
 
 
-def interval_words(fitted: FittedParameter) -> str:
+def interval(fitted: FittedParameter) -> Value:
     """The 95 % interval, in the unit of the value."""
-    ends = fitted.interval
-    if not all(math.isfinite(end) for end in ends):
-        return "–"
-    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in ends)
+    if not all(math.isfinite(end) for end in fitted.interval):
+        return Value("–")
+    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in fitted.interval)
     number, _, unit = low.partition(" ")
-    return f"{number} to {high}" if high.partition(" ")[2] == unit else f"{low} to {high}"
+    return Value(f"{number} to {high}" if high.partition(" ")[2] == unit else f"{low} to {high}")
 
 
-def measured_words(fitted: FittedParameter) -> str:
+def measured(fitted: FittedParameter) -> Value:
     """The value with its 95 % interval beside it."""
-    number, _, unit = value_words(fitted).partition(" ")
-    interval = interval_words(fitted)
-    return f"{number} ({interval.removesuffix(unit).strip()}) {unit}".strip()
+    single, ends = value(fitted), interval(fitted)
+    number, _, unit = single.text.partition(" ")
+    return Value(f"{number} ({ends.text.removesuffix(unit).strip()}) {unit}".strip())
+
+
+def probability(p: float) -> Value:
+    """A probability, without false precision."""
+    return Value("–" if math.isnan(p) else "< 0.0001" if p < 1e-4 else figure(p, 2))
+
+
+def portion(ratio: float) -> Value:
+    """A share as a percentage, never below zero; a dash where it is not known."""
+    return share(ratio if math.isnan(ratio) else max(0.0, ratio))
+
+
+def covered(each: Covered) -> Value:
+    """A figure of a standard with its unit; 1 m/N is 1000 mm/N."""
+    return amount(1e3 * each.value, "mm/N" if each.symbol == "C" else "mm", 3)
+
+
+def next_pose_words(each: NextPose) -> tuple[str, str]:
+    """Payload and side of a pose worth recording."""
+    payload = "as in the arm file" if each.payload_mass is None else with_unit(each.payload_mass, "kg")
+    side = {1: "from below (+1)", -1: "from above (−1)"}.get(each.side, "either")
+    return payload, side
 
 
 def _largest(fitted: FittedParameter) -> float:
@@ -134,18 +155,6 @@ def explained_share(diagnosis: Diagnosis) -> float | None:
     if diagnosis.unknown is not None or not diagnosis.findings or diagnosis.rms_before <= 0.0:
         return None
     return max(0.0, 1.0 - (diagnosis.rms_after / diagnosis.rms_before) ** 2)
-
-
-def p_words(p: float) -> str:
-    """A probability, without false precision."""
-    if math.isnan(p):
-        return "–"
-    return "< 0.0001" if p < 1e-4 else figure(p, 2)
-
-
-def share_words(value: float) -> str:
-    """A share as a percentage; a dash where it is not known."""
-    return "–" if math.isnan(value) else percent(max(0.0, value))
 
 
 COVARIATES = (
@@ -207,7 +216,7 @@ _PER_HOUR = MappingProxyType({"speed": (1e6, "um/h"), "angular_speed": (1e6, "ur
 
 def detectable_words(detectable: Detectable) -> str:
     """The smallest value of the effect's parameter that would have been found; drifts by the hour."""
-    if detectable.kind in _PER_HOUR and detectable.effect == "frame_drift":
+    if detectable.kind in _PER_HOUR:
         factor, unit = _PER_HOUR[detectable.kind]
         return with_unit(3600.0 * factor * detectable.value, unit, 3)
     return quantity(detectable.value, detectable.kind)
@@ -232,15 +241,3 @@ def spoken(sentence: str) -> str:
 def whole_sentence(words: str) -> str:
     """Words that begin with a capital and end with a full stop."""
     return f"{words[:1].upper()}{words[1:]}" + ("" if words.endswith((".", "!", "?")) else ".")
-
-
-def next_pose_words(arm: Arm, each: NextPose) -> tuple[str, str, str]:
-    """A pose worth recording: joint coordinates, payload and side."""
-    payload = "as in the arm file" if each.payload_mass is None else with_unit(each.payload_mass, "kg")
-    side = {1: "from below (+1)", -1: "from above (−1)"}.get(each.side, "either")
-    return pose(arm, each.q), payload, side
-
-
-def covered_words(covered: Covered) -> str:
-    """A figure of a standard with its unit."""
-    return f"{figure(1e3 * covered.value, 3)} mm/N" if covered.symbol == "C" else mm(covered.value, 3)

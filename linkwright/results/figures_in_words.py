@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
-from arm.chain import Arm, Link, LoadCase
-from arm.effects import EFFECTS
-from arm.workspace import Workspace
+if TYPE_CHECKING:
+    from arm.chain.chain import Arm, Link, LoadCase
+    from arm.worst.workspace import Workspace
 
 MINUS = "−"
 
@@ -89,12 +89,6 @@ def material_words(link: Link) -> str:
     return "–" if link.material is None else link.material.name
 
 
-def cost_name(arm: Arm) -> str:
-    """What the cost of an arm is that of."""
-    driven = any(joint.actuator is not None for joint in arm.joints)
-    return "cost of material and actuators" if driven else "material cost"
-
-
 def load_case_words(case: LoadCase) -> str:
     """What acts at the tip in a load case."""
     parts = [f"payload {with_unit(case.mass, 'kg')}"]
@@ -123,6 +117,8 @@ def workspace_words(arm: Arm, workspace: Workspace) -> str:
 
 def effect_title(effect: str) -> str:
     """An effect's title, as its file gives it."""
+    from arm.effects import EFFECTS
+
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
 
 

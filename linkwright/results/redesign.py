@@ -1,12 +1,45 @@
-"""A redesign in words: what the old optimum really had, what is decided otherwise, and whether drives matter more."""
+"""A redesign described: what the old optimum really had, what is decided otherwise, and whether drives matter more."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from .as_json import links_json
-from .redesign import STIFFER, Decision, Redesign
-from .words import effect_title, factor_words, figure, mm, percent
+from linkwright.json.design import links_json
+from linkwright.json.fields import fields, in_mm
+from linkwright.redesigning import STIFFER, Decision, Redesign
+
+from . import design
+from .document import Description, Fact, Facts, Lines, Paragraph, Picture, Section, length, section
+from .figures_in_words import effect_title, factor_words, figure, mm, percent
+
+TITLE = "The design with the corrected physics"
+
+
+def describe(redesign: Redesign) -> Description:
+    """A redesign by itself."""
+    sentences = redesign_sentences(redesign)
+    return Description(TITLE, sentences[0], (redesign_section(redesign),), sentences[1].rstrip("."))
+
+
+def redesign_section(redesign: Redesign) -> Section:
+    """What changes: sentences, figures, sections and links of both optima."""
+    facts = (
+        Fact("promised", length(redesign.promised), "the old optimum, in the model as given"),
+        Fact("really had", length(redesign.had), "the old optimum, with what was found"),
+        Fact("new optimum", length(redesign.has), "with what was found"),
+    )
+    words = "Before is the optimum of the arm as given, after that of the corrected arm."
+    links = design.links((("before", redesign.old.after), ("after", redesign.new.after)))
+    return section(
+        TITLE,
+        Facts(facts, detail=True),
+        Lines(tuple(redesign_sentences(redesign))),
+        Paragraph(words, "lead", detail=True),
+        Picture("redesigned"),
+        replace(links, detail=True),
+        opened=True,
+    )
 
 
 def redesign_sentences(redesign: Redesign) -> list[str]:
@@ -67,29 +100,21 @@ def drive_sentence(redesign: Redesign) -> str:
 
 def redesign_json(redesign: Redesign) -> dict[str, Any]:
     """A redesign for machines; errors in mm."""
-    price = redesign.link_mass_price
     return {
-        "problem": redesign.problem_file,
-        "promised_mm": 1e3 * redesign.promised,
-        "had_mm": 1e3 * redesign.had,
-        "has_mm": 1e3 * redesign.has,
+        **fields(redesign, "problem=problem_file", "promised_mm", "had_mm", "has_mm", "carried_over"),
         "status": [redesign.old.status, redesign.new.status],
-        "decisions": [
-            {
-                "link": each.link,
-                "what": each.what,
-                "before": each.before if isinstance(each.before, str) else 1e3 * each.before,
-                "after": each.after if isinstance(each.after, str) else 1e3 * each.after,
-                "unit": None if isinstance(each.before, str) else "mm",
-            }
-            for each in redesign.decisions
-        ],
+        "decisions": [_decision(each) for each in redesign.decisions],
         "stiffer_drives": [
-            {"joint": each.joint, "compliance": each.compliance, "stiffer_by": STIFFER, "change_mm": 1e3 * each.change}
-            for each in redesign.drives
+            {**fields(each, "joint", "compliance", "change_mm"), "stiffer_by": STIFFER} for each in redesign.drives
         ],
-        "link_mass_price_mm_per_kg": None if price is None else 1e3 * price,
+        "link_mass_price_mm_per_kg": in_mm(redesign.link_mass_price),
         "links": links_json(redesign.new.arm, redesign.new.after.link_masses),
-        "carried_over": list(redesign.carried_over),
         "sentences": redesign_sentences(redesign),
     }
+
+
+def _decision(decision: Decision) -> dict[str, Any]:
+    if isinstance(decision.before, str):
+        return {**fields(decision, "link", "what", "before", "after"), "unit": None}
+    sizes = {"before": in_mm(decision.before), "after": in_mm(decision.after), "unit": "mm"}
+    return {**fields(decision, "link", "what"), **sizes}

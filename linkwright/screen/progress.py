@@ -16,9 +16,10 @@ _LINE_EVERY = 10.0
 class Steps:
     """Hears what is being done and what share of the whole is behind (0 to 1); silent in the first second."""
 
-    def __init__(self) -> None:
-        """On a terminal a bar appears on standard error; elsewhere lines do."""
+    def __init__(self, lines: Console | None = None) -> None:
+        """On a terminal a bar appears on standard error; elsewhere `lines` takes lines, standard error by default."""
         self._screen: Console = console(errors=True)
+        self._lines = lines or self._screen
         self._began = self._said = time.monotonic()
         self._bar: Progress | None = None
         self._task = TaskID(0)
@@ -31,7 +32,7 @@ class Steps:
         if not self._screen.is_terminal:
             if now - self._said >= _LINE_EVERY:
                 self._said = now
-                self._screen.print(f"{100.0 * share:.0f} %: {text}")
+                self._lines.print(f"{100.0 * share:.0f} %: {text}")
             return
         if self._bar is None:
             what = TextColumn("{task.description}", markup=False)

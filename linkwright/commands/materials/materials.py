@@ -8,18 +8,20 @@ from typing import Annotated, Any
 
 import typer
 
-from linkwright.as_json import program_version
-from linkwright.writing import check_target, write_file, write_json
+import linkwright as lw
+from linkwright.commands.groups import command_group
+from linkwright.commands.options import CatalogueFile, JsonFile
+from linkwright.output.files import check_target, write_file, write_json
+from linkwright.version import program_version
 from materials.catalogue import Catalogue
-from materials.material import REFERENCE_TEMPERATURE, Constant, Material, Property, PropertyName, property_kinds
-from materials.quantities import InputError
+from materials.material import Constant, Material, Property, PropertyName, property_kinds
+from units.quantities import InputError
+from units.reading import nearest
+from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
-from . import materials_edit, materials_exchange
-from .groups import command_group
-from .materials_query import SHORT, chosen, chosen_columns, condition, value_of, written
-from .options import CatalogueFile, JsonFile, catalogue_with
+from . import HELP, edit
+from .query import QUERY, SHORT, value_of, written
 
-HELP = """What links can be made of: list, show, compare; add, edit, remove, rename, undo; import, export, check."""
 LIST_HELP = """Every material of the catalogue at 20 degC.
 
 Example: linkwright materials list --family aluminium --where 'density < 3 g/cm^3' --sort=-yield --columns E,yield,cost
@@ -55,9 +57,13 @@ def list_materials(
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
-    names = chosen_columns(columns)
-    known = catalogue_with(catalogue)
-    found = chosen(known, family or (), [condition(text) for text in where or ()], sort)
+    names = QUERY.columns(columns)
+    known = lw.materials.with_file(catalogue).catalogue
+    families = sorted({material.family for material in known})
+    for each in family or ():
+        if each not in families:
+            raise InputError("", "--family", f"there is no family '{each}'{nearest(each, families)}")
+    found = QUERY.chosen((item for item in known if not family or item.family in family), where, sort)
     _write(json, {"materials": [_as_json(known, material) for material in found]})
     if not found:
         console().print("no material of the catalogue is so")
@@ -83,7 +89,7 @@ def show_material(
 
     check_target(json, catalogue)
     check_target(plot, catalogue)
-    known = catalogue_with(catalogue)
+    known = lw.materials.with_file(catalogue).catalogue
     material = known.find(name)
     _write(json, _as_json(known, material))
     if plot is not None:
@@ -125,7 +131,7 @@ def compare_materials(
     check_target(json, catalogue)
     if len(names) < 2:
         raise InputError("", "NAME", "needs two materials or more to compare")
-    known = catalogue_with(catalogue)
+    known = lw.materials.with_file(catalogue).catalogue
     found = [known.find(name) for name in names]
     _write(json, {"materials": [_as_json(known, material) for material in found]})
     shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
@@ -146,7 +152,7 @@ def _over_temperature(item: Property, steps: int) -> list[tuple[float, float]]:
     """Temperatures in degC over the valid range, and the values (SI) there."""
     low, high = item.valid
     kelvins = [low + (high - low) * step / steps for step in range(steps + 1)]
-    return [(kelvin - 273.15, item.law.value(kelvin)) for kelvin in kelvins]
+    return [(kelvin - ZERO_CELSIUS, item.law.value(kelvin)) for kelvin in kelvins]
 
 
 def _bars(item: Property) -> list[str]:
@@ -190,7 +196,7 @@ def _valid(valid: tuple[float, float]) -> str:
     low, high = valid
     if low <= 0.0 and math.isinf(high):
         return ""
-    return f"{low - 273.15:g} to {high - 273.15:g} degC"
+    return f"{low - ZERO_CELSIUS:g} to {high - ZERO_CELSIUS:g} degC"
 
 
 def _write(json: Path | None, content: dict[str, Any]) -> None:
@@ -205,7 +211,7 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
         properties[name] = {
             "value": written(found.law.value(REFERENCE_TEMPERATURE), name),
             "si": found.law.value(REFERENCE_TEMPERATURE),
-            "valid_degC": None if math.isinf(high) else [low - 273.15, high - 273.15],
+            "valid_degC": None if math.isinf(high) else [low - ZERO_CELSIUS, high - ZERO_CELSIUS],
             "spread": None if found.spread is None else [written(x, name) for x in found.spread],
             "source": material.references.get(found.source, found.source),
             "note": found.note or None,
@@ -228,4 +234,4 @@ def group() -> typer.Typer:
         "show": (show_material, SHOW_HELP),
         "compare": (compare_materials, COMPARE_HELP),
     }
-    return command_group(HELP, {**look, **materials_edit.commands(), **materials_exchange.commands()})
+    return command_group(HELP, {**look, **edit.commands()})

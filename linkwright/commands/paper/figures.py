@@ -7,15 +7,14 @@ from typing import Annotated
 
 import typer
 
-from linkwright.writing import REPORT, RESULT, check_target, json_text, write_folder, write_json
-
-from .options import JsonFile
+import linkwright as lw
+from linkwright.commands.options import JsonFile
+from linkwright.output.files import check_target, claim_own, write_result
 
 HELP = """The paper's Figures 5 to 9: what it plots by its own conventions, and the truth beside it.
 
 Example: linkwright figures --out figures
 """
-CSV = ("figure-5.csv", "figure-6.csv", "figure-7.csv", "figure-8.csv", "figure-9.csv")
 
 
 def figures(
@@ -29,26 +28,19 @@ def figures(
     from linkwright.screen.console import console, waiting
 
     check_target(json)
-    if out is not None:
-        from linkwright.paper.folders import claim
-
-        claim(out, [RESULT, REPORT, *CSV], RESULT, "linkwright figures")
     with waiting("computing the paper's figures"):
-        from linkwright.paper.figures import make_figures
-        from linkwright.paper.output import figure_csv, figures_json
-        from linkwright.paper.pictures import page
+        from linkwright.paper.face import FIGURE_FILES
 
-        made = make_figures()
-    content = figures_json(made)
-    write_json(json, content)
+        if out is not None:
+            claim_own(out, "figures", FIGURE_FILES)
+        made = lw.figures()
+    write_result(json, made.to_json())
     written = [] if json is None else [json]
     if out is not None:
-        files = {RESULT: json_text(content), REPORT: page(made)}
-        files.update({name: figure_csv(each) for name, each in zip(CSV, made, strict=True)})
-        write_folder(out, files)
-        written += [out / name for name in files]
+        made.save(out)
+        written += [out / name for name in FIGURE_FILES]
     screen = console()
-    for each in made:
+    for each in made.figures:
         screen.print(f"Figure {each.number}: {each.title}", style="bold")
         for remark in each.remarks:
             screen.print(f"  {remark}")

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from linkwright.writing import check_target, write_file, write_json
-from materials.quantities import InputError
-
-from .options import JsonFile
-
-if TYPE_CHECKING:
-    from linkwright.paper.rows import ExtendedTable
+import linkwright as lw
+from linkwright.commands.options import JsonFile
+from linkwright.output.files import check_target, write_file, write_result
+from units.quantities import InputError
 
 HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
@@ -48,55 +45,39 @@ def tables(
     quick: Annotated[bool, typer.Option("--quick", help="Leave the extended tables out.")] = False,
 ) -> None:
     """Run the command."""
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
 
     check_target(json)
     check_target(markdown)
     if json is not None and markdown is not None and json.absolute() == markdown.absolute():
         raise InputError(json, "", "is named for JSON and for Markdown; name two files")
     if csv is not None:
-        from linkwright.paper.folders import claim
+        from linkwright.paper.output.folders import claim
 
         claim(csv, [f"{key}.csv" for key in (*KEYS, *EXTENDED_KEYS)], f"{KEYS[0]}.csv", "label,paper_")
-    with waiting("computing the paper's tables"):
-        from linkwright.paper.output import all_into, extended_csv, table_csv, tables_json, tables_markdown
-        from linkwright.paper.screen import show_extended, show_tables
-        from linkwright.paper.tables import make_tables
-        from linkwright.paper.verdicts import proofs, verdicts
+    from linkwright.paper.output.pages import all_into, extended_csv, table_csv, tables_markdown
+    from linkwright.paper.output.screen import show_extended, show_tables
 
-        book = make_tables()
-        judged, shown = verdicts(book), proofs(book)
+    made = lw.tables(extended=not quick)
     screen = console()
-    extended: tuple[ExtendedTable, ...] = ()
-    if not quick:
-        from linkwright.paper.extended import make_extended
-
-        extended = make_extended(_say)
     written: list[Path] = []
     if json is not None:
-        write_json(json, tables_json(book, judged, shown, extended))
+        write_result(json, made.to_json())
         written.append(json)
     if csv is not None:
-        for table in book.tables:
-            write_file(csv / f"{table.key}.csv", table_csv(table))
-            written.append(csv / f"{table.key}.csv")
-        for each in extended:
-            write_file(csv / f"{each.key}.csv", extended_csv(each))
-            written.append(csv / f"{each.key}.csv")
+        files = {table.key: table_csv(table) for table in made.book.tables}
+        files |= {each.key: extended_csv(each) for each in made.extended}
+        for key, text in files.items():
+            write_file(csv / f"{key}.csv", text)
+            written.append(csv / f"{key}.csv")
     if markdown is not None:
-        write_file(markdown, all_into(_text_of(markdown), tables_markdown(book, judged, shown), extended))
+        block = tables_markdown(made.book, made.verdicts, made.proofs)
+        write_file(markdown, all_into(_text_of(markdown), block, made.extended))
         written.append(markdown)
-    show_tables(screen, book, judged, shown)
-    show_extended(screen, extended)
+    show_tables(screen, made.book, made.verdicts, made.proofs)
+    show_extended(screen, made.extended)
     for path in written:
         screen.print(f"written: {path}", soft_wrap=True)
-
-
-def _say(done: int, total: int, text: str) -> None:
-    """A line for each extended table begun, beside the output."""
-    from linkwright.screen.console import console
-
-    console(errors=True).print(f"{text} ({done + 1} of {total})")
 
 
 def _text_of(path: Path) -> str:

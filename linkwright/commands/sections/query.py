@@ -1,17 +1,13 @@
-"""Which stock sizes a list shows, in which order and with which columns."""
+"""What a list of stock sizes can be asked for, and how its figures are written."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from types import MappingProxyType
 
-from linkwright.words import figure
-from materials.quantities import InputError, read_quantity
-from materials.reading import nearest
+from linkwright.commands.catalogues.query import Query
+from linkwright.results.figures_in_words import figure
 from sections import SHAPES, SectionProperties, StockSize
-
-from .materials_query import CONDITION, RELATIONS
 
 POISSON_RATIO = 0.3
 """With which shear areas are listed; it changes them by some per cent at most."""
@@ -32,9 +28,6 @@ FIGURES: Mapping[str, tuple[str, int]] = MappingProxyType(
 )
 """What is computed of a size: its name in words, and the power of cm in which it is shown."""
 
-USUAL = ("area", "second_moment_y", "second_moment_z", "torsion_constant")
-"""The columns of a list that nobody chose columns for, after the dimensions."""
-
 SHORT: Mapping[str, str] = MappingProxyType(
     {
         "area": "A",
@@ -53,20 +46,6 @@ SHORT: Mapping[str, str] = MappingProxyType(
 
 _KINDS = MappingProxyType({2: "area", 3: "section_modulus", 4: "second_moment_of_area"})
 _POWERS = "\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}\N{SUPERSCRIPT FOUR}"
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One `--where`: a figure or dimension, a relation and a limit in SI."""
-
-    name: str
-    relation: str
-    limit: float
-
-    def holds(self, size: StockSize) -> bool:
-        """Tell whether the size has the dimension and keeps the limit."""
-        value = value_of(size, self.name)
-        return value is not None and RELATIONS[self.relation](value, self.limit)
 
 
 def properties_of(size: StockSize) -> SectionProperties:
@@ -102,48 +81,18 @@ def heading(name: str) -> str:
     return f"{SHORT.get(name, name.replace('_', ' '))} {unit_of(name)}"
 
 
-def name_of(text: str, option: str) -> str:
-    """The figure or dimension that a user names, by its name or its short heading. Raises `InputError`."""
-    wanted = text.strip().replace(" ", "_").replace("-", "_")
+def _names() -> tuple[str, ...]:
     dimensions = (each.name for kind in SHAPES.values() for each in kind.dimensions if each.kind != "points")
-    known = list(dict.fromkeys([*FIGURES, "width", "height", *dimensions]))
-    for name in known:
-        if wanted in (name, SHORT.get(name, name)):
-            return name
-    raise InputError("", option, f"a section has no '{text.strip()}'{nearest(wanted, known)}")
+    return tuple(dict.fromkeys([*FIGURES, "width", "height", *dimensions]))
 
 
-def condition(text: str) -> Condition:
-    """`second_moment_y > 100 cm^4` as a condition. Raises `InputError`."""
-    found = CONDITION.fullmatch(text)
-    if not found:
-        raise InputError("", "--where", f"'{text}' is no condition; write e.g. 'area < 10 cm^2'")
-    name = name_of(found[1], "--where")
-    kind = _KINDS[FIGURES[name][1]] if name in FIGURES else "length"
-    return Condition(name, found[2], read_quantity(found[3].strip(), kind, file="--where", key=name))
-
-
-def chosen(sizes: Iterable[StockSize], conditions: Sequence[Condition], sort: str | None) -> tuple[StockSize, ...]:
-    """The sizes that keep every condition, in the order asked for; those without the sorted dimension last.
-
-    `sort` is `name`, `family`, a figure or a dimension, with `-` before it for the largest first. Raises `InputError`.
-    """
-    found = [size for size in sizes if all(each.holds(size) for each in conditions)]
-    if not sort:
-        return tuple(found)
-    key, descending = sort.removeprefix("-"), sort.startswith("-")
-    if key in ("name", "family"):
-        return tuple(sorted(found, key=lambda size: str(getattr(size, key)), reverse=descending))
-    name = name_of(key, "--sort")
-    values = {size.name: value for size in found if (value := value_of(size, name)) is not None}
-    having = sorted((size for size in found if size.name in values), key=lambda s: values[s.name], reverse=descending)
-    return (*having, *(size for size in found if size.name not in values))
-
-
-def chosen_columns(text: str | None) -> tuple[str, ...]:
-    """The columns of `--columns area,height`; `all` is every computed figure. Raises `InputError`."""
-    if not text:
-        return USUAL
-    if text.strip() == "all":
-        return tuple(FIGURES)
-    return tuple(name_of(part, "--columns") for part in text.split(",") if part.strip())
+QUERY = Query[StockSize, str](
+    names=_names,
+    short=SHORT,
+    usual=("area", "second_moment_y", "second_moment_z", "torsion_constant"),
+    every=tuple(FIGURES),
+    kind=lambda name: _KINDS[FIGURES[name][1]] if name in FIGURES else "length",
+    value=value_of,
+    lacks="a section has no '{}'",
+    example="area < 10 cm^2",
+)

@@ -8,29 +8,19 @@ from typing import Annotated, Any
 
 import typer
 
-from linkwright.as_json import program_version
-from linkwright.words import figure
-from linkwright.writing import check_target, write_json
-from materials.quantities import InputError
-from sections import SHAPES, Section, SectionError, Stock, StockSize
+import linkwright as lw
+from linkwright.commands.groups import command_group
+from linkwright.commands.options import JsonFile, as_options
+from linkwright.output.files import check_target, write_json
+from linkwright.results.figures_in_words import figure
+from linkwright.version import program_version
+from sections import SHAPES, Section, Stock, StockSize
+from units.quantities import InputError
 
-from . import sections_edit, sections_exchange
-from .groups import command_group
-from .options import JsonFile
-from .sections_query import (
-    FIGURES,
-    chosen,
-    chosen_columns,
-    condition,
-    heading,
-    properties_of,
-    unit_of,
-    value_of,
-    written,
-)
-from .sections_stock import StockFile, stock_with
+from . import HELP, edit
+from .query import FIGURES, QUERY, heading, properties_of, unit_of, value_of, written
+from .stock import StockFile
 
-HELP = """Shapes and standard sizes: list, show, compare; add, edit, remove, rename, undo; import, export, check."""
 LIST_HELP = """Every shape with its dimensions and every family of stock sizes; with an option, stock sizes one a line.
 
 Example: linkwright sections list --family IPE --where 'I_y > 500 cm^4' --sort=-area --columns height,area,W_y
@@ -43,6 +33,8 @@ SHOW_HELP = """One shape, or one stock size with its properties.
 
 Example: linkwright sections show "IPE 80"
 """
+
+
 def list_sections(
     family: Annotated[
         list[str] | None,
@@ -65,20 +57,16 @@ def list_sections(
     from linkwright.screen.console import console
 
     check_target(json, catalogue)
-    names = chosen_columns(columns)
-    conditions = [condition(text) for text in where or ()]
-    stock = stock_with(catalogue)
-    try:
-        of_families = stock.sizes if not family else [size for each in family for size in stock.of_family(each)]
-    except SectionError as error:
-        raise InputError("", "--family", error.message) from None
-    sizes = chosen(of_families, conditions, sort)
+    names = QUERY.columns(columns)
+    known = lw.sections.with_file(catalogue)
+    with as_options():
+        sizes = QUERY.chosen(known.of_family(*family) if family else known.values(), where, sort)
     every = not (family or where or sort or columns)
     shapes = [_shape_json(kind) for kind in SHAPES.values()] if every else []
     _write(json, {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
     if every:
         _print_shapes()
-        _print_families(stock)
+        _print_families(known.stock)
         console().print("`linkwright sections list --family NAME` lists a family's sizes")
     elif sizes:
         _print_sizes(sizes, names, dimensions=not columns)
@@ -97,10 +85,11 @@ def show_section(
         _write(json, _shape_json(SHAPES[name]))
         _print_shape(SHAPES[name])
         return
-    stock = stock_with(catalogue)
     try:
-        size = stock.find(name)
-    except SectionError as error:
+        size = lw.sections.with_file(catalogue)[name]
+    except InputError as error:
+        if error.key != "section":
+            raise
         near = difflib.get_close_matches(name, SHAPES, n=1, cutoff=0.7)
         message = f"there is no shape or stock size {name!r}; did you mean {near[0]}?" if near else error.message
         raise InputError("", "section", message) from None
@@ -119,11 +108,8 @@ def compare_sections(
     check_target(json, catalogue)
     if len(names) < 2:
         raise InputError("", "NAME", "needs two sizes or more to compare")
-    stock = stock_with(catalogue)
-    try:
-        sizes = [stock.find(name) for name in names]
-    except SectionError as error:
-        raise InputError("", "section", error.message) from None
+    known = lw.sections.with_file(catalogue)
+    sizes = [known[name] for name in names]
     _write(json, {"stock": [_stock_json(size) for size in sizes]})
     shown = table("what", *(size.name for size in sizes), numbers=tuple(range(1, len(sizes) + 1)))
     shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))
@@ -157,7 +143,7 @@ def _print_families(stock: Stock) -> None:
     console().print(shown)
 
 
-def _print_sizes(sizes: tuple[StockSize, ...], names: tuple[str, ...], *, dimensions: bool) -> None:
+def _print_sizes(sizes: list[StockSize], names: tuple[str, ...], *, dimensions: bool) -> None:
     from linkwright.screen.console import console, table
 
     leading = ("size", "dimensions in mm") if dimensions else ("size",)
@@ -243,4 +229,4 @@ def group() -> typer.Typer:
         "show": (show_section, SHOW_HELP),
         "compare": (compare_sections, COMPARE_HELP),
     }
-    return command_group(HELP, {**look, **sections_edit.commands(), **sections_exchange.commands()})
+    return command_group(HELP, {**look, **edit.commands()})

@@ -9,16 +9,13 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-from linkwright.words import figure
+from arm.chain.chain import Arm
+from linkwright.paper.corrected import search_of
+from linkwright.paper.postures import Postures, around
+from linkwright.paper.rows import Cell, Column, ExtendedTable
+from linkwright.results.figures_in_words import figure
 
-from .corrected import search_of
-from .postures import Postures, around
-from .rows import Cell, Column, ExtendedTable
-
-Array = NDArray[np.float64]
 Kind = Literal["clearance", "backlash", "stiffness", "length"]
 
 _STEP = 1e-3

@@ -9,21 +9,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from arm.chain import Arm
-from linkwright.words import figure, mm
+from arm.chain.chain import Arm
+from linkwright.paper.corrected import PaperArm, search_of, worst_error
+from linkwright.paper.printed import read_paper
+from linkwright.paper.rows import Cell, Column, ExtendedTable
+from linkwright.results.figures_in_words import figure, mm
 from materials.catalogue import load_catalogue
 from materials.material import Material
-from materials.quantities import format_quantity
-from optimize.choice import Choice, Progress, choose
-from optimize.design import arm_of
-from optimize.exchange import context_of
-from optimize.problem import Limit, NoAnswer, Problem, Relation
+from optimize.choice.combinations import Choice, Progress, choose
+from optimize.exchange.design import arm_of
+from optimize.exchange.exchange import context_of
+from optimize.limits import limit_on
+from optimize.problem import Problem
 from sections import build
 from sections.section import Section
+from units.quantities import NoAnswer, Relation, format_quantity
 
-from .corrected import PaperArm, search_of, worst_error
-from .printed import read_paper
-from .rows import Cell, Column, ExtendedTable
 from .sensitivity import seam_table, tolerance_table
 from .warmth import mass_of, material_table
 from .workplace import dual_table, heat_table, rail_table
@@ -136,9 +137,9 @@ class Extended:
         relation: Relation = "<=",
         walls: tuple[float, float] = WALLS,
     ) -> Choice:
-        limits = [Limit("mass", relation, self.mass)]
+        limits = [limit_on("mass", relation, self.mass)]
         if lengths:
-            limits.append(Limit("reach", "==", sum(self.arms.paper.parameters.lengths)))
+            limits.append(limit_on("reach", "==", sum(self.arms.paper.parameters.lengths)))
         problem = Problem(
             file="the paper's arm",
             arm=arm,

@@ -7,19 +7,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from arm.chain import Arm, EffectEntry
-from arm.model import beam_values, beams_of
-from arm.worst import WorstSearch
-from linkwright.words import figure, mm
+from arm.chain.chain import Arm, EffectEntry
+from arm.errors.model import beam_values, beams_of
+from arm.worst.search import WorstSearch
+from linkwright.paper.corrected import PaperArm, material, search_of
+from linkwright.paper.rows import Cell, Column, ExtendedTable
+from linkwright.results.figures_in_words import figure, mm
 from materials.catalogue import load_catalogue
 from materials.material import Material, OutOfRange
 from sections import build
 from sections.section import Section
+from units.temperature import REFERENCE_TEMPERATURE
 
-from .corrected import PaperArm, material, search_of
-from .rows import Cell, Column, ExtendedTable
-
-COLD, WARM = 293.15, 323.15
+COLD, WARM = REFERENCE_TEMPERATURE, REFERENCE_TEMPERATURE + 30.0
 """20 degC (ISO 1), and the 50 degC that the paper gives for the workshop, in kelvin."""
 
 

@@ -11,19 +11,17 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from linkwright.words import figure, mm
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.paper.corrected import PaperArm, worst_error
+from linkwright.paper.postures import Postures, around
+from linkwright.paper.rows import Cell, Column, ExtendedTable
+from linkwright.results.figures_in_words import figure, mm
 from materials.catalogue import load_catalogue
 from materials.material import Material
+from sections.numeric import Array
 
-from .corrected import PaperArm, worst_error
-from .postures import Postures, around
-from .rows import Cell, Column, ExtendedTable
 from .warmth import COLD, WARM, growth_of, warmed
-
-Array = NDArray[np.float64]
 
 CANDIDATES = (
     "aluminium-6061-t6",

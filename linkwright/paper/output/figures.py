@@ -12,23 +12,20 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import LoadCase
+from arm.chain.chain import LoadCase
+from arm.chain.kinematics import tip_position
+from arm.errors.model import BEAM_FIELDS
 from arm.evaluation import strength_over
-from arm.kinematics import tip_position
-from arm.model import BEAM_FIELDS
-from arm.strength import LARGEST_DEFLECTION, StrengthResult
-from arm.workspace import spread
-from arm.worst import WorstSearch
-from linkwright.words import figure, mm
+from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import spread
+from linkwright.paper.conventions import SQUARE, Conventions, squared
+from linkwright.paper.corrected import PaperArm, pose_errors, search_of, worst_error
+from linkwright.paper.printed import read_paper
+from linkwright.results.figures_in_words import figure, mm
 from materials.catalogue import load_catalogue
-
-from .conventions import SQUARE, Conventions, squared
-from .corrected import PaperArm, pose_errors, search_of, worst_error
-from .printed import read_paper
-
-Array = NDArray[np.float64]
+from sections.numeric import Array
 
 YIELD_MATERIAL = "aluminium-6061-t6"
 """Whose yield strength figure 9 takes: the paper prints none."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from linkwright.writing import made_folder, refuse_strangers
-from materials.quantities import InputError
+from linkwright.output.files import made_folder, refuse_strangers
+from units.quantities import InputError
 
 
 def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:

@@ -8,13 +8,13 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from linkwright.as_json import program_version
-from linkwright.words import figure
+from linkwright.paper.rows import Cell, ExtendedTable, Row, Table, tally
+from linkwright.paper.tables import Book
+from linkwright.paper.verdicts import Proof, Verdict
+from linkwright.results.figures_in_words import figure
+from linkwright.version import program_version
 
 from .figures import Figure
-from .rows import Cell, ExtendedTable, Row, Table, tally
-from .tables import Book
-from .verdicts import Proof, Verdict
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
@@ -141,9 +141,7 @@ def _csv(lines: Iterable[Sequence[object]]) -> str:
 
 def cells(row: Row) -> tuple[str, str, str, str]:
     """A row's four cells: printed, reproduced (≠ where it differs), as the equations read, corrected."""
-    reproduced = [
-        text if met else f"≠ {text}" for text, met in zip(row.reproduced_printed, row.agrees, strict=True)
-    ]
+    reproduced = [text if met else f"≠ {text}" for text, met in zip(row.reproduced_printed, row.agrees, strict=True)]
     if len(set(row.printed)) == 1 and row.counted == 1:
         return row.printed[0], reproduced[0], _millimetres(row.as_read[:1]), _millimetres(row.corrected[:1])
     return " / ".join(row.printed), " / ".join(reproduced), _millimetres(row.as_read), _millimetres(row.corrected)

@@ -9,7 +9,7 @@ import numpy as np
 
 from linkwright.report.page import figure_place, section, side_by_side
 from linkwright.report.page import page as report_page
-from linkwright.report.svg import element, text
+from linkwright.report.pictures.svg import element, text
 
 from .figures import Figure
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
+from linkwright.paper.rows import ExtendedTable, Table
+from linkwright.paper.tables import Book
+from linkwright.paper.verdicts import Proof, Verdict
 from linkwright.screen.console import table as empty_table
 
-from .output import cell_words, cells, heading, notes, tally_words
-from .rows import ExtendedTable, Table
-from .tables import Book
-from .verdicts import Proof, Verdict
+from .pages import cell_words, cells, heading, notes, tally_words
 
 
 def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> None:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.jacobian import motion_directions
+from arm.chain.jacobian import motion_directions
 from diagnose.result import Diagnosis
-from linkwright.diagnosis_words import covariate_words, p_words
-
-from .plot import Plot, binned, course, dots, spanned
-from .residual_map import chosen_rows, states
-from .svg import element, line, text
-
-Array = NDArray[np.float64]
+from linkwright.report.pictures.residual_map import chosen_rows, states
+from linkwright.report.pictures.svg import element, line, text
+from linkwright.report.pictures.svg_plot import Plot, binned, course, dots, spanned
+from linkwright.results.diagnosis_words import covariate_words, probability
+from sections.numeric import Array
+from units.temperature import ZERO_CELSIUS
 
 MOST_DOTS = 500
 _WIDTH, _HEIGHT = 270.0, 150.0
@@ -47,7 +45,7 @@ def covariates(diagnosis: Diagnosis) -> list[Covariate]:
     if recording.force is not None:
         found.append(Covariate("force", "force at the tip in N", np.linalg.norm(recording.force, axis=1)))
     if recording.temperature is not None:
-        found.append(Covariate("temperature_degC", "temperature in °C", recording.temperature - 273.15))
+        found.append(Covariate("temperature_degC", "temperature in °C", recording.temperature - ZERO_CELSIUS))
     if recording.time is not None:
         span = float(np.ptp(recording.time))
         factor, unit = (3600.0, "h") if span > 7200.0 else (60.0, "min") if span > 300.0 else (1.0, "s")
@@ -116,7 +114,7 @@ def _panel(
         children.append(course(plot.x(means[0]), plot.y(means[1]), when))
     tested = next((each for each in diagnosis.where.dependences if each.on == covariate.name), None)
     depends = covariate.name in diagnosis.where.depends_on
-    said = "" if tested is None else f", p {p_words(tested.p_value)}".replace("p < ", "p\u00a0<\u00a0")
+    said = "" if tested is None else f", p {probability(tested.p_value).text}".replace("p < ", "p\u00a0<\u00a0")
     verdict = f"Depends on {covariate_words(covariate.name)}" if depends else "No dependence shown"
     caption = "" if tested is None and not depends else f"{verdict}{said}"
     ticks = np.unique(x).tolist() if two else None

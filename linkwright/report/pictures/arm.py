@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain import Arm, Joint
+from arm.chain.chain import Arm, Joint
+from arm.chain.kinematics import place
 from arm.evaluation import Evaluation
-from arm.kinematics import place
-from arm.worst import WorstPose
-from linkwright.words import figure, mm, pose
+from arm.worst.search import WorstPose
+from linkwright.results.figures_in_words import figure, mm, pose
 
 from .svg import drawing, element, line, nice_below, path, scale_bar
 

@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
-from arm.effects.joint_waviness import JOINT_WAVINESS, waviness
+from arm.chain.vectors import Scalar
+from arm.effects import EFFECTS
 from diagnose.result import Diagnosis, Finding
 
-from .plot import Plot, course, spanned
 from .svg import element, text
+from .svg_plot import Plot, course, spanned
 
 _WIDTH, _HEIGHT, _POINTS = 270.0, 130.0, 400
 
 
 def joint_curves(diagnosis: Diagnosis) -> str:
     """A small plot for each joint whose angle errs by a curve; nothing where none does."""
-    curved = [each for each in diagnosis.findings if each.effect == JOINT_WAVINESS.id and len(each.at) == 1]
-    panels = [_panel(diagnosis, each) for each in curved]
+    single = [each for each in diagnosis.findings if each.effect in EFFECTS and len(each.at) == 1]
+    curves = [(each, EFFECTS[each.effect].curve) for each in single]
+    panels = [_panel(diagnosis, each, curve) for each, curve in curves if curve is not None]
     if not panels:
         return ""
     heading = element("h3", text("How joints err over their travel"))
     return heading + element("div", *panels, class_="multiples")
 
 
-def _panel(diagnosis: Diagnosis, finding: Finding) -> str:
+def _panel(diagnosis: Diagnosis, finding: Finding, curve: Callable[[Scalar, Mapping[str, float]], Scalar]) -> str:
     joint = finding.at[0]
     travelled = diagnosis.recording.q[:, joint - 1]
     angle = np.linspace(travelled.min(), travelled.max(), _POINTS)
     values = {fitted.parameter: fitted.value for fitted in finding.parameters}
-    error = 1e3 * np.asarray(waviness(angle, values), dtype=float)
+    error = 1e3 * np.asarray(curve(angle, values), dtype=float)
     across = (float(np.degrees(angle[0])), float(np.degrees(angle[-1])))
     plot = Plot(_WIDTH, _HEIGHT, across, spanned(error))
     about = f"Error of joint {joint} over its travel, within {np.abs(error).max():.2g} mrad."

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from arm.chain.kinematics import tip_position
 from arm.evaluation import ErrorMap, Evaluation
-from arm.kinematics import tip_position
-from linkwright.as_json import objective_unit
-from linkwright.words import figure, mm, pose
+from linkwright.json.design import objective_unit
+from linkwright.results.figures_in_words import figure, mm, pose
 from optimize.result import Iteration
 
 MOST_MARKS = 5

@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.kinematics import tip_position
+from arm.chain.kinematics import tip_position
 from diagnose.result import Diagnosis
-from linkwright.words import figure, mm, pose
+from linkwright.report.page import figure_place, side_by_side
+from linkwright.results.figures_in_words import figure, mm, pose
+from sections.numeric import Array
 
-from .figures import Figure
-from .page import figure_place, side_by_side
-from .plot import Plot, arrows, spanned
+from .plots import Figure
 from .svg import element, label, line, nice_below, text
-
-Array = NDArray[np.float64]
+from .svg_plot import Plot, arrows, spanned
 
 MOST_ARROWS = 250
 MOST_HOVERED = 3000

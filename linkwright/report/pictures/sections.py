@@ -7,8 +7,8 @@ from itertools import zip_longest
 
 import numpy as np
 
-from arm.chain import Arm, Link
-from linkwright.words import figure, material_words, mm, section_words
+from arm.chain.chain import Arm, Link
+from linkwright.results.figures_in_words import figure, material_words, mm, section_words
 
 from .svg import drawing, element, nice_below, path, scale_bar, text
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.words import figure
+from linkwright.results.figures_in_words import figure
+from sections.numeric import Array
 
 from .svg import drawing, element, label, line, nice_below
 
-Array = NDArray[np.float64]
 _TEXT = 12.0
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from linkwright.screen.tradeoff import shown
-from linkwright.words import figure
-from optimize.tradeoff_question import Axis
-from optimize.tradeoff_result import Front, Point, Tradeoff
+from linkwright.results.figures_in_words import figure
+from linkwright.results.tradeoff import picture_words, shown
+from optimize.tradeoff.front import Front, Point, Tradeoff
+from optimize.tradeoff.question import Axis
 
 from .svg import element, nice_below, text
 
@@ -79,20 +79,6 @@ def tradeoff_picture(result: Tradeoff) -> str:
     )
 
 
-def picture_words(result: Tradeoff) -> str:
-    """The picture in a sentence, for those who cannot see it."""
-    x, y = result.asked.x, result.asked.y
-    first, last = result.of(result.envelope)[0], result.of(result.envelope)[-1]
-    words = (
-        f"{y.title} against {x.title}: from {shown(y, first.y)} at {shown(x, first.x)} to {shown(y, last.y)} at "
-        f"{shown(x, last.x)}"
-    )
-    if result.envelope.knee is not None:
-        knee = result.points[result.envelope.knee - 1]
-        words += f", with the knee at {shown(x, knee.x, 3)} and {shown(y, knee.y, 3)}"
-    return words + "."
-
-
 def _scale(values: tuple[float, float], places: tuple[float, float], *, log: bool) -> Place:
     low, high = (math.log(each) for each in values) if log else values
 
@@ -124,9 +110,9 @@ def _frame(
         parts.append(_words(_LEFT - 8.0, at + 4.0, figure(value), size=12.0, anchor="end"))
     parts.append(_line((_LEFT, bottom), (right, bottom), MUTED, 1.2))
     parts.append(_line((_LEFT, _TOP), (_LEFT, bottom), MUTED, 1.2))
-    parts.append(_words(0.5 * (_LEFT + right), bottom + 44.0, f"{x.title} in {x.unit}", size=13.5, colour=INK))
+    parts.append(_words(0.5 * (_LEFT + right), bottom + 44.0, x.heading, size=13.5, colour=INK))
     middle = 0.5 * (_TOP + bottom)
-    words = f"{y.title} in {y.unit}"
+    words = y.heading
     parts.append(
         element(
             "text",

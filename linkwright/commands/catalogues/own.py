@@ -1,0 +1,223 @@
+"""What `linkwright materials` and `linkwright sections` do alike to a catalogue of one's own."""
+
+import os
+import shlex
+import subprocess
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from dataclasses import replace as renamed
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import typer
+
+from catalogues import store
+from catalogues.editor import Editor
+from linkwright.commands.groups import Commands
+from linkwright.output.files import write_file
+from units.quantities import InputError
+
+OwnFile = Annotated[
+    Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change; your own without it.")
+]
+Source = Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the figures are from.")]
+Replace = Annotated[bool, typer.Option("--replace", help="Take the place of those of the same name.")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
+_UsedIn = Annotated[
+    list[Path] | None,
+    typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),
+]
+
+
+T = TypeVar("T")
+W = TypeVar("W")
+
+
+@dataclass(frozen=True)
+class OwnCatalogue:
+    """One kind of catalogue, for its commands.
+
+    Attributes:
+        group: the commands' name.
+        editor: its edits.
+        own: where one's own file is.
+        entry: what it holds, in words.
+        called: what the file is called.
+        key: under which an arm or problem file names an entry.
+        count: how many entries a file has, all checked.
+        shipped: what is shipped: names and counts.
+        examples: names for the help, as the shell takes them.
+        helps: of `add`, `import` and `check`.
+        such_as: a KEY=VALUE, for messages.
+        made: an entry of a name, its values by key, as they were given, and their source.
+        read: what reads the entries of a file, by its ending.
+    """
+
+    group: str
+    editor: Editor[Any]
+    own: Callable[[], Path]
+    entry: str
+    called: str
+    key: str
+    count: Callable[[Path], int]
+    shipped: Callable[[], list[tuple[str, int]]]
+    examples: tuple[str, str]
+    helps: Mapping[str, str]
+    such_as: str
+    made: Callable[[str, dict[str, str], str], Any]
+    read: Mapping[str, Callable[[Path], Sequence[Any]]]
+
+    def path(self, catalogue: Path | None) -> Path:
+        """The file to change."""
+        return self.own() if catalogue is None else catalogue
+
+    def edit_in_editor(self, path: Path, name: str) -> None:
+        """Hand a copy of the file to the user's editor, and put it in place once that is closed and it is sound."""
+        before, text = self.editor.draft(path, name)
+        command = shlex.split(os.environ.get("VISUAL", "").strip() or os.environ.get("EDITOR", "").strip())
+        if not command:
+            raise InputError("", "$EDITOR", "is not set; set it, or give KEY and VALUE")
+        with tempfile.NamedTemporaryFile(
+            "w", prefix=f"{path.stem}-", suffix=".yaml", delete=False, encoding="utf-8", newline=""
+        ) as stream:
+            stream.write(text)
+        copy = Path(stream.name)
+        try:
+            ended = subprocess.run([*command, str(copy)], check=False).returncode
+        except OSError as error:
+            copy.unlink()
+            raise InputError("", "$EDITOR", f"cannot be run: {error.strerror or error}") from None
+        edited = copy.read_bytes().decode("utf-8", errors="replace")
+        if ended != 0 or edited == text:
+            copy.unlink()
+            if ended != 0:
+                raise InputError("", "$EDITOR", f"ended with status {ended}; nothing was changed")
+            typer.echo("nothing was changed")
+            return
+        try:
+            done = self.editor.land(path, before, edited)
+        except InputError as error:
+            raise InputError("", "", f"{error}; nothing was changed, your text is in {copy}") from None
+        copy.unlink()
+        say(done, path)
+
+    def write(self, out: Path, found: Sequence[T], ways: Mapping[str, Callable[[Sequence[T]], str]]) -> None:
+        """Write entries to a file in the way that its ending asks for."""
+        write_file(out, _by_ending(out, ways)(found))
+        typer.echo(f"wrote {len(found)} {self.editor.what}{'' if len(found) == 1 else 's'} to {out}")
+
+    def _warn(self, name: str, files: list[Path] | None) -> None:
+        for file in files or ():
+            if self.editor.uses(file, name, self.key):
+                typer.echo(f"WARNING: {file} uses {name}", err=True)
+
+    def commands(self, of_its_own: Commands) -> Commands:
+        """`add`, `remove`, `rename`, `undo`, `import` and `check`, with what each kind has of its own among them."""
+        editor, example = self.editor, f"Example: linkwright {self.group}"
+
+        def add(
+            name: Name,
+            values: Annotated[list[str], typer.Argument(metavar="KEY=VALUE...", help="What it has, by key.")],
+            source: Source = "",
+            replace: Replace = False,
+            catalogue: OwnFile = None,
+        ) -> None:
+            entry, path = self.made(name, key_values(values, self.such_as), source), self.path(catalogue)
+            say(editor.add(path, [entry], replace=replace), path)
+
+        def import_(
+            file: Annotated[Path, typer.Argument(metavar="FILE", help=f"A file: {', '.join(self.read)}.")],
+            name: Annotated[str, typer.Option("--name", help="The name to give the one entry of the file.")] = "",
+            replace: Replace = False,
+            catalogue: OwnFile = None,
+        ) -> None:
+            entries, path = _by_ending(file, self.read)(file), self.path(catalogue)
+            if name:
+                if len(entries) != 1:
+                    raise InputError(file, "", f"has {len(entries)} {editor.what}s; --name is for one")
+                entries = [renamed(entries[0], name=name)]
+            done = editor.add(path, entries, replace=replace)
+            say(done if len(entries) <= 5 else f"added {len(entries)} {editor.what}s", path)
+
+        def remove(name: Name, used_in: _UsedIn = None, catalogue: OwnFile = None) -> None:
+            path = self.path(catalogue)
+            self._warn(name, used_in)
+            done = editor.remove(path, name)
+            say(done + ("; the shipped one shows again" if editor.shipped(name) is not None else ""), path)
+
+        def rename(
+            name: Name,
+            new_name: Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")],
+            used_in: _UsedIn = None,
+            catalogue: OwnFile = None,
+        ) -> None:
+            path = self.path(catalogue)
+            self._warn(name, used_in)
+            say(editor.rename(path, name, new_name), path)
+
+        def undo(catalogue: OwnFile = None) -> None:
+            path = self.path(catalogue)
+            say(f"undone: {store.undo(path)}", path)
+
+        def check(
+            files: Annotated[list[Path] | None, typer.Argument(metavar="[FILE...]", help="The files.")] = None,
+            catalogue: Annotated[
+                Path | None, typer.Option("--catalogue", metavar="FILE", help="One more file to check.")
+            ] = None,
+        ) -> None:
+            given = [*(files or ()), *([catalogue] if catalogue is not None else [])]
+            found = [(str(path), self.count(path)) for path in given]
+            if not given:
+                own = self.own()
+                found = [*self.shipped(), *([(str(own), self.count(own))] if own.exists() else [])]
+            for file, count in found:
+                typer.echo(f"{file}: {count} {editor.what}{'' if count == 1 else 's'}, all sound")
+
+        one, other = self.examples
+        alike: Commands = {
+            "add": (add, f"{self.helps['add']}\n"),
+            "import": (import_, f"{self.helps['import']}\n"),
+            "remove": (
+                remove,
+                f"Take a {self.entry} out of your {self.called}.\n\n{example} remove {one} --used-in arm.yaml\n",
+            ),
+            "rename": (
+                rename,
+                f"Give a {self.entry} of your {self.called} another name.\n\n"
+                f"{example} rename {one} {other} --used-in arm.yaml\n",
+            ),
+            "undo": (
+                undo,
+                f"Take the last edit of your {self.called} back; again for the one before.\n\n{example} undo\n",
+            ),
+            "check": (check, f"{self.helps['check']}\n\n{example} check {self.group}.yaml\n"),
+        }
+        order = ("add", "edit", "remove", "rename", "undo", "check", "import", "export")
+        return {name: {**alike, **of_its_own}[name] for name in order}
+
+
+def say(text: str, path: Path) -> None:
+    """Tell what was done, and where."""
+    typer.echo(f"{text} ({path})")
+
+
+def key_values(texts: list[str], such_as: str) -> dict[str, str]:
+    """`KEY=VALUE` words by key. Raises `InputError`."""
+    found: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not key or not value:
+            raise InputError("", text, f"is not KEY=VALUE, such as {such_as}")
+        if key in found:
+            raise InputError("", key, "is given twice")
+        found[key] = value
+    return found
+
+
+def _by_ending(path: Path, ways: Mapping[str, W]) -> W:
+    ending = path.suffix.lower().replace(".yml", ".yaml")
+    for known, way in ways.items():
+        if ending == known.lower():
+            return way
+    raise InputError(path, "", f"is of no known kind; known: {', '.join(ways)}")

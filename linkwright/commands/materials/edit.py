@@ -1,0 +1,125 @@
+"""`linkwright materials` on a catalogue of one's own: `add`, `edit`, `import`, `export` and the like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import linkwright as lw
+from catalogues.freecad_cards import read_card, write_card
+from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
+from catalogues.materials_csv import read_table, write_table
+from catalogues.materials_editor import MATERIALS
+from linkwright.commands.catalogues.own import Name, OwnCatalogue, OwnFile, Source, say
+from linkwright.commands.groups import Commands
+from linkwright.commands.options import CatalogueFile
+from linkwright.output.files import check_target
+from materials.catalogue import load_layer, shipped_layers, user_catalogue_path
+from materials.material import Material
+from units.quantities import InputError
+from units.reading import parse_yaml
+
+ADD_HELP = """Add a material to your catalogue.
+
+Example: linkwright materials add my-alloy elastic_modulus='80 GPa' density='3000 kg/m^3' --source 'Data sheet 12'
+"""
+EDIT_HELP = """Change one key of a material, or the catalogue file in $EDITOR; a shipped material is copied to yours.
+
+Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
+"""
+IMPORT_HELP = """Put materials from a file into your catalogue: .yaml, .FCMat (FreeCAD) or .csv; all of it or nothing.
+
+Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
+"""
+EXPORT_HELP = """Write materials to a file: .yaml with everything, .FCMat (FreeCAD) or .csv with the values at 20 degC.
+
+Example: linkwright materials export steel-s355 aluminium-6061-t6 --out metals.csv
+"""
+CHECK_HELP = "Check catalogue files: units, ranges, sources, E, G and nu; without a file the shipped ones and yours."
+
+
+def _value(text: str, key: str) -> Any:
+    """A value as YAML reads it: `71 GPa`, `0.3`, `[1 EUR/kg, 2 EUR/kg]`, `{value: 71 GPa, source: x}`."""
+    if text.lstrip().startswith(("[", "{")):
+        return parse_yaml(text, file=f"the value of {key}")
+    found = (
+        parse_yaml(f"[{text}]", file="") if not set(text) & set(",[]{}#&*!|>%@`'\"\n") and ": " not in text else None
+    )
+    return found[0] if isinstance(found, list) and len(found) == 1 and found[0] is not None else text
+
+
+def _made(name: str, given: dict[str, str], source: str) -> Entry:
+    content = {key: _value(value, key) for key, value in given.items()}
+    return Entry(name, {**content, "source": "own"}, {"own": source}) if source else Entry(name, content)
+
+
+OWN = OwnCatalogue(
+    group="materials",
+    editor=MATERIALS,
+    own=lambda: user_catalogue_path(),
+    entry="material",
+    called="catalogue",
+    key="material",
+    count=lambda path: len(load_layer(path).materials),
+    shipped=lambda: [(layer.file, len(layer.materials)) for layer in shipped_layers()],
+    examples=("my-alloy", "alloy-80"),
+    helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
+    such_as="density='3000 kg/m^3'",
+    made=_made,
+    read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table},
+)
+
+
+def edit_material(
+    name: Name,
+    key: Annotated[str | None, typer.Argument(metavar="KEY", help="Such as density, cost.spread or title.")] = None,
+    value: Annotated[str | None, typer.Argument(metavar="VALUE", help="Its new value.")] = None,
+    source: Source = "",
+    unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
+    catalogue: OwnFile = None,
+) -> None:
+    """Run `materials edit`."""
+    path = OWN.path(catalogue)
+    if key is None:
+        OWN.edit_in_editor(path, name)
+    elif unset:
+        if value is not None:
+            raise InputError("", "--unset", "takes no value")
+        say(MATERIALS.remove_key(path, name, key), path)
+    elif value is None:
+        raise InputError("", "VALUE", f"is missing: give {key} a value, or --unset")
+    else:
+        say(MATERIALS.set_key(path, name, key, _value(value, key), source=source), path)
+
+
+def export_materials(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat or .csv file.")] = Path(
+        "materials.yaml"
+    ),
+    old: Annotated[bool, typer.Option("--freecad-0.21", help="The card format up to FreeCAD 0.21.")] = False,
+    catalogue: CatalogueFile = None,
+) -> None:
+    """Run `materials export`."""
+    check_target(out, catalogue)
+    known = lw.materials.with_file(catalogue).catalogue
+
+    def card(found: Sequence[Material]) -> str:
+        if len(found) != 1:
+            raise InputError(out, "", f"a card holds one material, not {len(found)}; name one")
+        return write_card(found[0], "ini" if old else "yaml")
+
+    ways: Mapping[str, Callable[[Sequence[Material]], str]] = {
+        ".yaml": lambda found: entries_text(find_entry(known, material.name) for material in found),
+        ".FCMat": card,
+        ".csv": write_table,
+    }
+    OWN.write(out, [known.find(name) for name in names] if names else list(known), ways)
+
+
+def commands() -> Commands:
+    """These commands by name."""
+    return OWN.commands({"edit": (edit_material, EDIT_HELP), "export": (export_materials, EXPORT_HELP)})

@@ -1,0 +1,1 @@
+"""`linkwright tables` and `linkwright figures`: the paper's, beside the truth."""

@@ -1,0 +1,1 @@
+"""What `import linkwright` offers programs: arms, questions and results, loaded when they are first used."""

@@ -1,0 +1,275 @@
+"""Arms for programs: read from a file, built from parts, and changed key by key; checked as a file is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, cast
+
+from arm.chain.chain import Arm as Model
+from arm.files.read import arm_from
+from arm.files.write import arm_to_yaml, write_arm
+from linkwright.results.figures_in_words import mm, section_words
+from materials.catalogue import Catalogue, load_catalogue
+from materials.material import property_kinds
+from units.quantities import InputError, SIFloat, SIInt, format_quantity
+from units.reading import Mapping as Reader
+from units.reading import load_yaml, parse_yaml
+
+from .given import File, edited, plain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, init=False)
+class Joint:
+    """A joint of an arm to be built, by the keys of an arm file's `joint`; text with a unit or numbers in SI.
+
+    `type` is revolute (default) or prismatic; `range` two angles (rad) or lengths (m); `clearance` m; `backlash` rad or
+    m; `stiffness` N*m/rad or N/m; `mass` kg; any further key of the file as well. Checked when the arm is built.
+
+    >>> import linkwright as lw
+    >>> lw.Joint(range=["-90 deg", "90 deg"], backlash="3 arcmin")
+    Joint(range=['-90 deg', '90 deg'], backlash='3 arcmin')
+    """
+
+    keys: Mapping[str, Any]
+
+    def __init__(self, **keys: object) -> None:
+        object.__setattr__(self, "keys", plain(keys))
+
+    def in_file(self) -> Mapping[str, Any]:
+        """The keys of the arm file."""
+        return self.keys
+
+    def __repr__(self) -> str:
+        """As it is written."""
+        return f"Joint({_written(self.keys)})"
+
+
+@dataclass(frozen=True, init=False)
+class Link:
+    """A link of an arm to be built, by the keys of an arm file's `link`; text with a unit or numbers in SI.
+
+    `length` m; `section` a stock size (`"IPE 80"`), a mapping, or one of `lw.shapes`; `material` a catalogue's name,
+    its properties in place, or one of `lw.materials`; `rigid`, `mass` kg and `center_of_mass` m for a link of unknown
+    section. Checked when the arm is built.
+
+    >>> import linkwright as lw
+    >>> lw.Link(length="400 mm", section="IPE 80", material="steel-s355")
+    Link(length='400 mm', section='IPE 80', material='steel-s355')
+    """
+
+    keys: Mapping[str, Any]
+
+    def __init__(self, **keys: object) -> None:
+        object.__setattr__(self, "keys", plain(keys))
+
+    def in_file(self) -> Mapping[str, Any]:
+        """The keys of the arm file."""
+        return self.keys
+
+    def __repr__(self) -> str:
+        """As it is written."""
+        return f"Link({_written(self.keys)})"
+
+
+def _written(keys: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in keys.items())
+
+
+def _with_units(material: dict[str, Any]) -> dict[str, Any]:
+    """A material in place is written back as it was given, so its numbers get their units at once."""
+    found: dict[str, Any] = {}
+    kinds = {str(name): kind for name, kind in property_kinds().items() if kind != "dimensionless"}
+    for name, value in material.items():
+        if isinstance(value, SIFloat | SIInt):
+            found[name] = format_quantity(float(value), kinds[name]) if name in kinds else float(value)
+        else:
+            found[name] = value
+    return found
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Arm:
+    """A serial arm: built from joints and links, or read by `lw.read_arm`; frozen.
+
+    `chain` is a list of pairs `(lw.Joint(...), lw.Link(...))`, or of mappings as in an arm file; further keywords are
+    the other keys of the file (`name`, `payload`, `gravity`, `temperature`, `effects`, ...). Lengths and all other
+    quantities are text with a unit or numbers in SI. `catalogue` is a file of materials laid over the shipped ones.
+    Everything is checked as a file is: raises `InputError`, one line with the key and what would do.
+
+    >>> import linkwright as lw
+    >>> arm = lw.Arm(
+    ...     chain=[
+    ...         (lw.Joint(range=["-90 deg", "90 deg"]), lw.Link(length=0.4, section="IPE 80", material="steel-s355")),
+    ...         (lw.Joint(backlash="3 arcmin"), lw.Link(length="300 mm", section="IPE 80", material="steel-s355")),
+    ...     ],
+    ...     payload={"mass": "2 kg"},
+    ...     name="crane",
+    ... )
+    >>> arm
+    <Arm: crane, 2 joints, reach 700 mm>
+    >>> arm.replace("chain[1].link.lenght", "430 mm")
+    Traceback (most recent call last):
+    ...
+    units.quantities.InputError: Arm: chain[1].link: unknown key 'lenght'; did you mean 'length'?
+    """
+
+    model: Model
+    """What the rest of the project computes with, SI."""
+    catalogue: File | None = field(compare=False)
+    learned: tuple[tuple[float, float], ...] | None = field(compare=False)
+    """The joint coordinates (rad, m; least and greatest) of the recording that a corrected arm was learned from."""
+    content: Mapping[str, Any] = field(compare=False)
+    """The keys of the arm file."""
+
+    def __init__(self, chain: Iterable[object] = (), *, catalogue: File | None = None, **keys: object) -> None:
+        content: dict[str, Any] = plain({**keys, "chain": [_entry(each) for each in chain]})
+        self._fill(_read(content, catalogue), content, catalogue, None)
+
+    def _fill(
+        self,
+        model: Model,
+        content: Mapping[str, Any],
+        catalogue: File | None,
+        learned: tuple[tuple[float, float], ...] | None,
+    ) -> None:
+        for name, value in (
+            ("model", model),
+            ("content", MappingProxyType(dict(content))),
+            ("catalogue", catalogue),
+            ("learned", learned),
+        ):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        content: Mapping[str, Any] | None = None,
+        catalogue: File | None = None,
+        learned: tuple[tuple[float, float], ...] | None = None,
+    ) -> Arm:
+        """An arm of what the project computes with; `content` is the arm file that it was read from, if any."""
+        if content is None:
+            content = cast(dict[str, Any], parse_yaml(arm_to_yaml(model), file="Arm"))
+        made = cls.__new__(cls)
+        made._fill(model, content, catalogue, learned)
+        return made
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.model.name
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The chain, a row for each joint and its link."""
+        import pandas as pd
+
+        rows = [
+            {
+                "joint": number,
+                "type": joint.type,
+                "length_mm": 1e3 * link.length,
+                "section": section_words(link),
+                "material": "" if link.material is None else link.material.name,
+            }
+            for number, (joint, link) in enumerate(zip(self.model.joints, self.model.links, strict=True), start=1)
+        ]
+        return pd.DataFrame(rows)
+
+    def replace(self, key: str, value: object) -> Arm:
+        """A new arm with one key of its file changed, such as `chain[1].link.length`; lists count from 1.
+
+        `value` is as in the file, or numbers in SI; None takes the key out. Raises `InputError` for a key that nobody
+        knows, with the nearest known one.
+        """
+        content = edited(self.content, key, value, "Arm")
+        model = _read(content, self.catalogue)
+        return Arm.of(model, content, self.catalogue)
+
+    def to_yaml(self) -> str:
+        """The arm as the text of an arm file."""
+        return arm_to_yaml(self.model)
+
+    def save(self, path: File) -> None:
+        """Write the arm file, whole or not at all."""
+        write_arm(self.model, Path(path))
+
+    def __repr__(self) -> str:
+        """One line."""
+        size = self.model.size
+        joints = f"{size} joint{'s' if size > 1 else ''}"
+        return f"<Arm: {' '.join(self.name.split())}, {joints}, reach {mm(sum(self.model.lengths))}>"
+
+    def _repr_html_(self) -> str:
+        """The line and the chain, for a notebook."""
+        import html
+
+        return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.to_html(index=False, border=0)}"
+
+
+def _read(content: dict[str, Any], catalogue: File | None) -> Model:
+    """The arm that content describes, its materials in place given their units in it."""
+    chain: object = content.get("chain")
+    for each in cast(list[object], chain) if isinstance(chain, list) else []:
+        link = cast(dict[str, Any], each).get("link") if isinstance(each, dict) else None
+        if isinstance(link, dict):
+            held = cast(dict[str, Any], link)
+            if isinstance(held.get("material"), dict):
+                held["material"] = _with_units(held["material"])
+    return arm_from(Reader(content, file="Arm"), catalogue_of(catalogue))
+
+
+def _entry(given: object) -> object:
+    """An entry of the chain: a mapping, or a pair of joint and link."""
+    if isinstance(given, Mapping):
+        return cast(Mapping[str, Any], given)
+    if isinstance(given, tuple | list):
+        parts = cast("tuple[object, ...] | list[object]", given)
+        if len(parts) == 2 and isinstance(parts[0], Joint) and isinstance(parts[1], Link):
+            return {"joint": parts[0], "link": parts[1]}
+    if isinstance(given, Joint):
+        return {"joint": given}
+    raise InputError("Arm", "chain", "needs pairs such as (lw.Joint(...), lw.Link(...)), or mappings {joint, link}")
+
+
+def catalogue_of(path: File | None) -> Catalogue:
+    """The materials, with a file of one's own over them. Raises `InputError`."""
+    return load_catalogue([] if path is None else [Path(path)])
+
+
+def read_arm(path: File, *, catalogue: File | None = None) -> Arm:
+    """The arm that an arm file describes; `catalogue` is a file of materials laid over the shipped ones.
+
+    Raises `InputError`, one line with the file, the key and what would do, for anything wrong.
+
+    >>> import linkwright as lw
+    >>> arm = lw.read_arm("examples/welding-arm/arm.yaml")
+    >>> arm
+    <Arm: cathode-bus welding arm, 3 joints, reach 1240 mm>
+    >>> arm.replace("chain[1].link.length", "430 mm")
+    <Arm: cathode-bus welding arm, 3 joints, reach 1270 mm>
+    """
+    mapping = load_yaml(path)
+    model = arm_from(mapping, catalogue_of(catalogue))
+    return Arm.of(model, mapping.content, catalogue, _learned(Path(path), model))
+
+
+def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None:
+    """What an arm file in the folder of a diagnosis was learned from."""
+    if not path.with_name("diagnosis.json").exists():
+        return None
+    from linkwright.output.diagnosis_folder import learned_from
+
+    return learned_from(path, model)
+
+
+def arm_of(given: Arm | File) -> Arm:
+    """An arm as given, or read from the file that is named."""
+    return given if isinstance(given, Arm) else read_arm(given)

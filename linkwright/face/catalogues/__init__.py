@@ -1,0 +1,1 @@
+"""What there is to choose from, each by its name."""

@@ -1,0 +1,64 @@
+"""Gears and actuators by name."""
+
+from __future__ import annotations
+
+from collections.abc import ValuesView
+from typing import TYPE_CHECKING
+
+from arm.actuators import Actuator, load_actuators
+from arm.actuators import Actuators as Models
+
+from .kept import Catalogue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Actuators(Catalogue[Actuator]):
+    """The gears that joints can name: the shipped ones with the user's own over them; figures in SI.
+
+    >>> import linkwright as lw
+    >>> lw.actuators["RV-20E"].rated_torque
+    167.0
+    >>> lw.actuators["RV-2E"]
+    Traceback (most recent call last):
+    ...
+    units.quantities.InputError: actuator: there is no actuator 'RV-2E'; did you mean 'RV-20E'?
+    """
+
+    def __getitem__(self, name: str) -> Actuator:
+        """The actuator of a name; raises `InputError` with the nearest known one."""
+        return self._all.find(name)
+
+    @property
+    def _all(self) -> Models:
+        return load_actuators(self._files)
+
+    def _names(self) -> list[str]:
+        return list(self._all.by_name)
+
+    def values(self) -> ValuesView[Actuator]:
+        """All of them, maker by maker."""
+        return self._all.by_name.values()
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All actuators: maker, gear, torques (N*m), stiffness (N*m/rad), backlash (rad), mass (kg), cost (EUR)."""
+        import pandas as pd
+
+        columns = {
+            "name": "name",
+            "maker": "maker",
+            "gear": "gear",
+            "rated_torque": "rated_torque_Nm",
+            "peak_torque": "peak_torque_Nm",
+            "stiffness": "stiffness_Nm_per_rad",
+            "backlash": "backlash_rad",
+            "mass": "mass_kg",
+            "cost": "cost_EUR",
+        }
+        rows = [[getattr(each, name) for name in columns] for each in self.values()]
+        return pd.DataFrame(rows, columns=list(columns.values()))
+
+
+actuators = Actuators()

@@ -1,0 +1,42 @@
+"""The physics that moves the tip, by id."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from arm.effects import EFFECTS, Effect
+
+from .kept import Open
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Effects(Open[Effect]):
+    """The physics that moves the tip, by id; open: what is registered is simulated, evaluated and diagnosed.
+
+    >>> import linkwright as lw
+    >>> lw.effects["backlash"].place
+    'joint'
+    >>> lw.effects["backlsh"]
+    Traceback (most recent call last):
+    ...
+    units.quantities.InputError: effect: there is no effect 'backlsh'; did you mean 'backlash'?
+    """
+
+    def check(self, effect: Effect) -> None:
+        """Hold an effect against the contract that every effect keeps. Raises `InputError`, one line a breach."""
+        from arm.effects.contract import check
+
+        check(effect)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All effects: id, title, where they act, and what a recording must hold to show them."""
+        import pandas as pd
+
+        rows = [(each.id, each.title, each.place, each.needs) for each in self.values()]
+        return pd.DataFrame(rows, columns=["id", "title", "place", "needs"])
+
+
+effects = Effects("effect", EFFECTS)

@@ -1,0 +1,36 @@
+"""The figures of a design that can be limited, by name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from optimize.limits import FIGURES, Figure
+
+from .kept import Open
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Limits(Open[Figure]):
+    """The figures that a problem can limit, by name; open: what is registered is read, held, priced and told.
+
+    >>> import linkwright as lw
+    >>> lw.limits["first_frequency"].senses
+    ('>=',)
+    >>> lw.limits["masss"]
+    Traceback (most recent call last):
+    ...
+    units.quantities.InputError: limit: there is no limit 'masss'; did you mean 'mass'?
+    """
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All of them: name, title, unit, the relations that a limit may have, and whether one is assumed unasked."""
+        import pandas as pd
+
+        rows = [(each.name, each.title, each.unit, each.senses, each.assumed is not None) for each in self.values()]
+        return pd.DataFrame(rows, columns=["name", "title", "unit", "senses", "assumed"])
+
+
+limits = Limits("limit", FIGURES)

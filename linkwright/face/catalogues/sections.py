@@ -1,0 +1,75 @@
+"""Stock sizes by name."""
+
+from __future__ import annotations
+
+from collections.abc import ValuesView
+from typing import TYPE_CHECKING
+
+from sections import SectionError, Stock, StockSize, load_stock
+from units.quantities import InputError
+
+from .kept import Catalogue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Sections(Catalogue[StockSize]):
+    """The stock sizes by name, whatever its case and spaces: the shipped ones with the user's own over them.
+
+    Each holds its `section`, `family`, `dimensions` (m), `source` and what its maker or standard `printed`.
+
+    >>> import linkwright as lw
+    >>> round(1e6 * lw.sections["ipe80"].section.properties(poisson_ratio=0.3).area, 1)
+    764.3
+    >>> lw.sections["IPE 81"]
+    Traceback (most recent call last):
+    ...
+    units.quantities.InputError: section: there is no stock size 'IPE 81'; did you mean IPE 80?
+    """
+
+    @property
+    def stock(self) -> Stock:
+        """All of them, by families. Raises `InputError`."""
+        try:
+            return load_stock(self._files)
+        except SectionError as error:
+            raise InputError("", "", error.message) from None
+
+    def __getitem__(self, name: str) -> StockSize:
+        """The size of a name; raises `InputError` with the nearest known one."""
+        try:
+            return self.stock.find(name)
+        except SectionError as error:
+            raise InputError("", "section", error.message) from None
+
+    def _names(self) -> list[str]:
+        return [size.name for size in self.stock]
+
+    def values(self) -> ValuesView[StockSize]:
+        """All of them, in the order of their tables."""
+        return {size.name: size for size in self.stock}.values()
+
+    def of_family(self, *families: str) -> tuple[StockSize, ...]:
+        """The sizes of some families; raises `InputError` for one that there is not, with those that there are."""
+        try:
+            return tuple(size for each in families for size in self.stock.of_family(each))
+        except SectionError as error:
+            raise InputError("", "family", error.message) from None
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All sizes: name, family, shape, area (cm^2), second moments (cm^4), torsion constant (cm^4)."""
+        import pandas as pd
+
+        names = {"area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4}
+        rows: list[tuple[object, ...]] = []
+        for size in self.values():
+            found = size.section.properties(0.3)
+            figures = [float(getattr(found, name)) * 100.0**power for name, power in names.items()]
+            rows.append((size.name, size.family, size.shape, *figures))
+        headings = [f"{name}_cm{power}" for name, power in names.items()]
+        return pd.DataFrame(rows, columns=["name", "family", "shape", *headings])
+
+
+sections = Sections()

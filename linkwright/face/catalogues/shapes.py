@@ -1,0 +1,58 @@
+"""Shapes of sections, called with their dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from arm.files.read import read_section
+from linkwright.face.given import plain
+from sections import SHAPES
+from sections.section import Section
+from units.reading import Mapping as Reader
+from units.reading import nearest
+
+
+class Shapes:
+    """The shapes of sections: each is called with its dimensions (text, or m) and gives a section.
+
+    A section has `properties(poisson_ratio)` in SI, and may stand in a link. Raises `InputError` for dimensions that
+    are missing, unknown or cannot be.
+
+    >>> import linkwright as lw
+    >>> box = lw.shapes.RectangularTube(width="80 mm", height=0.12, thickness="3 mm")
+    >>> round(1e6 * box.properties(poisson_ratio=0.3).area, 3)
+    1164.0
+    >>> lw.shapes.Circel
+    Traceback (most recent call last):
+    ...
+    AttributeError: there is no shape 'Circel'; did you mean 'Circle'?
+    """
+
+    def __getattr__(self, name: str) -> Callable[..., Section]:
+        """What makes a section of that shape."""
+        names = {_class_name(each): each for each in SHAPES}
+        if name not in names:
+            raise AttributeError(f"there is no shape '{name}'{nearest(name, list(names))}")
+        shape = names[name]
+
+        def made(**dimensions: object) -> Section:
+            return read_section(Reader({"shape": shape, **plain(dimensions)}, file=name))
+
+        made.__name__ = made.__qualname__ = name
+        made.__doc__ = f"A section `{shape}` by its dimensions: {', '.join(d.name for d in SHAPES[shape].dimensions)}."
+        return made
+
+    def __dir__(self) -> list[str]:
+        """The names of all shapes."""
+        return sorted(_class_name(each) for each in SHAPES)
+
+    def __repr__(self) -> str:
+        """One line."""
+        return f"<Shapes: {', '.join(dir(self))}>"
+
+
+def _class_name(shape: str) -> str:
+    return "".join(part.capitalize() for part in shape.split("_"))
+
+
+shapes = Shapes()

@@ -1,0 +1,233 @@
+"""Designing for programs: the best design of a problem, and the designs with and without what a diagnosis found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from linkwright.json.design import objective_unit, optimization_json
+from linkwright.output.files import DESIGN, REPORT
+from linkwright.redesigning import Redesign as FoundRedesign
+from linkwright.report.pages.optimization import optimization_page
+from linkwright.report.pictures.plots import exchange_figure
+from linkwright.results.figures_in_words import section_words
+from linkwright.results.redesign import redesign_json, redesign_sentences
+from optimize.result import Iteration, OptimizationResult
+from optimize.rounding.options import read_rounding
+from optimize.rounding.rounding import optimise_rounded
+from optimize.run import optimise
+from units.quantities import InputError, format_quantity
+
+from .arm import Arm
+from .evaluation import Evaluation
+from .given import File, Quantity
+from .problem import Problem, problem_of
+from .progress import Progress, interrupts, told
+from .result import Result, figure_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+
+@dataclass(frozen=True, repr=False)
+class Optimization(Result):
+    """The best design of a problem, with the arm as given for comparison; `found` holds everything in SI.
+
+    `interrupted`: Ctrl-C ended the search, and this is the best design that it had.
+    """
+
+    _command = "optimize"
+
+    problem: Problem
+    found: OptimizationResult
+
+    @property
+    def arm(self) -> Arm:
+        """The new design; the rounded one where sizes were rounded."""
+        return Arm.of(self.found.built, catalogue=self.problem.arm.catalogue)
+
+    @property
+    def before(self) -> Evaluation:
+        """The arm as given."""
+        return Evaluation(self.problem.arm, self.found.before)
+
+    @property
+    def after(self) -> Evaluation:
+        """The new design, before any rounding."""
+        return Evaluation(Arm.of(self.found.arm, catalogue=self.problem.arm.catalogue), self.found.after)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search."""
+        return self.found.interrupted
+
+    @property
+    def log(self) -> pd.DataFrame:
+        """A row for each round of the exchange: objective (mm, kg or EUR), design change and violation (relative)."""
+        import pandas as pd
+
+        factor, unit = objective_unit(self.found.minimize)
+        rows = [
+            {
+                "number": each.number,
+                f"objective_{unit}": factor * each.objective,
+                "design_change": each.design_change,
+                "poses": each.poses,
+                "worst_violation": each.worst_violation,
+                "certified": each.certified,
+            }
+            for each in self.found.iterations
+        ]
+        return pd.DataFrame(rows)
+
+    @property
+    def links(self) -> pd.DataFrame:
+        """The links of the new design: length (mm), section, material, mass (kg)."""
+        import pandas as pd
+
+        links = zip(self.found.arm.links, self.found.after.link_masses, strict=True)
+        rows = [
+            {
+                "link": number,
+                "length_mm": 1e3 * link.length,
+                "section": section_words(link),
+                "material": link.material.name if link.material else "",
+                "mass_kg": mass,
+            }
+            for number, (link, mass) in enumerate(links, start=1)
+        ]
+        return pd.DataFrame(rows)
+
+    @property
+    def binding(self) -> pd.DataFrame:
+        """Each limit that holds, with what one unit more of it would change of the objective."""
+        import pandas as pd
+
+        columns = ("limit", "value", "unit", "price", "price_unit")
+        rows = [(each.text, each.value, each.unit, each.price, each.price_unit) for each in self.found.binding]
+        return pd.DataFrame(rows, columns=list(columns))
+
+    def plot(self) -> go.Figure:
+        """The objective round by round: where what the program believes and what is found meet, the exchange ends."""
+        return figure_of(exchange_figure(self.found.iterations, self.found.minimize))
+
+    def _content(self) -> Mapping[str, Any]:
+        return optimization_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Links": self.links, "What binds": self.binding}
+
+    def _files(self) -> Mapping[str, str]:
+        return {REPORT: optimization_page(self.found), DESIGN: self.arm.to_yaml()}
+
+
+def optimize(
+    problem: Problem | File,
+    *,
+    round_to: str | None = None,
+    round_length: Quantity | None = None,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+) -> Optimization:
+    """The best design within a problem's limits.
+
+    `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
+    (text, or m; 1 mm by default). `progress(text, share)` hears of combinations tried, by default a bar where somebody
+    looks; `log` of every round. Ctrl-C ends it with the best design so far, marked `interrupted`. Raises `InputError`,
+    `MissingProperty`, and `NoAnswer` with the limit that stands in the way.
+
+    >>> import linkwright as lw
+    >>> problem = lw.Problem(
+    ...     arm="examples/welding-arm/arm.yaml",
+    ...     workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
+    ...     subject_to={"mass": "<= 30 kg", "section_size": ["20 mm", "150 mm"]},
+    ...     choose={"section": ["circle"], "same": ["size"]},
+    ... )
+    >>> best = lw.optimize(problem)
+    >>> best.found.after.max_error < best.found.before.max_error, best.interrupted
+    (True, False)
+    >>> list(best.links.columns)
+    ['link', 'length_mm', 'section', 'material', 'mass_kg']
+    """
+    asked = problem_of(problem)
+    if round_to is None and round_length is not None:
+        raise InputError("", "round_length", "goes with round_to; write 'stock' there, or '0.5 mm'")
+    length = round_length if round_length is None or isinstance(round_length, str) else _metres(round_length)
+    rounding = None if round_to is None else read_rounding(round_to, length)
+    with told(progress) as tell, interrupts() as check:
+
+        def tries(done: int, total: int, text: str) -> None:
+            check()
+            tell(f"{text}, {done} of {total}", done / max(total, 1))
+
+        def heard(iteration: Iteration) -> None:
+            check()
+            if log is not None:
+                log(iteration)
+
+        if rounding is not None:
+            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries)
+        else:
+            found = optimise(asked.model, log=heard, progress=tries)
+    return Optimization(asked, found)
+
+
+def _metres(length: float) -> str:
+    return format_quantity(float(length), "length")
+
+
+@dataclass(frozen=True, repr=False)
+class Redesign(Result):
+    """A problem solved with an arm as given and as a diagnosis corrected it; `found` holds everything in SI."""
+
+    _command = "redesign"
+
+    problem: Problem
+    found: FoundRedesign
+
+    @property
+    def old(self) -> Optimization:
+        """The best design with the arm as given."""
+        return Optimization(self.problem, self.found.old)
+
+    @property
+    def new(self) -> Optimization:
+        """The best design with the corrected physics."""
+        return Optimization(self.problem, self.found.new)
+
+    @property
+    def arm(self) -> Arm:
+        """The new design with the corrected physics."""
+        return self.new.arm
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What it means, in plain sentences."""
+        return tuple(redesign_sentences(self.found))
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """What the old optimum was promised and really has, and what the new one has, mm."""
+        import pandas as pd
+
+        found = self.found
+        errors = [1e3 * value for value in (found.promised, found.had, found.has)]
+        return pd.DataFrame({"design": ["old, promised", "old, really", "new"], "max_error_mm": errors})
+
+    def plot(self) -> go.Figure:
+        """The three errors as bars."""
+        table = self.table
+        layout = {"yaxis": {"title": {"text": "worst error in mm"}}}
+        bars = {"type": "bar", "x": list(table["design"]), "y": list(table["max_error_mm"])}
+        return figure_of({"data": [bars], "layout": layout})
+
+    def _content(self) -> Mapping[str, Any]:
+        return redesign_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Worst error": self.table}
+
+    def _files(self) -> Mapping[str, str]:
+        return {DESIGN: self.arm.to_yaml()}

@@ -1,0 +1,283 @@
+"""Diagnosis for programs: what a recording says that a model leaves out, and what changed between two recordings."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from arm.effects import EFFECTS
+from diagnose.compare.compare import Comparison as FoundComparison
+from diagnose.compare.compare import compare as compared
+from diagnose.diagnosis import diagnose as diagnosed
+from diagnose.options import Options
+from diagnose.result import Diagnosis as Found
+from diagnose.result import FittedParameter
+from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
+from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
+from linkwright.redesigning import redesign as redesigned
+from linkwright.report.pages.diagnosis import diagnosis_page
+from linkwright.report.pictures.residual_map import hover_maps
+from linkwright.results.comparison import comparison_json, comparison_sentence
+from linkwright.results.diagnosis_words import effect_words
+from linkwright.results.redesign import redesign_json
+from units.quantities import InputError
+from units.reading import nearest
+
+from .arm import Arm, arm_of
+from .design import Redesign
+from .given import File
+from .problem import Problem, problem_of
+from .progress import Progress, told
+from .recording import Recording, read_recording
+from .result import Result, figure_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
+    """What a recording says that an arm's model leaves out; `found` holds everything in SI.
+
+    `redesign` is a design problem solved with it, where one was asked for; it is saved with the rest.
+    """
+
+    _command = "diagnose"
+
+    arm: Arm
+    recording: Recording
+    found: Found
+    redesign: Redesign | None = None
+
+    @property
+    def verdict(self) -> str:
+        """`none`, `named`, `alias_class`, `unknown` or `insufficient_data`."""
+        return self.found.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The answer in plain words."""
+        return self.found.sentence
+
+    @property
+    def findings(self) -> pd.DataFrame:
+        """A row for each fitted parameter of each finding, in `unit`, with its 95 % interval; lengths in mm.
+
+        `at` numbers joints or links from 1; `alternatives` names what the data cannot tell from it.
+        """
+        import pandas as pd
+
+        rows: list[dict[str, Any]] = []
+        for finding in self.found.findings:
+            told = {
+                "effect": finding.effect,
+                "at": finding.at,
+                "rms_explained_mm": 1e3 * finding.rms_explained,
+                "p_value": finding.p_value,
+                "alternatives": "; ".join(effect_words(each.effect, each.at) for each in finding.alternatives),
+            }
+            rows += [{**told, **_parameter(fitted)} for fitted in finding.parameters] or [told]
+        columns = ["effect", "at", "rms_explained_mm", "p_value", "alternatives"]
+        return pd.DataFrame(rows, columns=[*columns, "parameter", "value", "low", "high", "unit"])
+
+    @property
+    def corrected(self) -> Arm:
+        """The arm with the findings in it; it knows the angles that it was learned from."""
+        q = self.found.recording.q
+        spans = tuple((float(low), float(high)) for low, high in zip(q.min(axis=0), q.max(axis=0), strict=True))
+        return Arm.of(self.found.corrected, catalogue=self.arm.catalogue, learned=spans)
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """Every reading with its residual before and after (mm, measured less modelled, in the base frame)."""
+        import pandas as pd
+
+        return pd.read_csv(io.StringIO(residuals_csv(self.found)))
+
+    def plot(self) -> go.Figure:
+        """The length of the residual at each reading, with what was found taken off."""
+        _, figures = hover_maps(self.found)
+        return figure_of(list(figures.values())[-1])
+
+    def save(self, folder: File) -> None:
+        """Write what `diagnose --out` writes. Raises `InputError` for a folder that holds anything else."""
+        place = Path(folder)
+        claim_diagnosis(place)
+        page = diagnosis_page(self.found, None if self.redesign is None else self.redesign.found)
+        write_diagnosis(place, self.found, self.to_json(), page)
+
+    def _content(self) -> Mapping[str, Any]:
+        content: dict[str, Any] = diagnosis_json(self.found)
+        content["redesign"] = None if self.redesign is None else redesign_json(self.redesign.found)
+        return content
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {self.found.sentence: self.findings}
+
+
+def _parameter(fitted: FittedParameter) -> dict[str, Any]:
+    low, high = (in_unit(end, fitted.kind) for end in fitted.interval)
+    unit = unit_of(fitted.kind)
+    return {
+        "parameter": fitted.name,
+        "value": in_unit(fitted.value, fitted.kind),
+        "low": low,
+        "high": high,
+        "unit": unit,
+    }
+
+
+def diagnose(
+    arm: Arm | File,
+    recording: Recording | File | pd.DataFrame,
+    *,
+    thorough: bool = False,
+    without: Collection[str] = (),
+    settings: File | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """What the model of an arm leaves out, by one recording of the real one: where, what, how sure.
+
+    Of several recordings each is asked by itself (`for rec in lw.read_recordings(files, arm)`); rows that were taken
+    in one setting, with the same frame and tool, are one recording as one table. `lw.compare` takes two.
+    `thorough` calibrates the whole search and takes longer; `without` names effects that are no candidates; `settings`
+    is the recording's recording.yaml where a file is named. `progress(text, share)` hears of the steps, by default a
+    bar where somebody looks. Raises `InputError`, and `MissingProperty` where the model lacks a figure.
+
+    >>> import linkwright as lw
+    >>> dia = lw.diagnose("examples/hidden-backlash/arm.yaml", "examples/hidden-backlash/recording.csv")
+    >>> dia.verdict
+    'named'
+    >>> dia
+    <Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>
+    """
+    given = arm_of(arm)
+    read = recording_of(recording, given, settings)
+    options = Options(thorough=thorough, without=_known(without))
+    with told(progress) as tell:
+        return Diagnosis(given, read, diagnosed(given.model, read.found, options, tell))
+
+
+def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:
+    """A recording as given, or read."""
+    if isinstance(given, list | tuple):
+        raise InputError("", "recording", "is one recording, not a list; ask for each by itself, or lw.compare two")
+    return given if isinstance(given, Recording) else read_recording(given, arm, settings=settings)
+
+
+def _known(names: Collection[str]) -> frozenset[str]:
+    for name in names:
+        if name not in EFFECTS:
+            raise InputError("", "without", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
+    return frozenset(names)
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """What changed between two recordings of one arm; `found` holds everything in SI."""
+
+    _command = "compare"
+
+    arm: Arm
+    found: FoundComparison
+
+    @property
+    def sentence(self) -> str:
+        """What changed, plainly."""
+        return comparison_sentence(self.found)
+
+    @property
+    def changes(self) -> pd.DataFrame:
+        """A row for each parameter of the common model in both recordings, in `unit`; `changed` where beyond doubt."""
+        import pandas as pd
+
+        columns = ["effect", "at", "parameter", "before", "after", "difference", "low", "high", "unit", "changed"]
+        rows: list[tuple[Any, ...]] = []
+        for each in self.found.changes:
+            kind = each.first.kind
+            figures = (each.first.value, each.second.value, each.difference, *each.interval)
+            shown = [in_unit(value, kind) for value in figures]
+            rows.append((each.effect, each.first.at, each.first.parameter, *shown, unit_of(kind), each.changed))
+        return pd.DataFrame(rows, columns=columns)
+
+    def plot(self) -> go.Figure:
+        """The RMS mismatch of both recordings, before anything is explained and after, mm."""
+        pair = (self.found.first, self.found.second)
+        bars = [
+            {"type": "bar", "name": name, "x": ["before", "after"], "y": [1e3 * value for value in values]}
+            for name, values in (
+                ("mismatch", [each.rms_before for each in pair]),
+                ("not explained", list(self.found.unexplained)),
+            )
+        ]
+        return figure_of({"data": bars, "layout": {"yaxis": {"title": {"text": "RMS in mm"}}}})
+
+    def _content(self) -> Mapping[str, Any]:
+        return comparison_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Changes": self.changes}
+
+
+def compare(
+    arm: Arm | File,
+    before: Recording | File | pd.DataFrame,
+    after: Recording | File | pd.DataFrame,
+    *,
+    thorough: bool = False,
+    without: Collection[str] = (),
+    settings: File | None = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """What changed between two recordings of one arm: both are diagnosed, then fitted with one common model.
+
+    The keywords are those of `diagnose`, and so are the errors.
+
+    >>> import linkwright as lw
+    >>> folder = "examples/hidden-backlash"
+    >>> changed = lw.compare(f"{folder}/arm.yaml", f"{folder}/recording.csv", f"{folder}/after-service.csv")
+    >>> list(changed.changes["effect"])
+    ['backlash']
+    """
+    given = arm_of(arm)
+    both = [recording_of(each, given, settings) for each in (before, after)]
+    options = Options(thorough=thorough, without=_known(without))
+    diagnoses: list[Found] = []
+    for number, read in enumerate(both):
+        with told(progress) as tell:
+
+            def half(text: str, share: float, done: int = number, tell: Progress = tell) -> None:
+                tell(text, 0.5 * (done + share))
+
+            diagnoses.append(diagnosed(given.model, read.found, options, half))
+    return Comparison(given, compared(given.model, *diagnoses))
+
+
+def redesign(problem: Problem | File, diagnosis: Diagnosis, *, progress: Progress | None = None) -> Redesign:
+    """A design problem solved again with what a diagnosis found: what the old optimum really has, what changes.
+
+    Errors are worst cases over the problem's workspace. Raises `InputError` where the problem is for another arm, and
+    what `optimize` raises.
+
+    >>> import linkwright as lw
+    >>> bar = {"section": lw.shapes.Circle(diameter="60 mm"), "material": "steel-s355"}
+    >>> drive = lw.Joint(range=["-60 deg", "60 deg"], stiffness="50 kN*m/rad")
+    >>> arm = lw.Arm([(drive, lw.Link(length=0.4, **bar)), (drive, lw.Link(length=0.3, **bar))], payload={"mass": 5})
+    >>> soft = {"effect": "joint_compliance", "at": 1, "compliance": "60 urad/(N*m)"}
+    >>> dia = lw.diagnose(arm, lw.simulate(arm, poses=20, with_=[soft]))
+    >>> seam = {"path": [["600 mm", "200 mm"]]}
+    >>> problem = lw.Problem(arm, workspace=seam, subject_to={"mass": "<= 14 kg"}, choose={"same": ["size"]})
+    >>> anew = lw.redesign(problem, dia)
+    >>> anew.found.promised < anew.found.has <= anew.found.had
+    True
+    >>> list(anew.table["design"])
+    ['old, promised', 'old, really', 'new']
+    """
+    asked = problem_of(problem)
+    with told(progress) as tell:
+        found = redesigned(asked.model, diagnosis.found.arm, diagnosis.found.corrected, tell)
+    return Redesign(asked, found)

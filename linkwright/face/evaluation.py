@@ -1,0 +1,152 @@
+"""What an arm can do: the worst error over its workspace, where it is and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from arm.chain.chain import Arm as Model
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.evaluation import ErrorMap, error_map
+from arm.evaluation import Evaluation as Found
+from arm.evaluation import evaluate as evaluated
+from arm.worst.search import WorstSearch
+from linkwright.json.design import evaluation_json
+from linkwright.json.fields import joint_columns
+from linkwright.output.files import REPORT
+from linkwright.report.pages.evaluation import evaluation_page
+from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
+from linkwright.results.figures_in_words import effect_title
+from units.quantities import InputError
+
+from .arm import Arm, arm_of
+from .given import File, Quantity, in_si
+from .problem import Problem, problem_of
+from .result import Result, figure_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+
+@dataclass(frozen=True, repr=False)
+class Evaluation(Result):
+    """An arm's worst position error over its workspace and load cases, and its figures.
+
+    `found` holds everything in SI. Errors in mm, masses in kg; None where the arm's data cannot tell.
+    """
+
+    _command = "evaluate"
+
+    arm: Arm
+    found: Found
+
+    @property
+    def max_error_mm(self) -> float:
+        """The worst position error over the workspace and all load cases, mm."""
+        return 1e3 * self.found.max_error
+
+    @property
+    def upper_bound_mm(self) -> float | None:
+        """No pose is worse than this, mm, with what lies beyond first order (sampled); None where no bound is known."""
+        bound = self.found.upper_bound
+        return None if bound is None else 1e3 * bound
+
+    @property
+    def mass_kg(self) -> float:
+        """The links' mass, kg."""
+        return self.found.mass
+
+    @property
+    def min_safety_factor(self) -> float | None:
+        """The least factor of safety against yielding over links and poses."""
+        return self.found.strength.least_safety_factor
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what should not be relied on."""
+        return self.found.warnings
+
+    @property
+    def worst_poses(self) -> pd.DataFrame:
+        """The worst poses, worst first: coordinates (deg, mm), load case (from 1), error and its components (mm)."""
+        import pandas as pd
+
+        model, poses = self.found.arm, self.found.worst.poses
+        columns: dict[str, Any] = joint_columns(model, np.array([pose.q for pose in poses]) + 0.0)
+        columns["load_case"] = [pose.load_case + 1 for pose in poses]
+        columns["error_mm"] = [1e3 * pose.error for pose in poses]
+        for axis, name in enumerate("xyz"):
+            columns[f"error_{name}_mm"] = [1e3 * pose.vector[axis] for pose in poses]
+        return pd.DataFrame(columns)
+
+    @property
+    def by_effect(self) -> pd.DataFrame:
+        """What each effect alone adds at the worst pose, mm."""
+        import pandas as pd
+
+        found = self.found.by_effect
+        titles = [effect_title(name) for name in found]
+        errors = [1e3 * value for value in found.values()]
+        return pd.DataFrame({"effect": list(found), "title": titles, "error_mm": errors})
+
+    def plot(self) -> go.Figure:
+        """The worst error at each place of the tip, the worst poses marked."""
+        field = field_of(self.found)
+        colours, spans = colour_range([field], [self.found]), shared_spans([field])
+        return figure_of(error_map_figure(field, self.found, colours, spans))
+
+    def _content(self) -> Mapping[str, Any]:
+        return evaluation_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
+
+    def _files(self) -> Mapping[str, str]:
+        return {REPORT: evaluation_page(self.found, field_of(self.found))}
+
+
+def evaluate(
+    arm: Arm | File, problem: Problem | File | None = None, *, pose: Sequence[Quantity] | None = None
+) -> Evaluation:
+    """The worst position error of an arm over its workspace, where it is and what each effect adds.
+
+    `problem` lends its workspace and load cases; without one they are the joint ranges and the arm's own payload.
+    `pose` (angles as text or rad, slides m) is where the compliance is asked for, the worst pose by default. Raises
+    `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the workspace cannot be reached.
+
+    >>> import linkwright as lw
+    >>> found = lw.evaluate(lw.read_arm("examples/welding-arm/arm.yaml"))
+    >>> round(found.max_error_mm, 4)
+    0.1939
+    >>> list(found.by_effect.columns)
+    ['effect', 'title', 'error_mm']
+    """
+    given = arm_of(arm)
+    at = None if pose is None else pose_of(given.model, pose)
+    if problem is None:
+        return Evaluation(given, evaluated(given.model, pose=at))
+    asked = problem_of(problem).model
+    ranges = asked.workspace.ranges
+    if ranges is not None and len(ranges) != given.model.size:
+        message = f"is for {len(ranges)} joints; {given.name} has {given.model.size}"
+        raise InputError(asked.file, "workspace", message)
+    return Evaluation(given, evaluated(given.model, asked.workspace, asked.load_cases, pose=at))
+
+
+def pose_of(model: Model, pose: Sequence[Quantity]) -> tuple[float, ...]:
+    """Joint coordinates in SI. Raises `InputError` for another number of them than joints."""
+    if len(pose) != model.size:
+        raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(pose)}")
+    kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
+    return tuple(in_si(value, kind, f"pose[{k}]") for k, (value, kind) in enumerate(zip(pose, kinds, strict=True), 1))
+
+
+def field_of(found: Found) -> ErrorMap:
+    """The worst error at each place of the tip."""
+    model = error_model(found.arm, found.load_cases)
+    beams = beams_of(found.arm, found.load_cases)
+    return error_map(WorstSearch(model, found.workspace), beam_values(beams))

@@ -1,0 +1,120 @@
+"""What a program gives in place of a file: plain content with numbers in SI, and one key of it changed."""
+
+from __future__ import annotations
+
+import copy
+import numbers
+import re
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, Protocol, cast, runtime_checkable
+
+from sections.section import Section
+from units.quantities import InputError, SIFloat, SIInt, read_quantity, shown
+from units.reading import nearest
+
+Quantity = str | float
+"""A quantity as text with its unit (`"400 mm"`), or a number in SI."""
+File = Path | str
+
+_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d+)\]")
+
+
+@runtime_checkable
+class Part(Protocol):
+    """Something that stands for a part of an arm file."""
+
+    def in_file(self) -> object:
+        """What would stand in the arm file."""
+        ...
+
+
+def plain(value: object) -> Any:
+    """The value as the reader of files takes it: lists, mappings, text, and numbers marked as SI."""
+    if isinstance(value, Part):
+        return plain(value.in_file())
+    if isinstance(value, Section):
+        return plain({"shape": value.shape, **value.given()})
+    if value is None or isinstance(value, bool | str | SIFloat | SIInt):
+        return value
+    if isinstance(value, numbers.Integral):
+        return SIInt(int(value))
+    if isinstance(value, numbers.Real):
+        return SIFloat(float(value))
+    if isinstance(value, PathLike):
+        return str(Path(cast(PathLike[str], value)))
+    if isinstance(value, Mapping):
+        return {str(name): plain(each) for name, each in cast(Mapping[object, object], value).items()}
+    if isinstance(value, Iterable):
+        return [plain(each) for each in cast(Iterable[object], value)]
+    return value
+
+
+def in_si(value: Quantity, kind: str, key: str) -> float:
+    """A quantity given as text or as a number in SI, in SI. Raises `InputError` with the key and what would do."""
+    return read_quantity(plain(value), kind, file="", key=key)
+
+
+def edited(content: Mapping[str, Any], key: str, value: object, what: str) -> dict[str, Any]:
+    """The content with one key changed, such as `chain[1].link.length`; lists count from 1, as in messages.
+
+    None takes a key out. Whether the key is known is for the reader to say, but a way to it there must be. Raises
+    `InputError`.
+    """
+    steps = _steps(key, what)
+    made: dict[str, Any] = copy.deepcopy(dict(content))
+    here: Any = made
+    for at, step in enumerate(steps[:-1]):
+        here = _entered(here, step, steps[at + 1], key, what)
+    last = steps[-1]
+    if isinstance(last, int):
+        _item(here, last, key, what)
+        here[last - 1] = plain(value)
+    elif isinstance(here, dict):
+        if value is None:
+            cast(dict[str, Any], here).pop(last, None)
+        else:
+            here[last] = plain(value)
+    else:
+        raise InputError(what, key, f"{shown(here)} has no keys, so no '{last}'")
+    return made
+
+
+def _steps(key: str, what: str) -> list[str | int]:
+    steps: list[str | int] = []
+    at = 0
+    while at < len(key):
+        if key[at] == "." and 0 < at < len(key) - 1:
+            at += 1
+        found = _STEP.match(key, at)
+        if found is None:
+            break
+        steps.append(found[1] if found[1] is not None else int(found[2]))
+        at = found.end()
+    if not steps or at < len(key):
+        raise InputError(what, key, "is no key; write e.g. 'chain[1].link.length' (lists count from 1)")
+    return steps
+
+
+def _item(here: Any, number: int, key: str, what: str) -> None:
+    if not isinstance(here, list):
+        raise InputError(what, key, f"[{number}] asks for an entry of a list, which {shown(here)} is not")
+    size = len(cast(list[Any], here))
+    if not 1 <= number <= size:
+        raise InputError(what, key, f"there is no entry {number}; the list holds {size}, counted from 1")
+
+
+def _entered(here: Any, step: str | int, after: str | int, key: str, what: str) -> Any:
+    """One step into the content; a mapping that is not there yet is made, a list is not."""
+    if isinstance(step, int):
+        _item(here, step, key, what)
+        return here[step - 1]
+    if not isinstance(here, dict):
+        raise InputError(what, key, f"{shown(here)} has no keys, so no '{step}'")
+    held = cast(dict[str, Any], here)
+    if step not in held:
+        if isinstance(after, int):
+            raise InputError(what, key, f"there is no '{step}'{nearest(step, list(held))}")
+        held[step] = {}
+    return held[step]

@@ -1,0 +1,93 @@
+"""Design problems for programs: read from a file or stated in place, checked as a file is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from optimize.problem import Problem as Model
+from optimize.problem import problem_from
+from units.reading import Mapping as Reader
+from units.reading import load_yaml
+
+from .arm import Arm, arm_of, catalogue_of, read_arm
+from .given import File, edited, plain
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Problem:
+    """A design problem: what to minimise, over which poses and loads, within which limits, choosing what; frozen.
+
+    `arm` is an arm or the path of an arm file; the other keywords are the keys of a problem file: `minimize`
+    (`max_error`, `mass`, `total_mass` or `cost`), `workspace`, `load_cases`, `subject_to` with limits as text
+    (`"<= 26 kg"`) and ranges as text or SI, `choose`. Raises `InputError`, one line with the key and what would do.
+
+    >>> import linkwright as lw
+    >>> lw.Problem(
+    ...     arm="examples/welding-arm/arm.yaml",
+    ...     minimize="mass",
+    ...     subject_to={"max_error": "<= 0.5 mm", "section_size": [0.02, "150 mm"]},
+    ...     choose={"section": ["circle"]},
+    ... )
+    <Problem: least mass of cathode-bus welding arm, max_error <= 0.5 mm>
+    """
+
+    arm: Arm
+    model: Model
+    """What the optimiser works with, SI."""
+    _content: Mapping[str, Any] = field(compare=False)
+
+    def __init__(self, arm: Arm | File, minimize: str = "max_error", **keys: object) -> None:
+        given = arm_of(arm)
+        content: dict[str, Any] = plain({"minimize": minimize, **keys})
+        self._fill(given, Reader(content, file="Problem"))
+
+    def _fill(self, arm: Arm, mapping: Reader) -> None:
+        model = problem_from(mapping, arm.model, catalogue_of(arm.catalogue))
+        for name, value in (("arm", arm), ("model", model), ("_content", mapping.content)):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(cls, arm: Arm, mapping: Reader) -> Problem:
+        """The problem that a mapping of a problem file states for an arm."""
+        made = cls.__new__(cls)
+        made._fill(arm, mapping)
+        return made
+
+    def replace(self, key: str, value: object) -> Problem:
+        """A new problem with one key of its file changed, such as `subject_to.mass`; `arm` takes another arm.
+
+        Raises `InputError` for a key that nobody knows, with the nearest known one.
+        """
+        if key == "arm" and isinstance(value, Arm | str | Path):
+            return Problem.of(arm_of(value), Reader(self._content, file=self.model.file))
+        return Problem.of(self.arm, Reader(edited(self._content, key, value, "Problem"), file="Problem"))
+
+    def __repr__(self) -> str:
+        """One line."""
+        limits = "".join(f", {limit.text}" for limit in self.model.limits)
+        goal = self.model.minimize.replace("_", " ").replace("max error", "worst error")
+        return f"<Problem: least {goal} of {' '.join(self.arm.name.split())}{limits}>"
+
+
+def read_problem(path: File, *, catalogue: File | None = None) -> Problem:
+    """The problem that a problem file states, with its arm file beside it; `catalogue` adds materials.
+
+    Raises `InputError`, one line with the file, the key and what would do, for anything wrong.
+
+    >>> import linkwright as lw
+    >>> problem = lw.read_problem("examples/welding-arm/problem.yaml")
+    >>> problem.arm.name
+    'cathode-bus welding arm'
+    >>> problem.replace("subject_to.mass", "<= 20 kg").model.limits[0].text
+    'mass <= 20 kg'
+    """
+    mapping = load_yaml(path)
+    return Problem.of(read_arm(Path(path).parent / mapping.text("arm"), catalogue=catalogue), mapping)
+
+
+def problem_of(given: Problem | File) -> Problem:
+    """A problem as given, or read from the file that is named."""
+    return given if isinstance(given, Problem) else read_problem(given)

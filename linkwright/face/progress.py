@@ -1,0 +1,61 @@
+"""How long work tells of itself and is stopped: a callable, a bar where somebody looks, Ctrl-C between steps."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from types import FrameType
+
+Progress = Callable[[str, float], None]
+"""Hears what is being done, and what share of the whole is behind (0 to 1)."""
+
+
+@contextmanager
+def told(progress: Progress | None) -> Generator[Progress]:
+    """The callable that was given; without one a bar, on a terminal or in a notebook only."""
+    if progress is not None:
+        yield progress
+        return
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import Steps
+
+    screen = console(errors=True)
+    if not (screen.is_terminal or screen.is_jupyter):
+        yield _silent
+        return
+    steps = Steps()
+    try:
+        yield steps
+    finally:
+        steps.close()
+
+
+def _silent(text: str, share: float) -> None:
+    del text, share
+
+
+@contextmanager
+def interrupts() -> Generator[Callable[[], None]]:
+    """Note the first Ctrl-C and raise it at the next call of what is given, for a solver in between would take it for a
+    failure of its own; a second one is raised at once."""
+    noted: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if noted:
+            signal.default_int_handler(number, frame)
+        noted.append(number)
+
+    def check() -> None:
+        if noted:
+            raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGINT, note)
+    except ValueError:  # not the main thread, which alone hears of signals
+        yield check
+        return
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,232 @@
+"""Recordings for programs: read from files or data frames, or made by a model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from dataclasses import replace as replaced
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any, Literal
+
+from arm.chain.chain import EffectEntry
+from arm.files.read import arm_from
+from diagnose.reading.read import read_recording as read_file
+from diagnose.reading.read import recording_from
+from diagnose.reading.settings import read_settings
+from diagnose.reading.table import table_of
+from diagnose.reading.write import recording_columns, recording_text, settings_text
+from diagnose.recording import Recording as Found
+from diagnose.simulate import Plan
+from diagnose.simulate import Simulation as Made
+from diagnose.simulate import simulate as simulated
+from linkwright.json.simulation import simulation_json
+from linkwright.output.files import json_text, write_file
+from units.quantities import InputError, shown
+from units.reading import Mapping as Reader
+from units.reading import nearest
+
+from .arm import Arm, arm_of, catalogue_of
+from .given import File, Quantity, in_si, plain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SIDES = ("both", "one", "random")
+_MOST_ROWS = 2_000_000
+
+
+@dataclass(frozen=True, repr=False)
+class Recording:
+    """Readings of a real arm, less the rows that were set aside; `found` holds everything in SI."""
+
+    arm: Arm
+    found: Found
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The readings by the columns of a recording file (`q1_deg`, `x_mm`, ...); the index is the row in the file."""
+        import pandas as pd
+
+        columns: dict[str, Any] = {name: values for name, values, _ in recording_columns(self.found, self.arm.model)}
+        return pd.DataFrame(columns, index=pd.Index(self.found.row, name="row"))
+
+    @property
+    def rejected(self) -> pd.DataFrame:
+        """The rows that were set aside, and why."""
+        import pandas as pd
+
+        rows = [(each.row, each.reason) for each in self.found.rejected]
+        return pd.DataFrame(rows, columns=["row", "reason"])
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what was not used, and why."""
+        return self.found.warnings
+
+    def save(self, path: File) -> None:
+        """Write the recording as CSV and its settings beside it, as `simulate --out` does. Raises `InputError`."""
+        place = Path(path)
+        write_file(place, recording_text(self.found, self.arm.model))
+        write_file(place.with_suffix(".yaml"), settings_text(self.found))
+
+    def _line(self) -> str:
+        found, aside = self.found, len(self.found.rejected)
+        set_aside = f", {aside} rows set aside" if aside else ""
+        name = PurePath(found.file).name or "made by a model"
+        return f"{name}, {found.size} readings{set_aside}, frame {found.frame}, tool {found.tool}"
+
+    def __repr__(self) -> str:
+        """One line."""
+        return f"<{type(self).__name__}: {self._line()}>"
+
+    def _repr_html_(self) -> str:
+        """The line and the first readings, for a notebook."""
+        import html
+
+        return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.head(10).to_html(border=0)}"
+
+
+def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings: File | None = None) -> Recording:
+    """The recording that a CSV or parquet file holds, or a data frame with the same columns, checked against the arm.
+
+    `settings` is its recording.yaml; beside a file one of its name, or recording.yaml, counts by default. Rows that
+    cannot be used are set aside with the reason. Raises `InputError` where nothing sensible can follow.
+
+    >>> import linkwright as lw
+    >>> arm = lw.read_arm("examples/hidden-backlash/arm.yaml")
+    >>> rec = lw.read_recording("examples/hidden-backlash/recording.csv", arm)
+    >>> rec
+    <Recording: recording.csv, 192 readings, frame known, tool known>
+    >>> lw.read_recording(rec.table, arm).found.size
+    192
+    """
+    given = arm_of(arm)
+    if isinstance(recording, str) or not hasattr(recording, "columns"):
+        place = Path(str(recording))
+        return Recording(given, read_file(place, given.model, None if settings is None else Path(settings)))
+    held = read_settings(None if settings is None else Path(settings))
+    return Recording(given, recording_from(table_of(recording, "DataFrame"), given.model, held))  # pyright: ignore[reportArgumentType]
+
+
+def read_recordings(
+    recordings: Iterable[File | pd.DataFrame], arm: Arm | File, *, settings: File | None = None
+) -> tuple[Recording, ...]:
+    """Several recordings of one arm, each as `read_recording` reads it and with settings of its own.
+
+    Raises `InputError`.
+
+    >>> import linkwright as lw
+    >>> folder = "examples/hidden-backlash"
+    >>> files = [f"{folder}/recording.csv", f"{folder}/after-service.csv"]
+    >>> [each.found.size for each in lw.read_recordings(files, f"{folder}/arm.yaml")]
+    [192, 192]
+    """
+    given = arm_of(arm)
+    return tuple(read_recording(each, given, settings=settings) for each in recordings)
+
+
+@dataclass(frozen=True, repr=False)
+class Simulation(Recording):
+    """A recording that a model would give; `made` says what the physics moved the tip by, `plan` what was asked."""
+
+    made: Made
+    plan: Plan
+
+    def to_json(self) -> str:
+        """What `simulate --json` writes."""
+        return json_text(simulation_json(self.made, self.arm.model, self.plan))
+
+
+def simulate(
+    arm: Arm | File,
+    *,
+    poses: int = 40,
+    with_: Sequence[Mapping[str, Any]] = (),
+    noise: Quantity = "15 um",
+    repeats: int = 3,
+    payloads: Sequence[Quantity] = (),
+    sides: Literal["both", "one", "random"] = "both",
+    temperature: tuple[Quantity, Quantity] | None = None,
+    hours: float | None = None,
+    seed: int = 1,
+    frame_free: bool = False,
+    outliers: float = 0.0,
+    joint_side: bool = False,
+    commands: bool = False,
+    base_target: bool = False,
+    orientation: bool = False,
+    declare_sigma: bool = False,
+) -> Simulation:
+    """A recording from a model, with noise and repeats: poses spread over the joint ranges.
+
+    `with_` holds entries of an arm file's `effects` beside the arm's own. `noise` is the standard deviation of each
+    component (text, or m), `payloads` masses (text, or kg), `temperature` from and to (text, or K), between which it
+    wanders. `sides`: joints arrive from both, one, or random ones. `outliers` is a share of readings. The same `seed`
+    gives the same recording. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
+
+    >>> import linkwright as lw
+    >>> lw.simulate(
+    ...     "examples/welding-arm/arm.yaml",
+    ...     poses=5,
+    ...     with_=[{"effect": "encoder_offset", "at": 2, "offset": "0.05 deg"}],
+    ... )
+    <Simulation: made by a model, 30 readings, frame known, tool known>
+    """
+    given = with_effects(arm_of(arm), with_)
+    plan = _plan(
+        poses=poses,
+        noise=in_si(noise, "length", "noise"),
+        repeats=repeats,
+        payloads=tuple(in_si(each, "mass", "payloads") for each in payloads),
+        sides=sides,
+        temperature=None if temperature is None else _span(temperature),
+        hours=hours,
+        seed=seed,
+        free_frame=frame_free,
+        outliers=outliers,
+        joint_side=joint_side,
+        commands=commands,
+        base_target=base_target,
+        orientation=orientation,
+    )
+    made = simulated(given.model, plan)
+    sigma = plan.noise if declare_sigma and plan.noise > 0.0 else None
+    return Simulation(given, replaced(made.recording, sigma=sigma), made, plan)
+
+
+def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files: bool = False) -> Arm:
+    """The arm with further `effects` entries, those it holds taken as they are; `as_in_files`, where a number needs its
+    unit. Raises `InputError`."""
+    if not entries:
+        return arm
+    # The entries are read in the place of the arm's own, so that a mistake names them.
+    content = {**arm.content, "effects": [each if as_in_files else plain(each) for each in entries]}
+    added: tuple[EffectEntry, ...] = arm_from(Reader(content, file="with_"), catalogue_of(arm.catalogue)).effects
+    return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
+
+
+def _span(temperature: tuple[Quantity, Quantity]) -> tuple[float, float]:
+    low, high = (in_si(each, "temperature", "temperature") for each in temperature)
+    return low, high
+
+
+def _plan(**asked: Any) -> Plan:
+    if asked["sides"] not in _SIDES:
+        given = str(asked["sides"])
+        raise InputError("", "sides", f"{shown(given)} is not one of {', '.join(_SIDES)}{nearest(given, _SIDES)}")
+    if asked["noise"] < 0.0:
+        raise InputError("", "noise", "cannot be negative")
+    if any(mass < 0.0 for mass in asked["payloads"]):
+        raise InputError("", "payloads", "cannot be negative")
+    for key in ("poses", "repeats"):
+        if asked[key] < 1:
+            raise InputError("", key, f"needs at least 1, not {asked[key]}")
+    if not 0.0 <= asked["outliers"] <= 0.5 or (asked["hours"] is not None and not asked["hours"] > 0.0):
+        key = "hours" if 0.0 <= asked["outliers"] <= 0.5 else "outliers"
+        raise InputError("", key, "must be positive" if key == "hours" else "is a share from 0 to 0.5")
+    both = 2 if asked["sides"] == "both" else 1
+    rows = asked["poses"] * asked["repeats"] * max(1, len(asked["payloads"])) * both
+    if rows > _MOST_ROWS or not math.isfinite(rows):
+        raise InputError("", "poses", f"would make {rows} rows; at most {_MOST_ROWS} are simulated")
+    return Plan(**asked)

@@ -1,0 +1,94 @@
+"""What every result has in common: a line, a page for a notebook, JSON as the command writes it, and a folder."""
+
+from __future__ import annotations
+
+import html
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own, json_text, write_folder
+from linkwright.results.describe import describe
+from linkwright.results.document import plain as plain_words
+
+from .given import File
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+_MOST_ROWS = 20
+"""Rows of a table that a notebook shows."""
+
+
+class Result(ABC):
+    """A frozen result. `repr` is one line; `to_json()` is what the command's `--json` writes; tables are pandas
+    DataFrames with the unit in each column's name."""
+
+    _command = ""
+    """The command that makes the same; its name stands in the files."""
+    _own: tuple[str, ...] = (RESULT, REPORT, DESIGN)
+    """The files that a folder of it may hold."""
+
+    @property
+    def _described(self) -> object:
+        """What `linkwright.results.describe` describes; None where the class does it itself."""
+        return getattr(self, "found", None)
+
+    def _line(self) -> str:
+        """What was found, in a line."""
+        described = describe(self._described)
+        stopped = "interrupted, " if getattr(self._described, "interrupted", False) else ""
+        return stopped + plain_words(described.brief or described.headline)
+
+    @abstractmethod
+    def _content(self) -> Mapping[str, Any]:
+        """What `--json` writes."""
+
+    @abstractmethod
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        """The tables that a notebook shows, by their headings."""
+
+    @abstractmethod
+    def plot(self) -> go.Figure:
+        """The result as a plotly figure."""
+
+    def _files(self) -> Mapping[str, str]:
+        """What `--out` writes beside the result, text by name."""
+        return {}
+
+    def to_json(self) -> str:
+        """The result as the command's `--json` writes it."""
+        return json_text(self._content())
+
+    def save(self, folder: File) -> None:
+        """Write what the command's `--out` writes. Raises `InputError` for a folder that holds anything else."""
+        place = Path(folder)
+        claim_own(place, self._command, self._own)
+        write_folder(place, {RESULT: self.to_json(), **self._files()})
+
+    def __repr__(self) -> str:
+        """One line."""
+        return f"<{type(self).__name__}: {' '.join(self._line().split())}>"
+
+    def _repr_html_(self) -> str:
+        """The line and the tables, for a notebook."""
+        parts = [f"<p><b>{html.escape(type(self).__name__)}</b>: {html.escape(self._line())}</p>"]
+        for heading, table in self._tables().items():
+            parts.append(f"<h4>{html.escape(heading)}</h4>")
+            parts.append(table.head(_MOST_ROWS).to_html(index=False, border=0, float_format=_short))
+            if len(table) > _MOST_ROWS:
+                parts.append(f"<p>and {len(table) - _MOST_ROWS} more rows</p>")
+        return "\n".join(parts)
+
+
+def _short(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def figure_of(data: Mapping[str, Any]) -> go.Figure:
+    """A plotly figure of what the reports draw."""
+    import plotly.graph_objects as go
+
+    return go.Figure(dict(data))

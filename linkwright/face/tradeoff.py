@@ -1,0 +1,140 @@
+"""Trade-offs for programs: the designs of which none can be beaten in both of two figures."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
+from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
+from linkwright.report.pages.tradeoff import front_figure
+from optimize.tradeoff.front import Point
+from optimize.tradeoff.front import Tradeoff as Found
+from optimize.tradeoff.journal import Journal
+from optimize.tradeoff.question import Question, question
+from optimize.tradeoff.trace import Progress as Traced
+from optimize.tradeoff.tradeoff import ACCURACY, trade_off
+
+from .arm import Arm
+from .given import File
+from .problem import Problem, problem_of
+from .progress import Progress, interrupts, told
+from .result import Result, figure_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+
+@dataclass(frozen=True)
+class TradeoffDesign:
+    """A design of a front: its number (from 1), the arm, and its figures (SI) by name."""
+
+    number: int
+    arm: Arm
+    figures: Mapping[str, Any]
+
+
+@dataclass(frozen=True, repr=False)
+class Tradeoff(Result):
+    """The front between two figures; `found` holds everything in SI.
+
+    `interrupted`: Ctrl-C ended the work, and these are the points that it had; none of them is wrong.
+    """
+
+    _command = "tradeoff"
+
+    problem: Problem
+    found: Found
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each design, in the order of the file that `--csv` writes: figures with units, links."""
+        import pandas as pd
+
+        return pd.read_csv(io.StringIO(tradeoff_csv(self.found)))
+
+    @property
+    def designs(self) -> tuple[TradeoffDesign, ...]:
+        """The designs in the order of `table`."""
+        return tuple(self._design(point) for point in self.found.points)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the work."""
+        return self.found.interrupted
+
+    def _design(self, point: Point) -> TradeoffDesign:
+        return TradeoffDesign(point.number, Arm.of(point.arm, catalogue=self.problem.arm.catalogue), point.figures)
+
+    def plot(self) -> go.Figure:
+        """The fronts, a line each."""
+        return figure_of(front_figure(self.found))
+
+    def save(self, folder: File) -> None:
+        """Write what `tradeoff --out` does but the journal. Raises `InputError` for a folder with other files."""
+        place = Path(folder)
+        claim_tradeoff(place)
+        write_tradeoff(self.found, place)
+
+    def _content(self) -> Mapping[str, Any]:
+        return tradeoff_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Designs": self.table}
+
+
+def tradeoff(
+    problem: Problem | File,
+    *,
+    x: str = "mass",
+    y: str = "max_error",
+    by: Literal["material", "shape"] | None = None,
+    reach: Literal["long", "short"] = "long",
+    accuracy: float = ACCURACY,
+    progress: Progress | None = None,
+) -> Tradeoff:
+    """The Pareto front between two figures of a problem's designs.
+
+    `x` and `y` are two of `lw.limits`, all but those not `traded`. `by` asks for a front of each material or shape;
+    `reach` says which reach is the better one. `accuracy` is the relative error that straight lines between points may
+    have.
+    `progress(text, share)` hears of each point; the share is not known beforehand, and stays 0. Ctrl-C ends it with
+    the points so far, marked `interrupted`. Raises `InputError`, and `NoAnswer` where no design keeps the limits.
+
+    >>> import linkwright as lw
+    >>> problem = lw.Problem(
+    ...     arm="examples/welding-arm/arm.yaml",
+    ...     workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
+    ...     subject_to={"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]},
+    ...     choose={"section": ["circle"], "same": ["size"]},
+    ... )
+    >>> front = lw.tradeoff(problem, x="mass", y="max_error", accuracy=0.2)
+    >>> heavier = front.table["mass_kg"].is_monotonic_increasing
+    >>> bool(heavier), front.designs[0].arm
+    (True, <Arm: cathode-bus welding arm, 3 joints, reach 1240 mm>)
+    """
+    given = problem_of(problem)
+    asked = question(given.model, x, y, by=by, reach=reach)
+    with told(progress) as tell:
+
+        def heard(traced: Traced) -> None:
+            tell(f"{traced.front}: {traced.points} points, {traced.doing}", 0.0)
+
+        return traced_front(given, asked, accuracy, Journal(None, ""), heard)
+
+
+def traced_front(
+    given: Problem, asked: Question, accuracy: float, book: Journal, heard: Callable[[Traced], None]
+) -> Tradeoff:
+    """Trace the fronts of a question, with a journal that may know some points already."""
+    with interrupts() as check:
+
+        def told_of(traced: Traced) -> None:
+            check()
+            heard(traced)
+
+        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=book, told=told_of))

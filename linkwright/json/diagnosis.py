@@ -1,0 +1,144 @@
+"""A diagnosis as a plain mapping for `diagnosis.json`: millimetres, degrees and units as people write them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import PurePath
+from types import MappingProxyType
+from typing import Any
+
+from arm.chain.chain import Arm
+from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, RejectedForm, Unknown
+from linkwright.version import program_version
+from units.quantities import format_quantity, kind_of
+
+from .design import coordinates
+from .fields import fields, in_mm
+
+_UNITS = MappingProxyType(
+    {
+        "length": "mm",
+        "angle": "mrad",
+        "temperature": "degC",
+        "thermal_expansion": "um/(m*K)",
+        "linear_stiffness": "N/mm",
+        "linear_compliance": "um/N",
+        "elastic_modulus": "GPa",
+        "pressure": "MPa",
+        "angle_per_temperature": "mrad/K",
+        "length_per_temperature": "um/K",
+        "angle_per_length": "mrad/m",
+    }
+)
+"""Units that files for machines use, whatever the size of the figure; SI for all other kinds."""
+
+
+def unit_of(kind: str) -> str:
+    """The unit in which JSON gives a kind of quantity; empty for pure numbers."""
+    return _UNITS.get(kind, kind_of(kind).si)
+
+
+def in_unit(value: float, kind: str) -> float | None:
+    """An SI value in the unit of `unit_of`; None where it is not known."""
+    if not math.isfinite(value):
+        return None
+    return float(format_quantity(value, kind, unit_of(kind) or None).split()[0])
+
+
+def parameter_json(fitted: FittedParameter) -> dict[str, Any]:
+    """A fitted parameter with its unit and 95 % interval."""
+    return {
+        "value": in_unit(fitted.value, fitted.kind),
+        "unit": unit_of(fitted.kind),
+        "ci95": [in_unit(end, fitted.kind) for end in fitted.interval],
+        **fields(fitted, "parameter", "at", "at_bound"),
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        **fields(finding, "effect", "at", "rms_explained_mm", "p_value", "rms_without_mm", "rms_without_held_out_mm"),
+        "alternatives": [[each.effect, list(each.at)] for each in finding.alternatives],
+        "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
+        "alternatives_detail": [fields(each, "effect", "at", "likeness", "worse") for each in finding.alternatives],
+        "sentence": finding.reading,
+    }
+
+
+def _rejected(forms: Sequence[RejectedForm]) -> list[dict[str, Any]]:
+    return [fields(each, "effect", "at", "share", "reason") for each in forms]
+
+
+def _unknown(unknown: Unknown) -> dict[str, Any]:
+    return {
+        **fields(unknown, "depends_on", "amplitude_mm", "shape", "since_s=since", "decide", "held_out_share"),
+        "rejected": _rejected(unknown.rejected),
+        "forms": [fields(each, "name", "share", "share_held_out", "sentence") for each in unknown.forms],
+    }
+
+
+def _detectable(each: Detectable) -> dict[str, Any]:
+    found = {
+        **fields(each, "effect", "at", "rms_mm", "parameter", "visible"),
+        "value": in_unit(each.value, each.kind),
+        "unit": unit_of(each.kind),
+    }
+    return found if each.visible > 0.0 else {**found, "rms_mm": None, "value": None}
+
+
+def minimum_detectable(diagnosis: Diagnosis) -> dict[str, float | None]:
+    """The smallest RMS displacement (mm) of each effect that would have been found wherever the effect can be seen at
+    all: the largest over its visible places. None where the recording shows it nowhere."""
+    found: dict[str, float | None] = {effect: None for effect, _ in diagnosis.invisible}
+    for each in diagnosis.detectable:
+        size = 1e3 * each.rms if each.visible > 0.0 else None
+        known = found.get(each.effect)
+        found[each.effect] = size if known is None else known if size is None else max(known, size)
+    return found
+
+
+def joint_coordinates(arm: Arm, q: Sequence[float]) -> list[float]:
+    """Joint coordinates in degrees, mm for slides."""
+    return [(math.degrees(x) if joint.revolute else 1e3 * x) + 0.0 for x, joint in zip(q, arm.joints, strict=True)]
+
+
+def covered_json(covered: Covered) -> dict[str, Any]:
+    """A figure of a standard; 1 m/N is 1000 mm/N, so one factor serves lengths and compliances."""
+    unit = "mm/N" if covered.symbol == "C" else "mm"
+    return {**fields(covered, "symbol", "name", "standard", "count"), "value": 1e3 * covered.value, "unit": unit}
+
+
+def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """What `diagnosis.json` holds."""
+    arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
+    rms = ("rms_before_mm", "rms_after_mm", "rms_after_held_out_mm")
+    return {
+        "made_by": f"linkwright diagnose {program_version()}",
+        "arm": arm.name,
+        "recording": PurePath(recording.file).name,
+        "rows": recording.size,
+        **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
+        "missing": [_finding(finding) for finding in diagnosis.findings],
+        "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
+        "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],
+        "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
+        "rejected_rows": [each.row for each in diagnosis.rejected_rows],
+        "rejected_rows_detail": [fields(each, "row", "reason") for each in diagnosis.rejected_rows],
+        "minimum_detectable_mm": minimum_detectable(diagnosis),
+        "detectable": [_detectable(each) for each in diagnosis.detectable],
+        "invisible": [{"effect": effect, "at": at} for effect, at in diagnosis.invisible],
+        "next_poses": [joint_coordinates(arm, each.q) for each in diagnosis.next_poses],
+        "next_poses_detail": [
+            {**coordinates(arm, each.q), **fields(each, "payload_kg=payload_mass", "side", "decides")}
+            for each in diagnosis.next_poses
+        ],
+        "ladder": [
+            fields(each, "label", "rms_mm", "mean_mm", "largest_mm", "held_out_mm") for each in diagnosis.ladder
+        ],
+        "rejected_forms": _rejected(diagnosis.rejected_forms),
+        "splits": {name: in_mm(value) for name, value in diagnosis.splits.items()},
+        "iso_figures": [covered_json(each) for each in diagnosis.figures],
+        **fields(diagnosis, "next_poses_note", "null_vectors", "notes", "seconds"),
+        "warnings": recording.warnings,
+    }

@@ -1,0 +1,24 @@
+"""What an arm is worth on a recording as a plain mapping for JSON, in mm."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import Any
+
+from diagnose.predict import Prediction
+from linkwright.version import program_version
+
+from .fields import fields
+
+
+def prediction_json(found: Prediction) -> dict[str, Any]:
+    """What `predict --json` writes."""
+    recording = found.recording
+    return {
+        "made_by": f"linkwright predict {program_version()}",
+        "arm": found.arm.name,
+        "recording": PurePath(recording.file).name,
+        "rows": recording.size,
+        **fields(found, "rms_mm", "mean_mm", "max_mm=largest", "nominal_rms_mm", "outside"),
+        **fields(recording, "frame", "tool"),
+    }

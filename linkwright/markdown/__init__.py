@@ -1,0 +1,1 @@
+"""Results as Markdown, for notes, issues and pull requests."""

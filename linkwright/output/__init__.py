@@ -1,0 +1,1 @@
+"""Results into files and folders: each file whole or not at all, and never over what is not ours."""

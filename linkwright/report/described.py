@@ -1,0 +1,122 @@
+"""A described result as HTML: its items in order, pictures where they belong, its figures as tiles at the head."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+from linkwright.report.pictures.svg import element
+from linkwright.report.pictures.svg import text as escaped
+from linkwright.results.document import (
+    Bars,
+    Cell,
+    Description,
+    Fact,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    plain,
+    words,
+)
+
+MOST_ROWS = 40
+"""A longer table shows its brief rows; the others are folded."""
+
+
+def text(content: str) -> str:
+    """Text that cannot be taken for markup, without control characters."""
+    return escaped(plain(content))
+
+
+def body(description: Description, pictures: Mapping[str, str]) -> list[str]:
+    """The parts of a page: what is not under a heading first, then tiles, then a part for each section."""
+    tiles = [_tiles(item.facts) for item in description.items if isinstance(item, Facts)]
+    rest = [item for item in description.items if not isinstance(item, Facts)]
+    opening = [item for item in rest if not isinstance(item, Section)]
+    sections = [item for item in rest if isinstance(item, Section)]
+    return [*items_html(opening, pictures), *tiles, *(_section(each, pictures, 2) for each in sections)]
+
+
+def items_html(items: Iterable[Item], pictures: Mapping[str, str], level: int = 3) -> list[str]:
+    """Items as HTML, in order."""
+    made: list[str] = []
+    for item in items:
+        if isinstance(item, Picture):
+            made.append(pictures.get(item.name, ""))
+        elif isinstance(item, Facts):
+            made.append(_tiles(item.facts))
+        elif isinstance(item, Section):
+            made.append(_section(item, pictures, level))
+        elif isinstance(item, Paragraph):
+            class_ = item.tone if item.tone in ("lead", "warning", "statement", "under") else None
+            said = element("strong", text(item.text)) if item.tone == "strong" else text(item.text)
+            made.append(element("p", said, class_=class_))
+        elif isinstance(item, Lines):
+            lines = (element("li", text(line)) for line in item.lines)
+            made.append(element("ul", *lines, class_="binding") if item.lines else "")
+        else:
+            title = element("h3", text(item.title)) if item.title else ""
+            drawn = table_html(item)
+            folded = element("details", element("summary", text(item.title)), drawn) if item.folded else ""
+            made.append(folded or title + drawn)
+    return made
+
+
+def _section(item: Section, pictures: Mapping[str, str], level: int) -> str:
+    opening = element("p", text(item.lead), class_="lead") if item.lead else ""
+    inside = items_html(item.items, pictures, level + 1)
+    heading = element(f"h{level}", text(item.title))
+    return element("section" if level == 2 else "div", heading, opening, *inside)
+
+
+def _tiles(facts: Sequence[Fact]) -> str:
+    made: list[str] = []
+    for fact in facts:
+        before = "" if fact.before is None else f"before {words(fact.before)}"
+        note = ", ".join(each for each in (before, fact.note) if each)
+        told = element("dd", text(words(fact.value)), element("small", text(note)))
+        made.append(element("div", element("dt", text(fact.name)), told, class_="tile"))
+    return element("dl", *made, class_="tiles")
+
+
+def table_html(given: Table) -> str:
+    """A table; of one with many rows the brief ones (or the first), the others folded."""
+    if len(given.rows) <= MOST_ROWS:
+        return _rows_html(given, None)
+    first = given.brief or tuple(range(MOST_ROWS))
+    others = sorted(set(range(len(given.rows))) - set(first))
+    summary = element("summary", text(f"{len(others)} more"))
+    return _rows_html(given, first) + element("details", summary, _rows_html(given, others))
+
+
+def _rows_html(given: Table, chosen: Iterable[int] | None) -> str:
+    # The first column heads its rows, and stays left even where it is a number.
+    numbers = set(given.numbers) - {0}
+
+    def cell(tag: str, k: int, content: Cell, **more: str) -> str:
+        inside = _bars(content) if isinstance(content, Bars) else text(words(content))
+        class_ = "drawn" if isinstance(content, Bars) else "number" if k in numbers else None
+        return element(tag, inside, class_=class_, **more)
+
+    heads = [cell("th", k, column.heading, scope="col") for k, column in enumerate(given.columns)]
+    head = element("thead", element("tr", *heads)) if given.headed else ""
+    lines: list[str] = []
+    for row in given.rows if chosen is None else [given.rows[k] for k in chosen]:
+        cells = [cell("td", k, content) for k, content in enumerate(row[1:], 1)]
+        lines.append(element("tr", cell("th", 0, row[0], scope="row"), *cells))
+    drawn = any(isinstance(content, Bars) for row in given.rows for content in row)
+    made = element("table", head, element("tbody", *lines), class_="bars" if drawn else None)
+    return element("div", made, class_="scroll")
+
+
+def _bars(cell: Bars) -> str:
+    drawn: list[str] = []
+    for colour, part in cell.bars:
+        width = 100.0 * min(1.0, max(0.0, part)) if math.isfinite(part) else 0.0
+        fill = element("span", class_=f"fill {colour}", style=f"width:{width:.2f}%")
+        drawn.append(element("div", element("span", fill, class_="track"), class_="bar"))
+    return "".join(drawn)

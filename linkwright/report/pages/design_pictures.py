@@ -1,0 +1,39 @@
+"""Pictures that the reports of an evaluation and of an optimisation share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from arm.evaluation import ErrorMap
+from linkwright.report.page import figure_place, side_by_side
+from linkwright.report.pictures.arm import arm_caption, arm_picture, shared_window, skeleton
+from linkwright.report.pictures.plots import Figure, colour_range, error_map_figure, error_map_words, shared_spans
+from linkwright.report.pictures.svg import element, text
+from linkwright.results.design import Named
+
+
+def arms(named: Named) -> str:
+    """The arms at their worst poses, to one scale."""
+    drawn = [skeleton(evaluation) for _, evaluation in named]
+    window = shared_window(drawn)
+    figures: list[str] = []
+    for (when, evaluation), each in zip(named, drawn, strict=True):
+        heading = element("h3", text(when.capitalize())) if when else ""
+        caption = element("figcaption", text(arm_caption(evaluation.arm, each, window)))
+        figures.append(element("figure", heading, arm_picture(evaluation.arm, each, window, when or "after"), caption))
+    return side_by_side(*figures)
+
+
+def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Figure]]:
+    """The error maps with one colour scale: where they go, and the figures by name."""
+    colours = colour_range(fields, [evaluation for _, evaluation in named])
+    spans = shared_spans(fields)
+    places: list[str] = []
+    figures: dict[str, Figure] = {}
+    for (when, evaluation), field in zip(named, fields, strict=True):
+        name = f"map-{when or 'arm'}"
+        figures[name] = error_map_figure(field, evaluation, colours, spans)
+        words = error_map_words(field, evaluation)
+        heading = element("h3", text(when.capitalize())) if when else ""
+        places.append(element("div", heading, figure_place(name, words, text(words))))
+    return side_by_side(*places), figures

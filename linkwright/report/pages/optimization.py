@@ -1,0 +1,34 @@
+"""The report page of an optimisation: before and after, what binds, and how the design was found."""
+
+from __future__ import annotations
+
+from linkwright.report.described import body
+from linkwright.report.page import figure_place, page
+from linkwright.report.pictures.plots import exchange_figure
+from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.svg import text
+from linkwright.results.optimization import describe, effort_words
+from optimize.result import OptimizationResult
+
+from . import design_pictures
+
+_EXCHANGE = "The exchange ends where no pose is worse than those it has already designed for."
+
+
+def optimization_page(result: OptimizationResult) -> str:
+    """The page as one HTML file that loads nothing."""
+    named = (("before", result.before), ("after", result.after))
+    places, figures = design_pictures.maps(named, (result.before_map, result.after_map))
+    pictures = {
+        "arms": design_pictures.arms(named),
+        "map": places,
+        "sections": sections_grid((("before", result.before.arm), ("after", result.after.arm))),
+    }
+    if len(result.iterations) > 1:
+        figures = {**figures, "exchange": exchange_figure(result.iterations, result.minimize)}
+        words = f"Objective over the iterations: {effort_words(result)}."
+        pictures["exchange"] = figure_place("exchange", words, text(_EXCHANGE))
+    if result.rounded is not None:
+        pictures["rounded"] = sections_grid((("before", result.arm), ("after", result.rounded.arm)))
+    described = describe(result)
+    return page(described.title, described.headline, body(described, pictures), figures)

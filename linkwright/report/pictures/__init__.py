@@ -1,0 +1,1 @@
+"""What reports draw: SVG, and mappings for plotly."""

@@ -1,0 +1,197 @@
+"""Tables that an evaluation and an optimisation share: links, joints, drives, strength, effects, what was asked.
+
+`Named` are evaluations beside each other, each called `before`, `after` or nothing at all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
+
+from arm.evaluation import Evaluation
+from optimize.limits import FIGURES, Figure
+
+from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
+from .figures_in_words import (
+    effect_title,
+    load_case_words,
+    material_words,
+    mm,
+    percent,
+    pose,
+    section_words,
+    workspace_words,
+)
+
+MOST_POSES = 6
+_NOTHING = 1e-9
+Named = Sequence[tuple[str, Evaluation]]
+
+
+def bound_words(evaluation: Evaluation) -> str:
+    """What is known of poses that were not looked at."""
+    if evaluation.upper_bound is None:
+        return "the worst of all poses searched; no bound is known for this model"
+    bound = f"no pose is worse than {mm(evaluation.upper_bound, 6)}"
+    if evaluation.unreached is not None:
+        part = percent(1.0 - evaluation.unreached.share)
+        bound += f", of the {part} of the {evaluation.workspace.kind} that is reached"
+    return f"certified: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
+
+
+def first_order_words(evaluation: Evaluation) -> str:
+    """How far the error, which is to first order, is from finite motions and loads on the deformed shape."""
+    beyond = evaluation.beyond
+    if beyond.at_worst is None:
+        return "to first order; beyond it the arm finds no shape under its loads"
+    most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} poses sampled"
+    return f"first order is {mm(beyond.at_worst, 2)} off at the worst pose{most}"
+
+
+def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:
+    """Each warning as a paragraph of its own; `which` says of what design."""
+    said = f"{which}: " if which else ""
+    return [Paragraph(f"{said}{warning}", "warning") for warning in evaluation.warnings]
+
+
+def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> list[tuple[str, Value, str]]:
+    """All that can be limited but the error, which stands above: (name, value, what it counts)."""
+    found: list[tuple[str, Value, str]] = []
+    for each in known.values():
+        value = each.shown(each.value(evaluation))
+        nothing = value is None and each.assumed is not None and each.name not in evaluation.unknown
+        if each.name == "max_error" or nothing:
+            continue
+        at = None if each.where is None else each.where(evaluation)
+        note = each.note if at is None else f"{each.note}, at {pose(evaluation.arm, at)}"
+        found.append((each.title_for(evaluation.arm), amount(value, each.unit), note))
+    return found
+
+
+def worst_poses(evaluation: Evaluation, *, detail: bool = False) -> Table:
+    """The poses of the greatest errors, with the load case where there are several."""
+    cases = evaluation.load_cases
+    several = len(cases) > 1
+    rows: list[list[Cell]] = []
+    for each in evaluation.worst.poses[:MOST_POSES]:
+        row: list[Cell] = [pose(evaluation.arm, each.q), length(each.error, 5)]
+        if several:
+            row.append(f"{each.load_case + 1}: {load_case_words(cases[each.load_case])}")
+        rows.append(row)
+    return table(["worst poses", "error", *(["load case"] if several else [])], rows, detail=detail)
+
+
+def effects(named: Named, *, detail: bool = False) -> Table:
+    """What each effect alone adds at the worst pose, with bars to one scale."""
+    parts = [(when or "error", evaluation.by_effect) for when, evaluation in named]
+    largest = max((value for _, by_effect in parts for value in by_effect.values()), default=0.0)
+    names = {name for _, by_effect in parts for name in by_effect}
+    rows: list[list[Cell]] = []
+    for name in sorted(names, key=lambda each: -max(by_effect.get(each, 0.0) for _, by_effect in parts)):
+        values = [by_effect.get(name) for _, by_effect in parts]
+        kept = [None if x is None else x if largest > 0.0 and x >= _NOTHING * largest else 0.0 for x in values]
+        cells = [Value("not in the model") if x is None else length(x) for x in kept]
+        shares = [(x or 0.0) / largest if largest > 0.0 else 0.0 for x in kept]
+        colours = ["before" if when == "before" else "after" for when, _ in parts]
+        rows.append([effect_title(name), *cells, Bars(tuple(zip(colours, shares, strict=True)))])
+    return table(["each effect alone, at the worst pose", *(when for when, _ in parts), ""], rows, detail=detail)
+
+
+def _label(number_: int, when: str, *, again: bool) -> list[Cell]:
+    """The first cells of a row about a link: its number, said once, and which design is meant."""
+    told = Value("" if again else str(number_))
+    return [told, when] if when else [told]
+
+
+def links(named: Named, digits: int = 5) -> Table:
+    """What the links are."""
+    rows: list[list[Cell]] = []
+    for at, row in enumerate(zip_longest(*(evaluation.arm.links for _, evaluation in named)), start=1):
+        shown = [(when, evaluation, link) for (when, evaluation), link in zip(named, row, strict=True) if link]
+        for k, (when, evaluation, link) in enumerate(shown):
+            mass = amount(evaluation.link_masses[at - 1], "kg")
+            told: list[Cell] = [length(link.length, digits), section_words(link), material_words(link), mass]
+            rows.append(_label(at, when, again=k > 0) + told)
+    return table((*_link_heads(named), "length", "section", "material", "mass"), rows)
+
+
+def _link_heads(named: Named) -> list[str]:
+    return ["link", ""] if named[0][0] else ["link"]
+
+
+def strength(named: Named) -> Table | Paragraph:
+    """How near each link is to yielding, buckling or bending too far."""
+    rows: list[list[Cell]] = []
+    for link in range(max(evaluation.arm.size for _, evaluation in named)):
+        shown = [(when, evaluation.strength) for when, evaluation in named if link in evaluation.strength.links]
+        for k, (when, found) in enumerate(shown):
+            at = found.links.index(link)
+            stress = amount(found.stress[at] / 1e6, "MPa", 3)
+            factors = [number(found.safety_factor[at], 3), number(found.buckling[at], 4)]
+            rows.append([*_label(link + 1, when, again=k > 0), stress, *factors, share(found.deflection[at])])
+    if not rows:
+        return Paragraph("No link has a section, so there is no stress to tell.")
+    headings = ("greatest stress", "safety factor", "buckling", "bends by, of its length")
+    return table((*_link_heads(named), *headings), rows)
+
+
+def stiffness(named: Named) -> Table:
+    """The least first frequencies, and the compliance at the worst poses."""
+    rows: list[list[Cell]] = []
+    for when, evaluation in named:
+        found, compliance = evaluation.frequency, evaluation.compliance
+        frequency = amount(None if found is None else found.value, "Hz")
+        at = "" if found is None else pose(evaluation.arm, found.q)
+        largest = amount(1e3 * max(compliance.principal), "mm/N")
+        rows.append([when, frequency, at, largest, pose(evaluation.arm, compliance.q)])
+    headings = ("", "least first frequency", "at", "most compliant direction", "at")
+    return table(headings, rows, detail=True)
+
+
+def joints(evaluation: Evaluation) -> Table:
+    """The joints as given."""
+    arm = evaluation.arm
+    rows: list[list[Cell]] = []
+    for index, joint in enumerate(arm.joints):
+        low, high = pose(arm, [joint.range[0]] * arm.size), pose(arm, [joint.range[1]] * arm.size)
+        span = f"{low.split(', ')[index]} to {high.split(', ')[index]}"
+        angle = joint.revolute
+        backlash = amount(math.degrees(joint.backlash) * 60.0, "arcmin") if angle else length(joint.backlash)
+        unit = "kN·m/rad" if angle else "kN/m"
+        stiffness_ = Value("rigid") if joint.stiffness is None else amount(joint.stiffness / 1e3, unit)
+        given = [count(index + 1), joint.type, span, length(joint.clearance), backlash, stiffness_]
+        rows.append([*given, amount(joint.mass, "kg")])
+    headings = ("joint", "type", "range", "clearance", "backlash", "drive", "mass")
+    return table(headings, rows, detail=True)
+
+
+def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
+    """What each drive holds at most, against its actuator's rated torque; None where no joint has an actuator."""
+    found = evaluation.drives
+    if found is None:
+        return None
+    rows: list[list[Cell]] = []
+    for index, joint in enumerate(evaluation.arm.joints):
+        use, (q, _) = found.use[index], found.poses[index]
+        held = amount(found.greatest[index], "N·m" if joint.revolute else "N")
+        actuator = joint.actuator
+        rated = amount(None if actuator is None else actuator.rated_torque, "N·m")
+        used = share(math.nan if use is None else use, 3)
+        name = "–" if actuator is None else actuator.name
+        rows.append([count(index + 1), name, held, rated, used, pose(evaluation.arm, q)])
+    headings = ("joint", "actuator", "holds up to", "rated", "", "at")
+    return table(headings, rows, detail=detail)
+
+
+def asked(evaluation: Evaluation) -> list[tuple[str, str]]:
+    """Workspace and load cases in words."""
+    cases = [
+        (f"load case {number_}", load_case_words(case)) for number_, case in enumerate(evaluation.load_cases, start=1)
+    ]
+    return [("workspace", workspace_words(evaluation.arm, evaluation.workspace)), *cases]
+
+
+def settings(rows: Sequence[tuple[str, str]]) -> Table:
+    """What was given, line by line, without headings."""
+    return table(("", ""), rows, detail=True)

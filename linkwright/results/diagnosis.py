@@ -1,0 +1,251 @@
+"""A diagnosis described: the plain sentence, what is missing with its intervals, where it sits, what else it is not."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from diagnose.result import Diagnosis, Finding, FittedParameter, Unknown
+from linkwright.redesigning import Redesign
+
+from .design import settings
+from .diagnosis_evidence import (
+    MOST_REJECTED,
+    considered,
+    detectable,
+    ladder,
+    next_readings,
+    rejected,
+    standards,
+    where_it_sits,
+)
+from .diagnosis_words import (
+    alias_sentence,
+    covariate_words,
+    effect_words,
+    explained_share,
+    interval,
+    main_parameters,
+    parameter_title,
+    place_words,
+    portion,
+    probability,
+    spoken,
+    time_words,
+    value,
+    verdict_words,
+    whole_sentence,
+)
+from .document import (
+    Cell,
+    Column,
+    Description,
+    Fact,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Section,
+    Value,
+    amount,
+    count,
+    length,
+    section,
+    table,
+)
+from .figures_in_words import mm
+from .redesign import redesign_section
+
+
+def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Description:
+    """A diagnosis, with the design that follows from it where one was asked for."""
+    anything = bool(diagnosis.findings) or diagnosis.unknown is not None
+    could = detectable(diagnosis, detail=diagnosis.verdict not in ("none", "insufficient_data"))
+    items: list[Item | None] = [
+        _facts(diagnosis),
+        Paragraph(diagnosis.noise_source),
+        _findings(diagnosis) if diagnosis.findings else None,
+        None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
+        where_it_sits(diagnosis) if anything else could,
+        section("Residuals over the workspace", Picture("maps"), detail=True),
+        ladder(diagnosis) if diagnosis.ladder else None,
+        section("Residuals against what was recorded", Picture("covariates"), detail=True),
+        considered(diagnosis) if diagnosis.rejected_forms else None,
+        could if anything else None,
+        standards(diagnosis) if diagnosis.figures else None,
+        next_readings(diagnosis) if diagnosis.next_poses or diagnosis.next_poses_note else None,
+        None if redesign is None else redesign_section(redesign),
+        section("What to do with it", Lines(_to_do(diagnosis)), detail=True) if anything else None,
+        _set_aside(diagnosis),
+        _notes(diagnosis),
+        section("What was asked", settings(_asked(diagnosis)), detail=True),
+    ]
+    title = f"{diagnosis.arm.name}: what the model leaves out"
+    return Description(title, diagnosis.sentence, tuple(x for x in items if x is not None), _brief(diagnosis))
+
+
+def _brief(diagnosis: Diagnosis) -> str:
+    if not diagnosis.findings:
+        return f"{verdict_words(diagnosis.verdict)}, mismatch {mm(diagnosis.rms_before, 3)}"
+    places = [place_words(each.effect, each.at) for each in diagnosis.findings]
+    ids = [each.effect.replace("_", " ") for each in diagnosis.findings]
+    names = [f"{name} at {place}" if place else name for name, place in zip(ids, places, strict=True)]
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    explained = explained_share(diagnosis)
+    part = "" if explained is None else f", {portion(explained).text} of {mm(diagnosis.rms_before, 3)} explained"
+    return f"{names[0]}{more}{part}"
+
+
+def _facts(diagnosis: Diagnosis) -> Facts:
+    """The verdict and the sizes of mismatch and noise."""
+    gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
+    facts = [
+        Fact("verdict", verdict_words(diagnosis.verdict, short=True), gate),
+        Fact("noise floor", length(diagnosis.noise_floor, 3), "what repeats scatter by"),
+        Fact("RMS of the mismatch", length(diagnosis.rms_before, 3), f"{diagnosis.recording.size} readings"),
+    ]
+    if diagnosis.findings or diagnosis.unknown is not None:
+        explained = explained_share(diagnosis)
+        described = "beside the form that fits best" if diagnosis.unknown is not None else ""
+        note = described if explained is None else f"{portion(explained).text} of the mismatch explained"
+        splits = "; ".join(f"{name} {mm(x, 3)}" for name, x in diagnosis.splits.items())
+        facts.append(Fact("with what was found", length(diagnosis.rms_after, 3), note))
+        facts.append(Fact("on readings not fitted", length(diagnosis.rms_after_held_out, 3), splits))
+    return Facts(tuple(facts), headed=False)
+
+
+def _findings(diagnosis: Diagnosis) -> Section:
+    """What is missing, each parameter with its interval, and what the data cannot tell from it."""
+    readings = [Paragraph(spoken(each.reading), "statement", True) for each in diagnosis.findings if each.reading]
+    rows = [row for finding in diagnosis.findings for row in _finding_rows(finding)]
+    headings = (
+        "left out",
+        "parameter",
+        Column("meaning", detail=True),
+        "value",
+        "95 % interval",
+        "explains",
+        Column("RMS without it", detail=True),
+        "p",
+    )
+    alike = [
+        (
+            effect_words(each.effect, each.at),
+            effect_words(other.effect, other.at),
+            amount(other.likeness),
+            amount(round(other.worse, 3), digits=2),
+        )
+        for each in diagnosis.findings
+        for other in each.alternatives
+    ]
+    columns = ("named", "may as well be", "likeness of the patterns", "criterion (BIC) worse by")
+    title = "What the data cannot tell apart"
+    return section(
+        "What is missing",
+        *readings,
+        table(headings, rows),
+        *(Paragraph(said) for each in diagnosis.findings if (said := alias_sentence(each))),
+        Picture("curves"),
+        table(columns, alike, title=title, detail=True) if alike else None,
+    )
+
+
+def _finding_rows(finding: Finding) -> list[list[Cell]]:
+    name = effect_words(finding.effect, finding.at)
+    rest: list[Cell] = [length(finding.rms_explained, 3), length(finding.rms_without, 3), probability(finding.p_value)]
+    if not finding.parameters:
+        return [[name, "", "", "", "", *rest]]
+    parameters, further = main_parameters(finding)
+    rows: list[list[Cell]] = []
+    for index, fitted in enumerate(parameters):
+        place = place_words(finding.effect, fitted.at) if fitted.at != finding.at else ""
+        title = f"{fitted.parameter.replace('_', ' ')} {place}".strip()
+        meaning = parameter_title(fitted, finding.effect)
+        first: list[Cell] = [name if index == 0 else "", title, meaning, _held(fitted), interval(fitted)]
+        rows.append([*first, *(rest if index == 0 else ["", "", ""])])
+    return [*rows, ["", further, "", "", "", "", "", ""]] if further else rows
+
+
+def _held(fitted: FittedParameter) -> Value:
+    """A fitted value, told when it stands at its bound."""
+    found = value(fitted)
+    return Value(f"{found.text} (at its bound)") if fitted.at_bound else found
+
+
+def _unknown(unknown: Unknown) -> Section:
+    """What nothing in the library explains."""
+    lines = []
+    if unknown.depends_on:
+        lines.append(f"It depends on: {', '.join(covariate_words(name) for name in unknown.depends_on)}.")
+    if unknown.since is not None:
+        lines.append(f"It is there since {time_words(unknown.since)} into the recording.")
+    if unknown.held_out_share is not None:
+        lines.append(
+            f"A smooth model of it predicts {portion(unknown.held_out_share).text} of its sum of squares on readings "
+            "that it has not seen. It describes and does not explain: good for compensation within the poses recorded "
+            "only."
+        )
+    forms = [
+        (each.name.replace("_", " "), portion(each.share), portion(each.share_held_out), each.sentence)
+        for each in unknown.forms
+    ]
+    headings = ("forms that describe it", "share", "held out", "")
+    decide = Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None
+    return section(
+        "What nothing in the library explains",
+        Paragraph(f"Not explained: {unknown.shape}; RMS {mm(unknown.amplitude, 3)}."),
+        Lines(tuple(lines), detail=True),
+        table(headings, forms, first=MOST_REJECTED) if forms else None,
+        rejected(unknown.rejected) if unknown.rejected else None,
+        decide,
+        lead="What remains, and what it depends on; nothing here is a cause.",
+    )
+
+
+def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """What the files beside the page are good for."""
+    if diagnosis.unknown is not None:
+        described = (
+            "compensation.csv: what to subtract at the poses recorded. It describes and does not explain; it holds "
+            "as long as the cause stays as it was.",
+        )
+        again = "Record what would decide (above), and diagnose again."
+        return (*(described if diagnosis.unknown.predicted is not None else ()), again)
+    return (
+        "arm.yaml: the arm with what was found in it. linkwright evaluate and optimize take it; linkwright "
+        "compensate makes the table of it that a controller can subtract.",
+        "residuals.csv: every reading with its residual before and after.",
+        "After a repair, record the same poses again; linkwright compare says what has changed and what has not.",
+    )
+
+
+def _set_aside(diagnosis: Diagnosis) -> Section:
+    """The rows that were not used, and why."""
+    rejected = diagnosis.rejected_rows
+    if not rejected:
+        return section("Rows set aside", Paragraph("Every row was used.", detail=True), detail=True)
+    lines = [f"Row {each.row} is set aside: {each.reason}." for each in rejected]
+    told = Lines(tuple(lines[:MOST_REJECTED]))
+    left = len(lines) - MOST_REJECTED
+    more = Paragraph(f"{left} more rows are set aside; the report and the JSON name them.") if left > 0 else None
+    rows = [(count(each.row), each.reason) for each in rejected]
+    every = table(("row", "why"), rows, detail=True) if left > 0 else None
+    return section("Rows set aside", told, more, every)
+
+
+def _notes(diagnosis: Diagnosis) -> Section | None:
+    lines = tuple(dict.fromkeys((*diagnosis.null_vectors, *diagnosis.notes, *diagnosis.recording.warnings)))
+    return section("Notes", Lines(lines)) if lines else None
+
+
+def _asked(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    recording, arm = diagnosis.recording, diagnosis.arm
+    rows = [
+        ("recording", PurePath(recording.file).name),
+        ("readings used", str(recording.size)),
+        ("measuring frame", recording.frame),
+        ("tool", recording.tool),
+    ]
+    if arm.leave_out:
+        rows.append(("left out of the model by the arm file", ", ".join(sorted(arm.leave_out))))
+    return [*rows, ("time taken", f"{diagnosis.seconds:.1f} s")]

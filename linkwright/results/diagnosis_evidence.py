@@ -1,0 +1,160 @@
+"""What stands behind a diagnosis: where it sits, the ladder of models, what was considered, what could have shown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from diagnose.result import Detectable, Diagnosis, RejectedForm
+
+from .diagnosis_words import (
+    covariate_words,
+    covered,
+    detectable_words,
+    effect_words,
+    least_visible,
+    next_pose_words,
+    place_words,
+    portion,
+    probability,
+    where_sentences,
+)
+from .document import (
+    Bars,
+    Cell,
+    Column,
+    Lines,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    count,
+    length,
+    section,
+    table,
+)
+from .figures_in_words import effect_title, mm, pose
+
+MOST_REJECTED = 5
+MOST_NEXT = 5
+
+SPLITS = (
+    ("pose blocks", "a part of the workspace at a time (the one quoted above)"),
+    ("random rows", "a fifth of the rows at random"),
+    ("time blocks", "a stretch of time at a time"),
+    ("payloads", "a payload at a time"),
+)
+
+
+def where_it_sits(diagnosis: Diagnosis) -> Section:
+    """Where the mismatch sits: the joint, what each joint's motion could describe, what it depends on."""
+    where = diagnosis.where
+    shares = [
+        (count(number), portion(part), Bars((("after" if number == where.joint else "before", part),)))
+        for number, part in enumerate(where.joint_shares, start=1)
+    ]
+    title = "What each joint's motion could describe"
+    overlap = "Each joint alone; the shares overlap, and do not add up to the whole."
+    tested = [
+        (
+            covariate_words(each.on),
+            portion(each.share),
+            probability(each.p_value),
+            "it depends on this" if each.on in where.depends_on else "",
+        )
+        for each in where.dependences
+    ]
+    headings = ("tested against", "could describe", "p", "")
+    columns = ("joint", "could describe", "")
+    return section(
+        "Where it sits",
+        Picture("where"),
+        Lines(tuple(where_sentences(diagnosis))),
+        table(columns, shares, title=title, detail=True) if shares else None,
+        Paragraph(overlap, "lead", detail=True) if shares else None,
+        table(headings, tested, detail=True) if tested else None,
+    )
+
+
+def ladder(diagnosis: Diagnosis) -> Section:
+    """The models tried, each with what it leaves on fitted and on held-out readings."""
+    known = [x for rung in diagnosis.ladder for x in (rung.rms, rung.held_out) if math.isfinite(x)]
+    largest = max(known, default=0.0) or 1.0
+    rows = [
+        (
+            rung.label,
+            *(length(x, 3) for x in (rung.rms, rung.mean, rung.largest, rung.held_out)),
+            Bars((("after", rung.rms / largest), ("before", rung.held_out / largest))),
+        )
+        for rung in diagnosis.ladder
+    ]
+    splits = [f"{dict(SPLITS).get(name, name)}: RMS {mm(x, 3)}" for name, x in diagnosis.splits.items()]
+    return section(
+        "The ladder of models",
+        table(("model", "RMS", "mean", "largest", "held out", ""), rows),
+        Paragraph("On readings that it has not seen, by what was held out:", "lead", detail=True) if splits else None,
+        Lines(tuple(splits), detail=True),
+        lead="Each model is fitted and then tried on readings that it has not seen: the blue bar, and the grey one.",
+        detail=len(rows) < 2,
+    )
+
+
+def rejected(forms: Sequence[RejectedForm]) -> Table:
+    """What was considered and not taken, and why."""
+    rows = [(effect_words(each.effect, each.at), portion(each.share), each.reason) for each in forms]
+    return table(("considered and rejected", "explains", "why not"), rows, first=MOST_REJECTED)
+
+
+def considered(diagnosis: Diagnosis) -> Section:
+    """What was considered over the whole search and not named."""
+    lead = "How much more of the mismatch each would explain, and why it is not named."
+    forms = rejected(diagnosis.rejected_forms)
+    return section("Considered and rejected", forms, lead=lead, detail=True)
+
+
+def detectable(diagnosis: Diagnosis, *, detail: bool) -> Section | None:
+    """The smallest sizes that would have been found, and what cannot be seen at all."""
+    if not (diagnosis.detectable or diagnosis.invisible):
+        return None
+    visible = [each for each in diagnosis.detectable if each.visible > 0.0]
+    worst = least_visible(diagnosis)
+    hidden = [effect_words(effect, at) for effect, at in diagnosis.invisible]
+    every = "Every one, at every joint and link"
+    return section(
+        "What this recording could have shown",
+        table(_SEEN, [_seen(each) for each in worst]) if visible else None,
+        table(_SEEN, [_seen(each) for each in visible], title=every, detail=True, folded=True)
+        if len(visible) > len(worst)
+        else None,
+        Paragraph(f"Not to be seen in this recording at all: {', '.join(hidden)}.", detail=True) if hidden else None,
+        lead="The smallest size that this recording would have shown nine times in ten, where it shows least.",
+        detail=detail or not visible,
+    )
+
+
+_SEEN = ("effect", "would have been found from", "", Column("visible share of its pattern", detail=True))
+
+
+def _seen(each: Detectable) -> tuple[Cell, ...]:
+    size = f"{each.parameter.replace('_', ' ')} {detectable_words(each)}, {place_words(each.effect, each.at)}"
+    return effect_title(each.effect), length(each.rms, 3), size.removesuffix(", "), portion(each.visible)
+
+
+def standards(diagnosis: Diagnosis) -> Section:
+    """Figures of ISO 9283 and ISO 230-2."""
+    rows = [(each.symbol, covered(each), count(each.count), each.standard, each.name) for each in diagnosis.figures]
+    lead = "Where the recording has enough visits; the standards ask for thirty (ISO 9283) and five (ISO 230-2)."
+    shown = table(("figure", "value", "readings", "standard", ""), rows)
+    return section("In the words of the standards", shown, lead=lead)
+
+
+def next_readings(diagnosis: Diagnosis) -> Section:
+    """Readings that would decide more."""
+    rows: list[list[Cell]] = []
+    for each in diagnosis.next_poses:
+        payload, side = next_pose_words(each)
+        rows.append([pose(diagnosis.arm, each.q), payload, side, each.decides])
+    headings = ("poses worth recording next", "payload", "side", "to decide")
+    note = Paragraph(diagnosis.next_poses_note) if diagnosis.next_poses_note else None
+    shown = table(headings, rows, first=MOST_NEXT) if rows else None
+    return section("What to record next", shown, note)

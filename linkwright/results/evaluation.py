@@ -1,0 +1,62 @@
+"""An evaluation described: the worst error and where, its parts, the arm's figures, links, strength and compliance."""
+
+from __future__ import annotations
+
+from arm.evaluation import Evaluation
+
+from . import design
+from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table
+from .figures_in_words import figure, mm, pose, workspace_words
+
+_SCALE = "Drawn to scale; links as thick as their sections are high."
+
+
+def describe(evaluation: Evaluation) -> Description:
+    """All that is known of an arm as given."""
+    arm, named = evaluation.arm, (("", evaluation),)
+    drives = design.drives(evaluation)
+    unknown = tuple(f"{name.replace('_', ' ')} is not known: {reason}" for name, reason in evaluation.unknown.items())
+    given = design.settings(design.asked(evaluation))
+    poses = design.worst_poses(evaluation)
+    facts = Facts(tuple(Fact(*each) for each in design.figures(evaluation)))
+    items: list[Item] = [
+        Paragraph(design.bound_words(evaluation), "under"),
+        Paragraph(design.first_order_words(evaluation), "under"),
+        Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
+        *design.warnings(evaluation),
+        section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
+        section("Error over the workspace", Picture("map"), poses),
+        section("What each effect adds", design.effects(named)),
+        facts,
+        section("Links", Picture("sections"), design.links(named)),
+        section("Strength", design.strength(named)),
+        *([section("Drives", drives)] if drives is not None else []),
+        _compliance(evaluation),
+        *([section("What is not known", Lines(unknown))] if unknown else []),
+        section("What was asked", given, design.joints(evaluation), detail=True),
+    ]
+    brief = f"worst position error {mm(evaluation.max_error)}"
+    headline = f"Worst position error  {mm(evaluation.max_error, 5)}"
+    return Description(arm.name, headline, tuple(items), brief, f"{arm.name}\n")
+
+
+def _compliance(evaluation: Evaluation) -> Item:
+    """The compliance matrix, and the ellipse that the tip draws under a turning force."""
+    compliance = evaluation.compliance
+    axes = "xyz"[: len(compliance.matrix)]
+    largest = max(compliance.principal, default=0.0)
+
+    def entry(value: float) -> str:
+        return figure(0.0 if abs(value) < 1e-12 * largest else 1e3 * value)
+
+    rows = [
+        [f"tip moves along {axis}", *(Value(entry(x)) for x in row)]
+        for axis, row in zip(axes, compliance.matrix, strict=True)
+    ]
+    at = pose(evaluation.arm, compliance.q)
+    matrix = table((f"mm/N at {at}", *(f"F{axis}" for axis in axes)), rows)
+    ellipse: list[Item] = []
+    for size, direction in zip(compliance.principal, compliance.directions, strict=True):
+        along = ", ".join(figure(0.0 if abs(x) < 1e-9 else x, 3) for x in direction)
+        ellipse.append(Paragraph(f"error ellipse: {entry(size)} mm per newton along ({along})", "under"))
+    return section("Compliance", matrix, *ellipse)

@@ -1,0 +1,99 @@
+"""A described result on the screen: the answer first, then its tables; what is detail is left to page and Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import rich.table
+from rich.console import Console
+
+from linkwright.results.document import (
+    Bars,
+    Cell,
+    Description,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    plain,
+    words,
+)
+
+from .console import table as empty_table
+
+_BAR = 24
+_STYLES = (("strong", "bold"), ("warning", "bold red"))
+
+
+def show(out: Console, description: Description) -> None:
+    """Print a result."""
+    _say(out, f"{description.subject}{description.headline}", "bold")
+    _Shown(out).show(description.items)
+
+
+class _Shown:
+    """Prints items with a blank line before every table and every section, and none between sentences."""
+
+    def __init__(self, out: Console) -> None:
+        self._out, self._gap = out, False
+
+    def show(self, items: Iterable[Item]) -> None:
+        for item in items:
+            if isinstance(item, Picture) or item.detail:
+                continue
+            if isinstance(item, Section):
+                self._section(item)
+            elif isinstance(item, Paragraph):
+                prefix = "  " if item.tone == "under" else "WARNING: " if item.tone == "warning" else ""
+                self._say(f"{prefix}{item.text}", dict(_STYLES).get(item.tone))
+            elif isinstance(item, Lines):
+                for line in item.lines:
+                    self._say(line)
+            else:
+                self._part()
+                self._out.print(drawn(item.table if isinstance(item, Facts) else item))
+                self._gap = False
+
+    def _section(self, item: Section) -> None:
+        self._part()
+        if item.opened:
+            self._say(item.title, "bold")
+        self.show(item.items)
+
+    def _part(self) -> None:
+        if not self._gap:
+            self._out.print()
+        self._gap = True
+
+    def _say(self, text: str, style: str | None = None) -> None:
+        _say(self._out, text, style)
+        self._gap = False
+
+
+def _say(out: Console, text: str, style: str | None = None) -> None:
+    # A sentence is printed whole, so that it can be searched for; a terminal breaks it itself.
+    for line in text.split("\n"):
+        out.print(plain(line), style=style, soft_wrap=True)
+
+
+def drawn(given: Table) -> rich.table.Table:
+    """A table as a screen shows it: its brief rows, bars as blocks."""
+    short = given.shortened()
+    headings = (plain(column.heading) for column in short.columns)
+    made = empty_table(*headings, numbers=short.numbers, title=plain(given.title) or None)
+    made.show_header = short.headed
+    for row in short.rows:
+        made.add_row(*(_cell(cell) for cell in row))
+    if len(short.rows) < len(given.rows) and given.rest:
+        made.caption, made.caption_justify = plain(given.rest), "left"
+    return made
+
+
+def _cell(cell: Cell) -> str:
+    if not isinstance(cell, Bars):
+        return plain(words(cell))
+    part = cell.bars[0][1]
+    return "█" * round(_BAR * part) or "▏" if part > 0.0 else ""
