@@ -11,26 +11,28 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed, parallel_config
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.effects import EFFECTS
-from diagnose.detectable import detectable
+from diagnose.answer.detectable import detectable
 from diagnose.diagnosis import diagnose
-from diagnose.naming import FALSE_ALARM, Namer
-from diagnose.observed import observe
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.prepare import prepare
+from diagnose.residual.observed import observe
 from diagnose.result import Detectable, Diagnosis
+from diagnose.rules.rules import RULES
+from diagnose.search.naming import Namer
 from diagnose.simulate import Plan, simulate
 from materials.catalogue import load_catalogue
 from sections import Tube
@@ -67,9 +69,7 @@ def bench_arm(space: bool) -> Arm:
 
 def plan_of(seed: int) -> Plan:
     """128 readings with two payloads, both sides, repeats and warming; every third has a target on the base."""
-    return Plan(
-        16, repeats=2, payloads=(0.0, 5.0), temperature=(293.15, 303.15), seed=seed, base_target=seed % 3 == 0
-    )
+    return Plan(16, repeats=2, payloads=(0.0, 5.0), temperature=(293.15, 303.15), seed=seed, base_target=seed % 3 == 0)
 
 
 def linear(effect: str) -> bool:
@@ -83,7 +83,7 @@ def to_be_shown(arm: Arm, plan: Plan) -> tuple[Detectable, ...]:
     gate = Namer(prepared, thorough=False, seed=1).test(())[0]
     unit = math.sqrt(float(prepared.vector @ prepared.vector) / prepared.criterion.count)
     found: list[Detectable] = []
-    for each in detectable(prepared, gate, unit, FALSE_ALARM):
+    for each in detectable(prepared, gate, unit, RULES.search.false_alarm):
         alone = len(each.at) <= 1
         if linear(each.effect) and alone and _possible(each):
             found.append(each)
@@ -166,12 +166,11 @@ def main() -> int:
     asked.add_argument("--jobs", type=int, default=2)
     options = asked.parse_args()
     began = time.perf_counter()
-    with parallel_config(backend="loky", n_jobs=options.jobs, inner_max_num_threads=1):
-        both: Any = Parallel()
-        singles: list[Case] = both(delayed(single)(seed) for seed in range(options.cases))
-        nulls: list[Case] = both(
-            delayed(null)(20_000 + seed) for seed in range(options.cases + options.cases // 2)
-        )
+    # The workers start afresh, so that their numerical libraries see that each has one thread.
+    os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
+        singles = list(pool.map(single, range(options.cases)))
+        nulls = list(pool.map(null, range(20_000, 20_000 + options.cases + options.cases // 2)))
     missed = report(singles, nulls)
     print(f"{time.perf_counter() - began:.0f} s")
     for line in missed:

@@ -19,13 +19,13 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from optimize.choice import combinations
-from optimize.design import arm_of as design_arm
-from optimize.design import design_space, expressions, material_row, numeric_beams, starting_points
-from optimize.exchange import Context, Exchange, context_of, first_pool
-from optimize.pool import ErrorCut, Pool
+from optimize.choice.combinations import combinations
+from optimize.exchange.binding_poses import ErrorCut, Pool
+from optimize.exchange.design import arm_of as design_arm
+from optimize.exchange.design import design_space, expressions, material_row, numeric_beams, starting_points
+from optimize.exchange.exchange import Context, Exchange, context_of, first_pool
+from optimize.exchange.program import ipopt_options
 from optimize.problem import Problem, read_problem
-from optimize.program import ipopt_options
 
 TARGET = 200.0
 AGREEMENT = 1e-3

@@ -17,9 +17,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sections.numeric import Array
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """How fast a scan over random poses runs: python -m benchmarks.scan [poses]
 
 The size of a planar 3R arm's tip error (bending, slopes, axial strain, drives; distributed gravity and a
-payload) at random poses, computed by NumPy written by hand for this arm and by what `arm.compile` makes of
+payload) at random poses, computed by NumPy written by hand for this arm and by what `arm.compiled.vectorise` makes of
 the symbolic expression.  First all results are compared with each other, then all ways are timed in turn,
 round after round in one run; the best of the rounds counts, and only ratios are to be trusted.
 
@@ -19,8 +19,11 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from arm.compile import CompilerError, TrigQuadratic, VectorFunction, vectorise
+from arm.compiled.vectorise import VectorFunction, vectorise
+from benchmarks.compiled.c_build import CompilerError
+from benchmarks.compiled.function import compiled
 from benchmarks.planar_by_hand import EXAMPLE, Array, planar_error_numpy, planar_error_sx, planar_symbols
+from benchmarks.trigonometric_quadratic import TrigQuadratic
 
 ROUNDS = 7
 AGREEMENT = 1e-12
@@ -69,21 +72,21 @@ def _ways(q: Array) -> tuple[dict[str, Callable[[], Array]], list[str]]:
     ways: dict[str, Callable[[], Array]] = {
         "by hand": _best_block(q, half_angle=False),
         "by hand, half angles": _best_block(q, half_angle=True),
-        "tape to NumPy": _sizes(vectorise([symbols], [size], compiler="never"), q),
-        "tape to NumPy, design as arguments": _sizes(vectorise(columns, [general_size], compiler="never"), q, *design),
-        "quadratic form, NumPy": _sizes(vectorise([symbols], [quadratic.size(symbols)], compiler="never"), q),
+        "tape to NumPy": _sizes(vectorise([symbols], [size]), q),
+        "tape to NumPy, design as arguments": _sizes(vectorise(columns, [general_size]), q, *design),
+        "quadratic form, NumPy": _sizes(vectorise([symbols], [quadratic.size(symbols)]), q),
     }
     for threads in (1, 2):
         name = f"C, {threads} thread{'s' * (threads > 1)}"
         start = time.perf_counter()
         try:
-            compiled = vectorise([symbols], [size], compiler="require", threads=threads)
-            fewer = vectorise([symbols], [quadratic.size(symbols)], compiler="require", threads=threads)
+            whole = compiled([symbols], [size], threads=threads)
+            fewer = compiled([symbols], [quadratic.size(symbols)], threads=threads)
         except CompilerError as error_:
             notes.append(f"no C: {error_}")
             break
         notes.append(f"making (or finding) both C libraries took {time.perf_counter() - start:.2f} s")
-        ways[f"tape to {name}"] = _sizes(compiled, q)
+        ways[f"tape to {name}"] = _sizes(whole, q)
         ways[f"quadratic form, {name}"] = _sizes(fewer, q)
     interpreted = ca.Function("size", [symbols], [size])
     ways["CasADi's interpreter, mapped"] = lambda: np.array(interpreted.map(len(q))(q.T)).ravel()

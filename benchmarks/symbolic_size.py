@@ -9,11 +9,11 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from arm.beam import Beam
-from arm.chain import Arm, Joint, Link
-from arm.error import active_effects, tip_error
-from arm.kinematics import parts
-from arm.statics import solve
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link
+from arm.chain.kinematics import parts
+from arm.chain.statics import solve
+from arm.errors.tip import active_effects, tip_error
 from benchmarks.planar_by_hand import PlanarArm, planar_error_sx, planar_symbols
 from benchmarks.planar_textbook import planar_error_textbook
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from sections.numeric import Array
 
 TOLERANCE = 1e-12
 """Largest difference at any random pose, relative to the largest error among them."""

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.blind.concealed import Effect, Scene, departure
-from benchmarks.blind.perturbation import Response, first_order
-from benchmarks.blind.vectors import Array
+from benchmarks.blind.generator.concealed import Effect, Scene, departure
+from benchmarks.blind.generator.perturbation import Response, first_order
+from benchmarks.blind.generator.vectors import Array
 
 ALIAS = 0.98
 

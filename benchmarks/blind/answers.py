@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import beta
 
-from benchmarks.blind.cases import DOSES
-from benchmarks.blind.concealed import GLOBAL, UNIFORM
+from benchmarks.blind.generator.cases import DOSES
+from benchmarks.blind.generator.concealed import GLOBAL, UNIFORM
 from benchmarks.blind.seal import check_seal, digest, half_of
 
 Truth = Mapping[str, Any]

@@ -8,8 +8,8 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from benchmarks.blind.cases import kind_of, make_case
-from benchmarks.blind.files import write_case
+from benchmarks.blind.generator.cases import kind_of, make_case
+from benchmarks.blind.generator.files import write_case
 from benchmarks.blind.seal import write_seal
 
 HALVES = ("disclosed", "sealed")

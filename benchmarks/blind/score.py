@@ -25,7 +25,7 @@ from benchmarks.blind.answers import (
     rate,
     spread,
 )
-from benchmarks.blind.cases import DOSES
+from benchmarks.blind.generator.cases import DOSES
 from benchmarks.blind.parameters import coverage
 
 Table = tuple[tuple[str, Rate], ...]

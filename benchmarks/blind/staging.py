@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.blind import aliases
-from benchmarks.blind.concealed import UNIFORM, Effect, Scene, departure
-from benchmarks.blind.designs import Design, warmed
-from benchmarks.blind.draws import Recipe
-from benchmarks.blind.mechanics import Arm, nominal_inputs, solve, with_changes
-from benchmarks.blind.perturbation import Response, departed, nothing, respond
-from benchmarks.blind.vectors import Array
+from benchmarks.blind.generator.concealed import UNIFORM, Effect, Scene, departure
+from benchmarks.blind.generator.designs import Design, warmed
+from benchmarks.blind.generator.draws import Recipe
+from benchmarks.blind.generator.mechanics import Arm, nominal_inputs, solve, with_changes
+from benchmarks.blind.generator.perturbation import Response, departed, nothing, respond
+from benchmarks.blind.generator.vectors import Array
 
 # Effects that are geometry themselves: of the nuisances only a free frame is projected out of them.
 GEOMETRIC = frozenset({"encoder_offset", "link_length", "tool_offset", "frame_misalignment", "instrument_scale"})

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
-from .compile_c import BLOCK, ENTRY
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
+from .c_code import BLOCK, ENTRY
 
 SWITCH = "LINKWRIGHT_NO_COMPILER"
 """Environment variable that, set to anything but nothing or 0, keeps every compiler out."""

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from arm.chain import Arm
-from arm.files import read_arm
-from diagnose.reading import read_recording
+from arm.chain.chain import Arm
+from arm.files.read import read_arm
+from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
 
 ROOT = Path(__file__).resolve().parents[2]

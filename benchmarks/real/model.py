@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 
 from arm.effects import EFFECTS
 from benchmarks.real.splits import Folds
-from diagnose.candidates import Candidate, columns_of
-from diagnose.observed import Observed
-from diagnose.prepare import nuisances
+from diagnose.answer.sentences import name_of
+from diagnose.fitting.prepare import nuisances
+from diagnose.patterns.library import Candidate, columns_of
+from diagnose.residual.observed import Observed
 from diagnose.result import Diagnosis, Finding
-from diagnose.sentences import name_of
-
-Array = NDArray[np.float64]
+from sections.numeric import Array
 
 GEOMETRY = ("axis_misalignment", "encoder_offset", "link_length", "tool_offset", "frame_misalignment")
 _CUT, _NOTHING = 1e-11, 1e-9

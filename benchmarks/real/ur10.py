@@ -26,9 +26,9 @@ from benchmarks.real.model import (
 )
 from benchmarks.real.within import selected_within
 from diagnose.diagnosis import diagnose
-from diagnose.observed import Observed, observe
 from diagnose.options import Options
 from diagnose.recording import Recording
+from diagnose.residual.observed import Observed, observe
 from diagnose.result import Diagnosis
 
 CELL = 15.0

@@ -1,9 +1,8 @@
 """Fits for channels and T-sections, and the samples that they are made from.
 
-``python benchmarks/channel_fits.py sample FOLDER`` solves some thousand sections by boundary elements (ten minutes);
-``python benchmarks/channel_fits.py fit FOLDER > new.py`` then writes what becomes `sections/coefficients_channel.py`
-(which must stay whole while this runs). The errors that remain on the samples go to standard error, and with them those
-on samples that the fits have not seen.
+``python -m benchmarks.section_fits.channels sample FOLDER`` solves some thousand sections by boundary elements (ten
+minutes); ``python -m benchmarks.section_fits.channels fit FOLDER`` then writes `sections/fits/channels.json`. The
+errors that remain on the samples go to standard error, and with them those on samples that the fits have not seen.
 """
 
 from __future__ import annotations
@@ -13,14 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+from benchmarks.section_fits.fitting import WORST_POISSON, Fits, minimax, nest, powers, save
+from benchmarks.section_fits.samples import centred, channel, clustered, rows, t_section
 
-from open_section_samples import centred, channel, clustered, rows, t_section
-from section_fits import layout, minimax, nest, powers
-
-Fits = list[tuple[str, tuple]]
-WORST_POISSON = (0.45 / 1.45) ** 2
 RANGES = {
     channel: ([0.18, 0.009, 0.009], [1.7, 0.27, 0.27]),
     t_section: ([0.45, 0.009, 0.009], [3.4, 0.27, 0.27]),
@@ -38,8 +32,8 @@ def sample(folder: Path, count: int, seed: int, ending: str) -> None:
 
 def junctions(folder: Path) -> None:
     """J of the junction of long strips beyond that of the strips, over the share of the first thickness."""
-    from sections.open_walls import FREE_END
-    from sections.saint_venant import solve
+    from sections.formulas.open_walls import FREE_END
+    from sections.formulas.saint_venant import solve
 
     share = 0.006 + 0.988 * (0.5 - 0.5 * np.cos(np.pi * (np.arange(26) + 0.5) / 26))
     found = []
@@ -61,12 +55,12 @@ def junctions(folder: Path) -> None:
 def junction_fits(folder: Path) -> Fits:
     """Both junctions as polynomials."""
     share, *values = np.load(folder / "junctions.npy").T
-    out: Fits = []
-    for name, value in zip(("L_JUNCTION", "T_JUNCTION"), values, strict=True):
+    out: Fits = {}
+    for name, value in zip(("l_junction", "t_junction"), values, strict=True):
         matrix, exponents = powers((share,), 6)
         found = minimax(matrix, value, np.ones_like(share))
         print(f"{name:20s} {np.abs(matrix @ found - value).max():.1e} of the fourth power", file=sys.stderr)
-        out.append((name, nest(exponents, found)))
+        out[name] = nest(exponents, found)
     return out
 
 
@@ -80,7 +74,7 @@ class Fit:
     def add(self, ending: str, features: tuple, ratio: np.ndarray, weight: np.ndarray) -> None:
         self.parts[ending].append((np.column_stack(features), np.log(ratio), weight))
 
-    def made(self) -> tuple[str, tuple]:
+    def made(self) -> tuple:
         (features, target, weight), fresh = (
             tuple(np.concatenate(each) for each in zip(*parts, strict=True)) for parts in self.parts.values()
         )
@@ -92,20 +86,20 @@ class Fit:
         ]
         told = f"{errors[0].max():.2%} of {len(target)}, fresh {errors[1].max():.2%} of {len(errors[1])}"
         print(f"{self.name:20s} degree {self.degree}, {len(found)} terms: {told}", file=sys.stderr)
-        return self.name, nest(exponents, found)
+        return nest(exponents, found)
 
 
-def section_fits(folder: Path) -> Fits:
+def wall_fits(folder: Path) -> Fits:
     """Everything else, each weighted by its share of what it enters."""
-    from sections import open_walls as walls
+    from sections.formulas import open_walls as walls
+    from sections.formulas.thin_walls import i_section_cross_base
     from sections.shapes.channel import Channel
     from sections.shapes.t_section import TSection
-    from sections.thin_walls import i_section_cross_base
 
-    half, along_flange = Fit("HALF_SHEAR", 5), Fit("T_SHEAR_Y", 4)
+    half, along_flange = Fit("half_shear", 5), Fit("t_shear_y", 4)
     twisted = {
-        channel: (Fit("CHANNEL_POISSON_Y", 3), Fit("CHANNEL_POISSON_Z", 3)),
-        t_section: (Fit("T_POISSON_Y", 3), Fit("T_POISSON_Z", 3)),
+        channel: (Fit("channel_poisson_y", 3), Fit("channel_poisson_z", 3)),
+        t_section: (Fit("t_poisson_y", 3), Fit("t_poisson_z", 3)),
     }
     for ending in ("", "_fresh"):
         for make in RANGES:
@@ -138,22 +132,18 @@ def section_fits(folder: Path) -> Fits:
             for fit, c, moment, twist, share in zip(twisted[make], (cy, cz), (iz, iy), bases, shares, strict=True):
                 fit.add(ending, features, c / (area * twist / moment**2), share)
     fits = [half, along_flange, *twisted[channel], *twisted[t_section]]
-    return [fit.made() for fit in fits]
+    return {fit.name: fit.made() for fit in fits}
 
 
 def main() -> None:
-    """Sample into the folder, or fit and write the coefficients to standard output."""
+    """Sample into the folder, or fit what is there and write the data file."""
     what, folder = sys.argv[1], Path(sys.argv[2])
     if what == "sample":
         junctions(folder)
         sample(folder, 512, 11, "")
         sample(folder, 128, 21, "_fresh")
         return
-    print('"""Coefficients of fits, written by benchmarks/channel_fits.py; not to be edited by hand."""\n')
-    print("# fmt: off")
-    for make in (junction_fits, section_fits):
-        for name, value in make(folder):
-            print(f"{name} = {layout(value)}")
+    save("channels", {**junction_fits(folder), **wall_fits(folder)})
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Torsion and shear of shapes without symmetry in both axes, sampled by boundary elements over their dimensions.
 
-Run ``python benchmarks/open_section_samples.py FOLDER`` once (some minutes); `benchmarks/open_section_fits.py` reads
-what it leaves there. Every shape has height 1; each row holds the dimensions, then J and (a, c) of
+Run ``python -m benchmarks.section_fits.samples FOLDER`` once (some minutes); `benchmarks.section_fits.open_sections`
+reads what it leaves there. Every shape has height 1; each row holds the dimensions, then J and (a, c) of
 A / A_s = a + c (nu / (1 + nu))^2 along y and along z.
 """
 
@@ -15,9 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import qmc
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-
-from sections.saint_venant import moments, solve
+from sections.formulas.saint_venant import moments, solve
 
 Loops = list[np.ndarray]
 FILLET_CHORDS = 5

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import yaml
 
-from benchmarks.blind.beams import Section, circle, rectangular_tube, tube
-from benchmarks.blind.mechanics import Arm, Joint, Link, nominal_inputs, solve
+from benchmarks.blind.generator.beams import Section, circle, rectangular_tube, tube
+from benchmarks.blind.generator.mechanics import Arm, Joint, Link, nominal_inputs, solve
 
 STEEL = (210e9, 0.3, 7850.0, 12e-6)
 ALUMINIUM = (70e9, 0.3, 2700.0, 23e-6)

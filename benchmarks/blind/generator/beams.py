@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.blind.vectors import Array, rotated, rotation_rate
+from benchmarks.blind.generator.vectors import Array, rotated, rotation_rate
 
 NODES = 5
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.blind import aliases
-from benchmarks.blind.arms import FAMILIES, Ranges, draw_arm
-from benchmarks.blind.concealed import OUTSIDE, UNIFORM, Effect, Scene
-from benchmarks.blind.designs import DESIGNS, Design, draw_design
-from benchmarks.blind.draws import ANY, SINGLES, Recipe, draw_effect, recipe
-from benchmarks.blind.measurement import Tracker, clean_tracker, draw_ratio, hostile_tracker, noise
-from benchmarks.blind.mechanics import Arm
+from benchmarks.blind.generator.arms import FAMILIES, Ranges, draw_arm
+from benchmarks.blind.generator.concealed import OUTSIDE, UNIFORM, Effect, Scene
+from benchmarks.blind.generator.designs import DESIGNS, Design, draw_design
+from benchmarks.blind.generator.draws import ANY, SINGLES, Recipe, draw_effect, recipe
+from benchmarks.blind.generator.measurement import Tracker, clean_tracker, draw_ratio, hostile_tracker, noise
+from benchmarks.blind.generator.mechanics import Arm
+from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.staging import (
     GEOMETRIC,
     alike,
@@ -25,7 +26,6 @@ from benchmarks.blind.staging import (
     projected_rms,
     stage,
 )
-from benchmarks.blind.vectors import Array
 
 DOSES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 INVISIBLE = (

@@ -11,12 +11,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from benchmarks.blind.designs import Design
-from benchmarks.blind.mechanics import Arm, Solution
-from benchmarks.blind.perturbation import Departure, nothing
-from benchmarks.blind.play import approached, backlash, pressed
-from benchmarks.blind.thermal import crept, lagged
-from benchmarks.blind.vectors import Array, cross, dot
+from benchmarks.blind.generator.designs import Design
+from benchmarks.blind.generator.mechanics import Arm, Solution
+from benchmarks.blind.generator.perturbation import Departure, nothing
+from benchmarks.blind.generator.play import approached, backlash, pressed
+from benchmarks.blind.generator.thermal import crept, lagged
+from benchmarks.blind.generator.vectors import Array, cross, dot
 
 Parameters = Mapping[str, float]
 

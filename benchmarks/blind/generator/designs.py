@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.blind.arms import Ranges
-from benchmarks.blind.mechanics import Arm
-from benchmarks.blind.thermal import Air, draw_air
-from benchmarks.blind.vectors import Array
+from benchmarks.blind.generator.arms import Ranges
+from benchmarks.blind.generator.mechanics import Arm
+from benchmarks.blind.generator.thermal import Air, draw_air
+from benchmarks.blind.generator.vectors import Array
 
 DESIGNS = ("full", "two_payloads", "two_sides", "forced", "moving", "one_payload", "poor")
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.blind.arms import Ranges
-from benchmarks.blind.concealed import Effect, Scene
+from benchmarks.blind.generator.arms import Ranges
+from benchmarks.blind.generator.concealed import Effect, Scene
 
 ANY = ("links", "drives", "bodies")
 GOOD = ("full", "two_payloads", "two_sides", "moving")

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from benchmarks.blind.arms import arm_file
-from benchmarks.blind.cases import Alias, Case
-from benchmarks.blind.concealed import Effect
+from benchmarks.blind.generator.arms import arm_file
+from benchmarks.blind.generator.cases import Alias, Case
+from benchmarks.blind.generator.concealed import Effect
 
 UNITS = (
     ("backlash", "held_below", "N*m"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.blind.vectors import Array
+from benchmarks.blind.generator.vectors import Array
 
 
 @dataclass(frozen=True)

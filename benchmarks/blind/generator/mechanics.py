@@ -10,8 +10,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from benchmarks.blind.beams import NODES, RodShape, Section, internal_loads, rod_shape
-from benchmarks.blind.vectors import Array, cross, dot, product, rotation_of, turned, turned_back
+from benchmarks.blind.generator.beams import NODES, RodShape, Section, internal_loads, rod_shape
+from benchmarks.blind.generator.vectors import Array, cross, dot, product, rotation_of, turned, turned_back
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.blind.mechanics import Arm, Inputs, Solution, nominal_inputs, solve, stacked, with_changes
-from benchmarks.blind.vectors import Array, cross, turned
+from benchmarks.blind.generator.mechanics import Arm, Inputs, Solution, nominal_inputs, solve, stacked, with_changes
+from benchmarks.blind.generator.vectors import Array, cross, turned
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.blind.vectors import Array, dot
+from benchmarks.blind.generator.vectors import Array, dot
 
 
 def play_path(motor: Array, width: Array, start: float = 0.0) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.blind.vectors import Array
+from benchmarks.blind.generator.vectors import Array
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks.blind.cases import Case
-from benchmarks.blind.files import recording_settings, recording_table
+from benchmarks.blind.generator.cases import Case
+from benchmarks.blind.generator.files import recording_settings, recording_table
+from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.proof.library import true_arm
 from benchmarks.blind.proof.patterns import left
 from benchmarks.blind.proof.remade import Visit, continued, remade, rng_of
 from benchmarks.blind.run import ask
 from benchmarks.blind.staging import exact
-from benchmarks.blind.vectors import Array
 
 _KEPT = ("verdict", "missing", "where", "noise_floor_mm", "rms_after_held_out_mm")
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, optimize, stats
 
+from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.proof.patterns import Name, Patterns
-from benchmarks.blind.vectors import Array
 
 GEOMETRY = ("frame_misalignment", "encoder_offset", "link_length", "tool_offset")
 _LEVEL = 0.01

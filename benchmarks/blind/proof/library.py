@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks.blind.cases import Case
-from benchmarks.blind.concealed import UNIFORM, Effect
-from benchmarks.blind.mechanics import material_frame
+from benchmarks.blind.generator.cases import Case
+from benchmarks.blind.generator.concealed import UNIFORM, Effect
+from benchmarks.blind.generator.mechanics import material_frame
 
 Entry = dict[str, Any]
 Words = Mapping[str, str | float]

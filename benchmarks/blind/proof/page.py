@@ -10,7 +10,7 @@ from pathlib import Path
 import yaml
 
 from benchmarks.blind.answers import Rate, Spread
-from benchmarks.blind.concealed import OUTSIDE
+from benchmarks.blind.generator.concealed import OUTSIDE
 from benchmarks.blind.proof.figures import Figures, Prediction
 from benchmarks.blind.proof.halves import Half
 from benchmarks.blind.proof.targets import TARGETS, Cause, Target, causes

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.blind.aliases import frame_columns
-from benchmarks.blind.cases import Case
-from benchmarks.blind.concealed import Scene
-from benchmarks.blind.mechanics import nominal_inputs, solve
+from benchmarks.blind.generator.cases import Case
+from benchmarks.blind.generator.concealed import Scene
+from benchmarks.blind.generator.mechanics import nominal_inputs, solve
+from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.proof.baselines import BASELINES
 from benchmarks.blind.proof.library import tellable, true_arm
 from benchmarks.blind.proof.patterns import left, patterns, patterns_at
 from benchmarks.blind.proof.remade import REGIONS, Session, remade, rng_of, session, table_of
 from benchmarks.blind.run import CORRECTED, ask
 from benchmarks.blind.staging import exact, nominal_without, stage
-from benchmarks.blind.vectors import Array
 
 CLEAR = 0.6
 """Share of a displacement's squares that lies in one direction, for the direction to have a name."""
@@ -90,9 +90,7 @@ def _frame(case: Case, made: Session, vectors: Array, inside: NDArray[np.bool_])
 def direction(case: Case) -> str:
     """Where the concealed displacement points at recorded poses: radial, tangential, vertical (in space) or mixed."""
     _, response = stage(case.arm, case.design)
-    change = exact(case.arm, case.design, case.effects) - nominal_without(
-        case.arm, case.design, case.effects, response
-    )
+    change = exact(case.arm, case.design, case.effects) - nominal_without(case.arm, case.design, case.effects, response)
     axes = case.readings.shape[0]
     outward = response.nominal.tip.copy()
     outward[2] = 0.0
@@ -113,4 +111,3 @@ def claimed(folder: str) -> dict[str, Any]:
         "names": {name: [list(each) for each in fitted.names] for name, fitted in fits.items()},
         "claims": {name: fitted.claims for name, fitted in fits.items()},
     }
-

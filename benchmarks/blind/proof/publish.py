@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.blind.concealed import OUTSIDE
+from benchmarks.blind.generator.concealed import OUTSIDE
 from benchmarks.blind.proof.asked_again import next_poses, self_made
 from benchmarks.blind.proof.drawing import heat_map, power
 from benchmarks.blind.proof.figures import Figures, Results, asks_for_poses, figures

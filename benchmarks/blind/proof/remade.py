@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.blind.cases import Case, kind_of, make_case
-from benchmarks.blind.designs import Design
-from benchmarks.blind.files import recording_table
+from benchmarks.blind.generator.cases import Case, kind_of, make_case
+from benchmarks.blind.generator.designs import Design
+from benchmarks.blind.generator.files import recording_table
+from benchmarks.blind.generator.thermal import Air
+from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.staging import exact
-from benchmarks.blind.thermal import Air
-from benchmarks.blind.vectors import Array
 
 REGIONS = ("inside", "outside", "payload")
 _EXTENDED = 0.25

@@ -1,0 +1,1 @@
+"""What is drawn and recorded: arms, concealed physics and measurements, sharing no code with what is judged."""
