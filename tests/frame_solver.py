@@ -22,9 +22,9 @@ from math import inf, isfinite
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sections.numeric import Array
+
 Vector = Sequence[float] | Array
 
 ALL_SIX = (0, 1, 2, 3, 4, 5)
@@ -154,9 +154,7 @@ def _direction(vector: Vector) -> Array:
 
 def _axes(frame: Frame, member: Member) -> tuple[float, Array]:
     """The member's length and the matrix whose rows are u, h, b."""
-    span = np.asarray(frame.nodes[member.end], dtype=float) - np.asarray(
-        frame.nodes[member.start], dtype=float
-    )
+    span = np.asarray(frame.nodes[member.end], dtype=float) - np.asarray(frame.nodes[member.start], dtype=float)
     length = float(np.linalg.norm(span))
     along = span / length
     height = np.asarray(member.height_direction, dtype=float)
@@ -181,9 +179,7 @@ def _planes(member: Member, length: float) -> list[tuple[Array, Array, float, fl
     ):
         shear_rigidity = member.shear_modulus * shear_area
         phi = (
-            12 * member.elastic_modulus * second_moment / (shear_rigidity * length**2)
-            if isfinite(shear_area)
-            else 0.0
+            12 * member.elastic_modulus * second_moment / (shear_rigidity * length**2) if isfinite(shear_area) else 0.0
         )
         result.append((places, signs, second_moment, phi))
     return result
@@ -290,9 +286,7 @@ def _free_coordinates(frame: Frame) -> tuple[Array, Array]:
     first plus the axis times one relative coordinate, so nothing is lost to a large number.
     """
     for spring in frame.springs:
-        gap = np.asarray(frame.nodes[spring.first], dtype=float) - np.asarray(
-            frame.nodes[spring.second], dtype=float
-        )
+        gap = np.asarray(frame.nodes[spring.first], dtype=float) - np.asarray(frame.nodes[spring.second], dtype=float)
         if np.any(gap != 0):
             raise ValueError(f"nodes {spring.first} and {spring.second} of a spring must coincide")
         if spring.motion not in ("rotation", "translation"):

@@ -16,11 +16,10 @@ by the link before it.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sections.numeric import Array
 from tests.frame_solver import Frame, Member, PointLoad, PointMass, Spring, Support, solve
 
-Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 

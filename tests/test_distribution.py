@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -16,7 +17,7 @@ from tests.test_house import ROOT, tracked_files
 # The environment is built once: all these tests go to one worker.
 pytestmark = pytest.mark.xdist_group("distribution")
 
-ROOMS = ("sections", "materials", "arm", "optimize", "diagnose", "linkwright")
+ROOMS = ("units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright")
 
 ARM = """\
 name: two links on a bench
@@ -103,9 +104,7 @@ def test_wheel_holds_every_file_of_the_packages(installed):
     with zipfile.ZipFile(installed.wheel) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
     expected = {
-        path.relative_to(ROOT).as_posix()
-        for path in tracked_files()
-        if path.relative_to(ROOT).parts[0] in ROOMS
+        path.relative_to(ROOT).as_posix() for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS
     }
     assert packed == expected
     assert any(name.startswith("materials/catalogue/") and name.endswith(".yaml") for name in packed)
@@ -162,3 +161,47 @@ def test_an_arm_is_evaluated(installed, tmp_path):
     result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert 0.01 < result["max_error_mm"] < 10
     assert result["mass_kg"] == pytest.approx(4.416, abs=0.1)
+
+
+# ---- a package of somebody else's that brings an effect
+
+
+@pytest.fixture(scope="module")
+def with_cable_drag(installed: Installed, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the example's arm and recording; its wheel, built from a copy, is installed beside ours."""
+    place = tmp_path_factory.mktemp("cable-drag")
+    tree = place / "tree"
+    shutil.copytree(ROOT / "examples" / "cable-drag", tree)
+    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(place / "dist"), str(tree)]
+    must(build, place)
+    (wheel,) = (place / "dist").glob("*.whl")
+    pip = ("python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-index", str(wheel))
+    done = installed.run(*pip, cwd=place)
+    assert done.returncode == 0, done.stderr
+    return tree
+
+
+@pytest.mark.usefixtures("with_cable_drag")
+def test_an_installed_package_brings_its_effect(installed, tmp_path):
+    """It is listed with those that are shipped, and keeps their contract."""
+    answer(installed, tmp_path, "linkwright", "effects", "list", "--json", "effects.json")
+    listed = [each["id"] for each in json.loads((tmp_path / "effects.json").read_text(encoding="utf-8"))["effects"]]
+    assert "joint_compliance" in listed
+    assert listed[-1] == "cable_drag"
+    ask = "from arm.effects import EFFECTS; from arm.effects.contract import check; check(EFFECTS['cable_drag'])"
+    answer(installed, tmp_path, "python", "-P", "-c", ask)
+
+
+def test_an_installed_effect_is_simulated_and_named(installed, with_cable_drag, tmp_path):
+    """The example's commands, from the recording that they make to the joint and the pull."""
+    entry = "{effect: cable_drag, at: 3, pull: 60 N}"
+    arm, recording = str(with_cable_drag / "arm.yaml"), with_cable_drag / "recording.csv"
+    plan = ("--poses", "40", "--payloads", "1 kg, 4 kg", "--repeats", "2", "--with", entry, "--out", "again.csv")
+    answer(installed, tmp_path, "linkwright", "simulate", arm, *plan)
+    assert (tmp_path / "again.csv").read_bytes() == recording.read_bytes()
+    answer(installed, tmp_path, "linkwright", "diagnose", arm, str(recording), "--json", "result.json")
+    result = (tmp_path / "result.json").read_text(encoding="utf-8")
+    missing = json.loads(result)["missing"]
+    assert [(each["effect"], each["at"]) for each in missing] == [("cable_drag", [3])]
+    low, high = missing[0]["parameters"]["pull_3"]["ci95"]
+    assert low < 60.0 < high

@@ -3,21 +3,28 @@
 import ast
 import re
 import subprocess
+from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
+
+from arm.effects import EFFECTS
 
 ROOT = Path(__file__).resolve().parent.parent
 
 # What each room may use beside itself. Nobody walks back up, and optimize and diagnose stay strangers.
 MAY_USE = {
-    "sections": set(),
-    "materials": set(),
-    "arm": {"sections", "materials"},
-    "optimize": {"arm", "sections", "materials"},
-    "diagnose": {"arm", "sections", "materials"},
-    "linkwright": {"arm", "sections", "materials", "optimize", "diagnose"},
+    "units": set(),
+    "registries": {"units"},
+    "sections": {"registries"},
+    "materials": {"units"},
+    "catalogues": {"units", "sections", "materials"},
+    "arm": {"units", "registries", "sections", "materials"},
+    "optimize": {"units", "registries", "arm", "sections", "materials"},
+    "diagnose": {"units", "arm", "sections", "materials"},
+    "linkwright": {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose"},
 }
 
 
@@ -30,9 +37,7 @@ def tracked_files() -> list[Path]:
         check=False,
     )
     if listing.returncode == 0:
-        return sorted(
-            path for name in set(listing.stdout.split("\0")) if name and (path := ROOT / name).is_file()
-        )
+        return sorted(path for name in set(listing.stdout.split("\0")) if name and (path := ROOT / name).is_file())
     aside = re.compile(r"\.|(build|dist|__pycache__)$|demo-out|.*\.egg-info$")  # what .gitignore leaves out
     return sorted(
         path
@@ -53,10 +58,16 @@ MODULES = {
 }
 
 
+@cache
+def syntax(source: str) -> ast.Module:
+    """Most checks read the same files, and reading is what takes time."""
+    return ast.parse(source)
+
+
 def imported(name: str, source: str, is_package: bool, modules: set[str], *, at_load: bool) -> set[str]:
     """Those of `modules` that the module imports; with `at_load`, only while it is loaded itself."""
     found: set[str] = set()
-    for node in _import_statements(ast.parse(source), at_load=at_load):
+    for node in _import_statements(syntax(source), at_load=at_load):
         if isinstance(node, ast.Import):
             candidates = [alias.name for alias in node.names]
         else:
@@ -135,10 +146,10 @@ MUTABLE_DISPLAYS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast
 def mutable_state(source: str) -> list[str]:
     """Module-level names bound to something that can be changed, and functions that rebind such names.
 
-    A literal behind MappingProxyType, tuple or frozenset is a constant. A registry is written out and so
-    wrapped, and needs no exception here. `__all__` is what the language asks for.
+    A literal behind MappingProxyType, tuple or frozenset is a constant. A list that is meant to grow is
+    a `registries.Registry`, which owns its entries and says what may be added. `__all__` is what the language asks for.
     """
-    tree = ast.parse(source)
+    tree = syntax(source)
     found = []
     for node in tree.body:
         if isinstance(node, ast.Assign):
@@ -152,9 +163,7 @@ def mutable_state(source: str) -> list[str]:
         if names != "__all__" and (isinstance(value, MUTABLE_DISPLAYS) or makes):
             found.append(f"line {node.lineno}: {names} can be changed")
     found += [
-        f"line {node.lineno}: global {', '.join(node.names)}"
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Global)
+        f"line {node.lineno}: global {', '.join(node.names)}" for node in ast.walk(tree) if isinstance(node, ast.Global)
     ]
     return found
 
@@ -162,13 +171,38 @@ def mutable_state(source: str) -> list[str]:
 def swallowed_errors(source: str) -> list[int]:
     """Lines of handlers that take any error: bare, Exception or BaseException, alone or among others."""
     lines = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(syntax(source)):
         if isinstance(node, ast.ExceptHandler):
             kinds = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
             names = ["" if kind is None else ast.unparse(kind) for kind in kinds]
             if any(name.rpartition(".")[2] in ("", "Exception", "BaseException") for name in names):
                 lines.append(node.lineno)
     return lines
+
+
+# Words that name other things too: keys of joints and arms, ranges of a problem, a material's figure.
+OTHER_MEANINGS = {"backlash", "clearance", "payload", "link_length", "thermal_expansion"}
+SPEAKS_OF_EFFECTS = re.compile(r"effect|candidate|leave_out|signature", re.IGNORECASE)
+
+
+def named_effects(source: str, ids: set[str]) -> list[str]:
+    """Effects that code names by their ids: whatever it knows of them should stand on the `Effect`.
+
+    A word with other meanings counts where the line's expression speaks of effects.
+    """
+    tree = syntax(source)
+    found = []
+    for node in ast.walk(tree):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.Constant) and isinstance(child.value, str) and child.value in ids:
+                about = ast.unparse(node).replace(f"'{child.value}'", "")
+                if child.value not in OTHER_MEANINGS or SPEAKS_OF_EFFECTS.search(about):
+                    found.append(f"line {child.lineno}: {child.value}")
+    return found
+
+
+# The paper's own model leaves effects out and adds others, as anybody's arm file does.
+NAMES_EFFECTS = ROOT / "linkwright" / "paper"
 
 
 # Written in pieces, so that this file does not hold what it looks for.
@@ -205,10 +239,7 @@ NOT_TEXT = {
 
 def machine_names(text: str) -> list[str]:
     """Absolute paths of one machine and hosts of package registries, each with its line number."""
-    return [
-        f"line {text.count(chr(10), 0, hit.start()) + 1}: {hit.group()}"
-        for hit in MACHINE_NAMES.finditer(text)
-    ]
+    return [f"line {text.count(chr(10), 0, hit.start()) + 1}: {hit.group()}" for hit in MACHINE_NAMES.finditer(text)]
 
 
 def test_every_room_stands():
@@ -219,6 +250,28 @@ def test_every_room_stands():
 def test_rooms_use_only_rooms_above_them():
     """Imports inside functions count as well."""
     assert upward_uses({name: imports_of(name, at_load=False) for name in MODULES}) == []
+
+
+MOST_FILES = 15
+"""Files that a folder may hold of its own: about a dozen. What is data beside code counts as well."""
+
+
+def crowded(paths: list[Path]) -> dict[str, int]:
+    """Folders below the root with more files than that, each with its number; `__init__.py` does not count."""
+    counts = Counter(path.parent for path in paths if path.name != "__init__.py" and path.parent != ROOT)
+    return {str(folder.relative_to(ROOT)): number for folder, number in counts.items() if number > MOST_FILES}
+
+
+def test_no_folder_is_crowded():
+    """Who opens a folder should see what it is for."""
+    assert crowded(tracked_files()) == {}
+
+
+def test_crowding_is_seen():
+    """The check above checked: one file too many, the root and package markers left out."""
+    full = [ROOT / "arm" / f"part_{number}.py" for number in range(MOST_FILES)]
+    assert crowded([*full, ROOT / "arm" / "__init__.py", *(ROOT / path.name for path in full)]) == {}
+    assert crowded([*full, ROOT / "arm" / "more.yaml"]) == {"arm": MOST_FILES + 1}
 
 
 def test_no_cycle_between_modules():
@@ -240,9 +293,7 @@ def test_package_code_imports_nothing_of_tests_or_benchmarks():
 def test_no_module_keeps_state():
     """What a run learns belongs to its objects; a module-level container is shared by all."""
     found = {
-        name: lines
-        for name, path in MODULES.items()
-        if (lines := mutable_state(path.read_text(encoding="utf-8")))
+        name: lines for name, path in MODULES.items() if (lines := mutable_state(path.read_text(encoding="utf-8")))
     }
     assert found == {}
 
@@ -253,6 +304,19 @@ def test_no_handler_takes_any_error():
         str(path.relative_to(ROOT)): lines
         for path in tracked_files()
         if path.suffix == ".py" and (lines := swallowed_errors(path.read_text(encoding="utf-8")))
+    }
+    assert found == {}
+
+
+def test_no_code_names_an_effect():
+    """But for the effect's own file; `aliases` there name others."""
+    shipped = {effect.id for effect in EFFECTS.values()}
+    found = {
+        name: lines
+        for name, path in MODULES.items()
+        if path.stem not in shipped
+        and not path.is_relative_to(NAMES_EFFECTS)
+        and (lines := named_effects(path.read_text(encoding="utf-8"), shipped))
     }
     assert found == {}
 
@@ -345,6 +409,24 @@ def test_mutable_state_is_found(source, count):
 def test_swallowed_errors_are_found(handler, lines):
     """In all their spellings."""
     assert swallowed_errors(f"try:\n    f()\n{handler}\n    pass\n") == lines
+
+
+@pytest.mark.parametrize(
+    ("source", "count"),
+    [
+        ("if effect.id == 'creep': pass", 1),
+        ("LINKS = frozenset({'axial', 'torsion'})", 2),
+        ("RANK = MappingProxyType({'creep': 3, 'backlash': 4})", 1),
+        ("if candidate.effect == 'backlash': pass", 1),
+        ("observed.signature('payload', settings)", 1),
+        ("EFFECTS['clearance']", 1),
+        ("clearance = keys.quantity('clearance', 'length')", 0),
+        ("'creep is slow'", 0),
+    ],
+)
+def test_named_effects_are_found(source, count):
+    """Compared, listed, looked up; a key of the arm file that an effect shares is none."""
+    assert len(named_effects(source, {"creep", "axial", "torsion", *OTHER_MEANINGS})) == count
 
 
 @pytest.mark.parametrize(

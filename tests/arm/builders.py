@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.beam import Beam
-from arm.chain import Arm, Joint, Link, LoadCase
-from arm.error import active_effects, carried_to_tip, rotation_at_tip
-from arm.files import read_arm
-from arm.statics import PoseState, solve
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.statics import PoseState, solve
+from arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
+from arm.files.read import read_arm
+from sections.numeric import Array
 from tests.random_chains import RandomChain
-
-Array = NDArray[np.float64]
 
 CIRCLE = "{shape: circle, diameter: 100 mm}"
 PAPER_MATERIAL = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3}"
@@ -25,9 +23,7 @@ def chain_arm(
     chain: RandomChain, *, shear: bool, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Arm, tuple[Beam, ...], list[float]]:
     """The arm that a random chain is, its beams and its joint coordinates; its sections enter as rigidities."""
-    joints = tuple(
-        Joint(axis=link.axis, stiffness=link.joint_stiffness, mass=link.joint_mass) for link in chain.links
-    )
+    joints = tuple(Joint(axis=link.axis, stiffness=link.joint_stiffness, mass=link.joint_mass) for link in chain.links)
     beams = tuple(
         Beam(
             length=link.length,

@@ -12,16 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arm.actuators import ACTUATORS_VARIABLE, Actuator, load_actuators, read_actuators, shipped_actuators
-from arm.chain import LoadCase
-from arm.drive_load import drive_case, greatest_drive_loads
+from arm.chain.chain import LoadCase
+from arm.errors.model import beam_values, beams_of, error_model
 from arm.evaluation import evaluate
-from arm.files import read_arm
-from arm.model import beam_values, beams_of, error_model
-from arm.workspace import Workspace
-from arm.worst import WorstSearch
-from arm.writing import arm_to_yaml
-from materials.quantities import InputError
-from materials.reading import Mapping, parse_yaml
+from arm.files.read import read_arm
+from arm.files.write import arm_to_yaml
+from arm.limits.drive_loads import drive_case, greatest_drive_loads
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Workspace
+from units.quantities import InputError
+from units.reading import Mapping, parse_yaml
 
 BAR = "link: {length: 500 mm, section: {shape: circle, diameter: 50 mm}, material: aluminium-6061-t6}"
 OWN = """\

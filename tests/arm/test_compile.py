@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -16,21 +15,18 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import arm.compile as compile_module
-from arm import compile_c, compile_library
-from arm.compile import (
-    CompilerError,
-    NotQuadratic,
-    TrigQuadratic,
-    UnsupportedOperation,
-    vectorise,
-)
-from arm.compile_c import BLOCK, FAR_ANGLE, c_source
-from arm.compile_tape import read_tape
+from arm.compiled.tape import UnsupportedOperation, read_tape
+from arm.compiled.vectorise import vectorise
+from benchmarks.compiled import c_build, c_code
+from benchmarks.compiled.c_build import CompilerError
+from benchmarks.compiled.c_code import BLOCK, FAR_ANGLE, c_source
+from benchmarks.compiled.function import compiled
+from benchmarks.trigonometric_quadratic import NotQuadratic, TrigQuadratic
 
 HAS_COMPILER = any(map(shutil.which, ("cc", "gcc", "clang"))) and os.name == "posix"
 needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="no C compiler on this machine")
-BACKENDS = ["never", pytest.param("require", marks=needs_compiler)]
+FUNCTIONS = {"numpy": vectorise, "c": compiled}
+BACKENDS = ["numpy", pytest.param("c", marks=needs_compiler)]
 
 TRIG = [ca.sin, ca.cos]
 SMOOTH_1 = [ca.exp, ca.tanh, ca.atan, ca.sinh, ca.cosh, ca.asinh, ca.erf, ca.expm1, ca.log1p]
@@ -83,7 +79,7 @@ SPECIAL = [0.0, -0.0, 1.0, -1.0, 0.5, 2.0, -3.0, np.inf, -np.inf, np.nan, 1e-300
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path_factory, monkeypatch):
     folder = tmp_path_factory.getbasetemp() / "linkwright-cache"
-    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(folder))
+    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(folder))
     monkeypatch.delenv("LINKWRIGHT_NO_COMPILER", raising=False)
     monkeypatch.delenv("CC", raising=False)
     return folder
@@ -136,7 +132,7 @@ def check_random_expression(steps, constants, seed, compiler):
     rows[25:] = np.where(rng.random((15, 3)) < 0.6, rng.choice(SPECIAL, (15, 3)), rows[25:])
     # Once equal terms are merged, CasADi itself takes y - y for 0, even where y is infinite.
     expected = casadi_values([x], ca.cse(value), [rows])
-    (found,) = vectorise([x], [value], compiler=compiler)(rows)
+    (found,) = FUNCTIONS[compiler]([x], [value])(rows)
     assert found.shape == expected.shape
 
     assert np.array_equal(found[:, exact], expected[:, exact], equal_nan=True)
@@ -156,14 +152,14 @@ def check_random_expression(steps, constants, seed, compiler):
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
 def test_random_expressions_equal_casadi_in_numpy(steps, constants, seed):
-    check_random_expression(steps, constants, seed, "never")
+    check_random_expression(steps, constants, seed, "numpy")
 
 
 @needs_compiler
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
 def test_random_expressions_equal_casadi_in_c(steps, constants, seed):
-    check_random_expression(steps, constants, seed, "require")
+    check_random_expression(steps, constants, seed, "c")
 
 
 @pytest.mark.parametrize("compiler", BACKENDS)
@@ -175,29 +171,29 @@ def test_every_operation_equals_casadi_special_values_included(compiler):
     output = ca.vertcat(*one, *two, a**b, ca.if_else(a > b, a, b), a**2.5, 3.0, b)
     grid = np.array([(u, v) for u in [*SPECIAL, 0.3, -2.7] for v in [*SPECIAL, 1.9, -0.4]])
     expected = casadi_values([x], output, [grid])
-    (found,) = vectorise([x], [output], compiler=compiler)(grid)
+    (found,) = FUNCTIONS[compiler]([x], [output])(grid)
     np.testing.assert_allclose(found, expected, rtol=1e-14, atol=4e-16)
 
 
 @pytest.mark.parametrize("compiler", BACKENDS)
 def test_sine_and_cosine_are_within_the_stated_distance(compiler):
     x = ca.SX.sym("x")
-    f = vectorise([x], [ca.vertcat(ca.sin(x), ca.cos(x))], compiler=compiler)
+    f = FUNCTIONS[compiler]([x], [ca.vertcat(ca.sin(x), ca.cos(x))])
     rng = np.random.default_rng(3)
     angles = np.concatenate(
         [np.linspace(-7, 7, 20_001), rng.uniform(-1e3, 1e3, 40_000), np.arange(-640, 640) * np.pi / 2]
     )
     (found,) = f(angles[:, None])
-    limit = 4e-16 if compiler == "never" else 2.5e-16
+    limit = 4e-16 if compiler == "numpy" else 2.5e-16
     assert np.max(np.abs(found[:, 0] - np.sin(angles))) <= limit
     assert np.max(np.abs(found[:, 1] - np.cos(angles))) <= limit
 
 
 @needs_compiler
-@pytest.mark.parametrize(("rows", "threads"), [(5 * BLOCK + 17, 1), (3 * compile_library.ROWS_PER_THREAD + 77, 3)])
+@pytest.mark.parametrize(("rows", "threads"), [(5 * BLOCK + 17, 1), (3 * c_build.ROWS_PER_THREAD + 77, 3)])
 def test_blocks_with_far_angles_are_computed_anew(rows, threads):
     x = ca.SX.sym("x")
-    f = vectorise([x], [ca.sin(x)], compiler="require", threads=threads)
+    f = compiled([x], [ca.sin(x)], threads=threads)
     rng = np.random.default_rng(9)
     angles = rng.uniform(0.0, 3.0, (rows, 1))
     for row in (3, BLOCK + 1, 2 * BLOCK - 1, rows // 3, rows // 3 + 40, rows // 2, 2 * rows // 3, rows - 1):
@@ -212,7 +208,7 @@ def test_constants_keep_their_sign_and_their_every_bit(compiler):
     x = ca.SX.sym("x")
     constants = [0.0, -0.0, 0.1, 1 / 3, np.pi, 5e-324, 1.7976931348623157e308, np.inf, -np.inf, -1e-7, 1e22]
     output = ca.vertcat(*(ca.copysign(x, c) for c in constants), *(ca.fmax(ca.fmin(x, 0), c) for c in constants))
-    (found,) = vectorise([x], [output], compiler=compiler)([[2.0]])
+    (found,) = FUNCTIONS[compiler]([x], [output])([[2.0]])
     np.testing.assert_array_equal(found, casadi_values([x], output, [[[2.0]]]))
 
 
@@ -220,7 +216,7 @@ def test_constants_keep_their_sign_and_their_every_bit(compiler):
 def test_rows_constants_and_layouts_broadcast(compiler):
     q, d = ca.SX.sym("q", 2), ca.SX.sym("d", 3)
     outputs = [ca.vertcat(q[0] * d[2] + ca.sin(d[0]), q[1]), d[1] * d[1] + 1, ca.SX(2, 1), d]
-    f = vectorise([q, d], outputs, compiler=compiler)
+    f = FUNCTIONS[compiler]([q, d], outputs)
     rng = np.random.default_rng(0)
     angles, design = rng.normal(size=(20_011, 2)), rng.normal(size=3)
     repeated = np.broadcast_to(design, (len(angles), 3))
@@ -245,23 +241,23 @@ def test_rows_constants_and_layouts_broadcast(compiler):
 @pytest.mark.parametrize("compiler", BACKENDS)
 def test_programs_without_inputs_or_outputs(compiler):
     x = ca.SX.sym("x", 2)
-    assert vectorise([x], [], compiler=compiler)(np.ones((3, 2))) == ()
-    (found,) = vectorise([], [ca.SX(4.0)], compiler=compiler)()
+    assert FUNCTIONS[compiler]([x], [])(np.ones((3, 2))) == ()
+    (found,) = FUNCTIONS[compiler]([], [ca.SX(4.0)])()
     assert found.tolist() == [[4.0]]
 
 
 @pytest.mark.parametrize("compiler", BACKENDS)
 def test_a_long_program_is_split_and_still_right(compiler, monkeypatch):
-    monkeypatch.setattr(compile_c, "LONGEST_STAGE", 20)
+    monkeypatch.setattr(c_code, "LONGEST_STAGE", 20)
     x = ca.SX.sym("x", 4)
     terms, last = [x[0] * x[j % 4] + j * x[1] for j in range(60)], x[0]
-    for k in range(3 * compile_c.MOST_INLINE_ANGLES):
+    for k in range(3 * c_code.MOST_INLINE_ANGLES):
         last = ca.sin(0.6 * last + 0.01 * k) + x[k % 4] * (ca.exp(-(x[1] ** 2) * k) if k % 9 == 0 else 0.3)
         terms += [last, ca.cos(x[3] * k)]
     output = ca.vertcat(*terms)
     rows = np.random.default_rng(5).normal(size=(300, 4)) * 0.1
     rows[7, 3] = 1e12
-    (found,) = vectorise([x], [output], compiler=compiler)(rows)
+    (found,) = FUNCTIONS[compiler]([x], [output])(rows)
     np.testing.assert_allclose(found, casadi_values([x], output, [rows]), rtol=1e-15, atol=3e-15)
 
 
@@ -290,10 +286,8 @@ def test_expressions_that_do_not_fit_are_refused():
         vectorise([q, q[0]], [q])
     with pytest.raises(ValueError, match="column"):
         vectorise([q], [ca.SX(2, 2) + q[0]])
-    with pytest.raises(ValueError, match="compiler must be"):
-        vectorise([q], [q], compiler="maybe")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="threads"):
-        vectorise([q], [q], threads=0)
+        compiled([q], [q], threads=0)
     with pytest.raises(UnsupportedOperation, match="erfinv"):
         vectorise([q], [ca.erfinv(q[0])])
 
@@ -307,21 +301,6 @@ def planar_error(q):
     lever_y = ca.sin(first) + ca.sin(second)
     sag = 1e-3 * ca.cos(second)
     return ca.vertcat(-turn * lever_y + sag * ca.sin(second), turn * lever_x - sag * ca.cos(second))
-
-
-@needs_compiler
-def test_auto_compiles_only_for_large_jobs(own_cache):
-    q = ca.SX.sym("q", 2)
-    f = vectorise([q], [planar_error(q) * 1.25])
-    before = set(own_cache.rglob("*.so"))
-    rows = np.random.default_rng(0).uniform(-3, 3, (200_000, 2))
-    (small,) = f(rows[:1000])
-    assert (f.backend, set(own_cache.rglob("*.so"))) == ("numpy", before)
-    assert "200000 rows" in f.why
-    (large,) = f(rows)
-    assert (f.backend, f.why) == ("c", "")
-    assert len(set(own_cache.rglob("*.so")) - before) == 1
-    np.testing.assert_allclose(large[:1000], small, rtol=0, atol=1e-17)
 
 
 def broken_by_compiler(monkeypatch, _folder):
@@ -342,7 +321,7 @@ def switched_off(monkeypatch, _folder):
 def cache_is_a_file(monkeypatch, folder):
     blocked = folder / "blocked"
     blocked.write_text("")
-    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(blocked))
+    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(blocked))
     return "NotADirectoryError|FileExistsError" if HAS_COMPILER else "no C compiler"
 
 
@@ -350,7 +329,7 @@ def library_does_not_load(monkeypatch, _folder):
     def refuse(_path):
         raise OSError("failed to map segment from shared object")
 
-    monkeypatch.setattr(compile_library.ctypes, "CDLL", refuse)
+    monkeypatch.setattr(c_build.ctypes, "CDLL", refuse)
     return "failed to map" if HAS_COMPILER else "no C compiler"
 
 
@@ -358,43 +337,36 @@ def library_does_not_load(monkeypatch, _folder):
     "break_it",
     [broken_by_compiler, missing_compiler, switched_off, cache_is_a_file, library_does_not_load],
 )
-def test_without_working_compiler_numpy_takes_over_and_says_why(break_it, monkeypatch, tmp_path):
+def test_without_a_working_compiler_it_says_why(break_it, monkeypatch, tmp_path):
     message = break_it(monkeypatch, tmp_path)
     q = ca.SX.sym("q", 2)
-    error = planar_error(q) * 1.5
-    rows = np.random.default_rng(0).uniform(-3, 3, (200_000, 2))
-    f = vectorise([q], [error])
-    (found,) = f(rows)
-    assert f.backend == "numpy"
-    assert re.search(message, f.why)
-    np.testing.assert_array_equal(found, vectorise([q], [error], compiler="never")(rows)[0])
     with pytest.raises(CompilerError, match=message):
-        vectorise([q], [error], compiler="require")
+        compiled([q], [planar_error(q) * 1.5])
 
 
 @needs_compiler
 def test_a_damaged_library_in_the_cache_is_made_anew(monkeypatch, tmp_path):
     q = ca.SX.sym("q", 2)
     source = c_source(read_tape([q], [planar_error(q) * 1.75]), (False,))
-    name = compile_library.build(source).path.name
+    name = c_build.build(source).path.name
     # Another folder, as the system would not load a path anew that it holds already.
-    monkeypatch.setattr(compile_library, "user_cache_dir", lambda _name: str(tmp_path))
+    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(tmp_path))
     path = tmp_path / "compiled" / name
     path.parent.mkdir()
     path.write_bytes(b"not a library")
-    assert compile_library.build(source).path == path
+    assert c_build.build(source).path == path
     assert path.stat().st_size > 1000
 
 
 WORKER = """
 import sys
 import casadi as ca, numpy as np
-from arm import compile_c, compile_library
-from arm.compile import vectorise
-compile_library.user_cache_dir = lambda name: sys.argv[1]
+from benchmarks.compiled import c_build
+from benchmarks.compiled.function import compiled
+c_build.user_cache_dir = lambda name: sys.argv[1]
 q = ca.SX.sym("q", 2)
 for k in range(3):
-    f = vectorise([q], [ca.sin(q[0] * (k + 2)) * q[1]], compiler="require")
+    f = compiled([q], [ca.sin(q[0] * (k + 2)) * q[1]])
     rows = np.linspace(-1, 1, 2000).reshape(-1, 2)
     assert np.allclose(f(rows)[0][:, 0], np.sin(rows[:, 0] * (k + 2)) * rows[:, 1], rtol=0, atol=1e-15)
 """
@@ -402,7 +374,7 @@ for k in range(3):
 
 @needs_compiler
 def test_processes_that_compile_at_once_leave_whole_libraries_only(tmp_path):
-    root = Path(compile_module.__file__).parents[1]
+    root = Path(c_build.__file__).parents[2]
     words = [sys.executable, "-c", WORKER, str(tmp_path)]
     running = [subprocess.Popen(words, cwd=root, stderr=subprocess.PIPE, text=True) for _ in range(2)]
     for process in running:
@@ -416,7 +388,7 @@ def test_processes_that_compile_at_once_leave_whole_libraries_only(tmp_path):
 @pytest.mark.parametrize("compiler", BACKENDS)
 def test_calls_from_many_threads_do_not_disturb_each_other(compiler):
     q, d = ca.SX.sym("q", 2), ca.SX.sym("d")
-    f = vectorise([q, d], [planar_error(q) * d], compiler=compiler)
+    f = FUNCTIONS[compiler]([q, d], [planar_error(q) * d])
     rows = np.random.default_rng(1).uniform(-3, 3, (120_000, 2))
     (once,) = f(rows, [1.0])
     with ThreadPoolExecutor(8) as pool:

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.effects.thermal_expansion import ThermalExpansionMissing
-from arm.error import active_effects
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.errors.tip import active_effects
 from arm.evaluation import compliance_at, evaluate
-from arm.model import beam_values, beams_of, error_model
 from materials.catalogue import load_catalogue
 from sections import build
 from tests import frame_solver

@@ -7,15 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.files import read_arm
-from arm.kinematics import tip_position
-from arm.writing import write_arm
-from materials.quantities import InputError
+from arm.chain.kinematics import tip_position
+from arm.files.read import read_arm
+from arm.files.write import write_arm
+from sections.numeric import Array
+from units.quantities import InputError
 
-Array = NDArray[np.float64]
 Row = tuple[float, float, float, float]
 
 PANDA: tuple[Row, ...] = (

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import yaml
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
+from arm.chain.kinematics import tip_position
+from arm.errors.model import PropertyNeeded, beams_of
 from arm.evaluation import evaluate
-from arm.files import read_arm
-from arm.kinematics import tip_position
-from arm.model import PropertyNeeded, beams_of
-from arm.writing import arm_to_yaml, write_arm
-from materials.quantities import InputError
+from arm.files.read import read_arm
+from arm.files.write import arm_to_yaml, write_arm
 from tests.arm.builders import CIRCLE, PAPER_MATERIAL, arm_of, rod_lines
+from units.quantities import InputError
 
 FULL_FILE = """
 name: everything

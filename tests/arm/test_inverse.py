@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain import Arm, Joint, Link
-from arm.inverse import UnreachableInclined, inverse, planar_3r
-from arm.kinematics import place, tip_position
-from arm.workspace import Unreachable
+from arm.chain.chain import Arm, Joint, Link
+from arm.chain.kinematics import place, tip_position
+from arm.worst.inverse import UnreachableInclined, inverse, planar_3r
+from arm.worst.workspace import Unreachable
 from tests.random_chains import random_spatial_chain
 
 LENGTHS = (0.4, 0.42, 0.42)

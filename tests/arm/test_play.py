@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link, LoadCase, Statistics
-from arm.model import PoseArrays, beam_values, beams_of, error_model
-from arm.play import played
-from arm.workspace import Workspace
-from arm.worst import WorstSearch
+from arm.chain.chain import Arm, Joint, Link, LoadCase, Statistics
+from arm.errors.lost_motion import played
+from arm.errors.model import PoseArrays, beam_values, beams_of, error_model
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Workspace
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
 UP = (0.0, 0.0, 1.0)
 
 
@@ -144,8 +143,7 @@ def test_statistical_play_repeats_itself_and_stays_below_worst() -> None:
     arrays = pose_arrays(np.random.default_rng(8), 50, 3, 2, planar=False)
     radii = np.array([0.8, 0.5])
     first, again, other = (
-        played(arrays, radii, "statistical", planar=False, statistics=Statistics(seed=seed)).error
-        for seed in (1, 1, 2)
+        played(arrays, radii, "statistical", planar=False, statistics=Statistics(seed=seed)).error for seed in (1, 1, 2)
     )
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)

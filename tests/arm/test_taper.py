@@ -12,22 +12,22 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
+from arm.chain.statics import solve
+from arm.chain.taper import tapered_beam
+from arm.errors.model import beam_values, beams_of, error_model
 from arm.evaluation import evaluate, link_masses
-from arm.model import beam_values, beams_of, error_model
-from arm.modes import first_modes
-from arm.statics import solve
-from arm.taper import tapered_beam
-from arm.workspace import Workspace
-from arm.writing import arm_to_yaml
-from linkwright.words import section_words
+from arm.files.write import arm_to_yaml
+from arm.limits.modes import first_modes
+from arm.worst.workspace import Workspace
+from linkwright.results.figures_in_words import section_words
 from materials.catalogue import load_catalogue
-from materials.quantities import InputError
-from materials.reading import Mapping, load_yaml
 from optimize.problem import read_problem
 from sections import SectionError, build
 from sections.taper import Tapered, build_tapered
 from tests import frame_solver
 from tests.arm.builders import arm_of, elastic_motion
+from units.quantities import InputError
+from units.reading import Mapping, load_yaml
 
 E, NU, RHO = 71e9, 0.33, 2700.0
 G = E / (2.0 * (1.0 + NU))

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from arm.certificate import maximise, upper_bounds
-from arm.trigonometric import Coordinates, NotPolynomial, Terms, evaluate, fit, terms_of
+from arm.worst.certificate import maximise, upper_bounds
+from arm.worst.polynomial import Coordinates, NotPolynomial, Terms, evaluate, fit, terms_of
+from sections.numeric import Array
 
-Array = NDArray[np.float64]
 KINDS = [(True,), (False,), (True, True), (True, False), (False, True, True), (True, True, True)]
 
 

@@ -6,22 +6,21 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link, LoadCase
-from arm.kinematics import tip_position
-from arm.model import beam_values, beams_of, error_model
-from arm.workspace import Unreachable, Workspace
-from arm.worst import WorstCase, WorstSearch
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.chain.kinematics import tip_position
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.search import WorstCase, WorstSearch
+from arm.worst.workspace import Unreachable, Workspace
 from materials.catalogue import load_catalogue
 from sections import build
-
-Array = NDArray[np.float64]
+from sections.numeric import Array
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 ROD = build("circle", {"diameter": 0.05})
@@ -305,3 +304,19 @@ def test_ranges_of_the_workspace_replace_the_joints_own() -> None:
     narrowed = replace(arm, joints=tuple(replace(j, range=r) for j, r in zip(arm.joints, ranges, strict=True)))
     search, p = search_of(arm, (), Workspace(ranges=ranges))
     assert search.worst(p).error == pytest.approx(check(narrowed, poses=1000).error, rel=1e-9)
+
+
+@pytest.mark.parametrize("turns", [1.0, 2.5])
+def test_range_of_several_turns_counts_where_turns_differ(turns: float) -> None:
+    """An encoder's scale error grows with the angle, so that the last turn is the worst; gravity repeats itself."""
+    widest = turns * math.pi
+    joint = Joint(stiffness=1e5, range=(-widest, widest))
+    scale = EffectEntry("encoder_scale", (), MappingProxyType({"scale": 1e-3}))
+    for effects in ((), (scale,)):
+        arm = replace(rods([joint], [0.5]), effects=effects)
+        model, p = error_model(arm), beam_values(beams_of(arm))
+        search = WorstSearch(model, Workspace())
+        worst = search.worst(p)
+        grid = np.linspace(-widest, widest, 20_001)[:, None]
+        assert worst.error == pytest.approx(search.errors(grid, p, 0).error.max(), rel=1e-4)
+        assert search.upper[0] - search.lower[0] == pytest.approx(2.0 * (widest if effects else min(widest, math.pi)))

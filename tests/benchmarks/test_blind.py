@@ -18,27 +18,27 @@ import yaml
 from benchmarks.blind import aliases
 from benchmarks.blind import run as run_module
 from benchmarks.blind.answers import Answer, all_classes_right, dose_of, is_it, load, rate
-from benchmarks.blind.arms import FAMILIES, draw_arm
-from benchmarks.blind.beams import circle, rectangular_tube, tube
-from benchmarks.blind.cases import kind_of, make_case
 from benchmarks.blind.commands import main
-from benchmarks.blind.concealed import Effect, departure
-from benchmarks.blind.designs import draw_design
-from benchmarks.blind.draws import SINGLES
-from benchmarks.blind.files import truth_of, write_case
-from benchmarks.blind.measurement import Tracker, noise
-from benchmarks.blind.mechanics import Arm, Joint, Link, nominal_inputs, solve, with_changes
+from benchmarks.blind.generator.arms import FAMILIES, draw_arm
+from benchmarks.blind.generator.beams import circle, rectangular_tube, tube
+from benchmarks.blind.generator.cases import kind_of, make_case
+from benchmarks.blind.generator.concealed import Effect, departure
+from benchmarks.blind.generator.designs import draw_design
+from benchmarks.blind.generator.draws import SINGLES
+from benchmarks.blind.generator.files import truth_of, write_case
+from benchmarks.blind.generator.measurement import Tracker, noise
+from benchmarks.blind.generator.mechanics import Arm, Joint, Link, nominal_inputs, solve, with_changes
+from benchmarks.blind.generator.perturbation import departed, respond
+from benchmarks.blind.generator.play import approached, backlash, play_path, pressed
+from benchmarks.blind.generator.thermal import Air, crept, lagged
 from benchmarks.blind.parameters import coverage
-from benchmarks.blind.perturbation import departed, respond
-from benchmarks.blind.play import approached, backlash, play_path, pressed
 from benchmarks.blind.run import SealedTwiceError, run
 from benchmarks.blind.score import score
 from benchmarks.blind.seal import BrokenSealError, check_seal, write_seal
 from benchmarks.blind.staging import exact, projected_rms, stage
-from benchmarks.blind.thermal import Air, crept, lagged
 
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "blind"
-PROJECT = {"sections", "materials", "arm", "optimize", "diagnose", "linkwright"}
+PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
 
 
 def imports(path: Path) -> list[tuple[str, int]]:
@@ -57,7 +57,7 @@ def test_generator_imports_nothing_of_the_project():
     """Only the runner touches the tool, inside the worker, by its command line; whole import of the rest is listed."""
     touches = []
     allowed = {"benchmarks", "numpy", "scipy", "pandas", "yaml", *sys.stdlib_module_names}
-    for path in sorted(PACKAGE.glob("*.py")):
+    for path in sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("generator/*.py")]):
         for name, column in imports(path):
             if name in PROJECT:
                 touches.append((path.name, name, column > 0))

@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 
 from benchmarks.blind.answers import Answer, rate
-from benchmarks.blind.cases import kind_of, make_case
 from benchmarks.blind.commands import main
-from benchmarks.blind.draws import SINGLES
-from benchmarks.blind.files import truth_of, write_case
-from benchmarks.blind.mechanics import Arm, Joint, Link
+from benchmarks.blind.generator.cases import kind_of, make_case
+from benchmarks.blind.generator.draws import SINGLES
+from benchmarks.blind.generator.files import truth_of, write_case
+from benchmarks.blind.generator.mechanics import Arm, Joint, Link
 from benchmarks.blind.proof.baselines import BASELINES, gaussian_process, geometry_only, greedy_bic, lasso, lasso_path
 from benchmarks.blind.proof.drawing import heat_map, power
 from benchmarks.blind.proof.figures import confusion, figures, said_right
@@ -31,7 +31,7 @@ from benchmarks.blind.seal import write_seal
 from benchmarks.blind.staging import exact
 
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "blind" / "proof"
-PROJECT = {"sections", "materials", "arm", "optimize", "diagnose", "linkwright"}
+PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
 
 
 def test_one_module_uses_the_tool_as_a_library():

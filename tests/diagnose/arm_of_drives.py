@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm
+from arm.chain.chain import Arm
 from diagnose.recording import Recording
+from sections.numeric import Array
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip
-
-Array = NDArray[np.float64]
 
 SIGMA = 15e-6
 """m, noise of each component of a reading."""
@@ -22,9 +20,7 @@ COMPLIANCE = (1.5e-5, 2.5e-5, 4e-5)
 def arm_of_drives() -> Arm:
     """Three rigid, weightless links on drives that give."""
     arm = planar_arm()
-    joints = tuple(
-        replace(joint, stiffness=1.0 / each) for joint, each in zip(arm.joints, COMPLIANCE, strict=True)
-    )
+    joints = tuple(replace(joint, stiffness=1.0 / each) for joint, each in zip(arm.joints, COMPLIANCE, strict=True))
     return replace(arm, joints=joints)
 
 

@@ -5,17 +5,17 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain import EffectEntry
-from arm.error import active_effects
-from arm.kinematics import tip_position
-from arm.model import beams_of
-from arm.recorded import Asked, seen_of_model
-from arm.statics import solve
-from diagnose.candidates import Candidate
-from diagnose.observed import observe
+from arm.chain.chain import EffectEntry
+from arm.chain.kinematics import tip_position
+from arm.chain.statics import solve
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, seen_of_model
+from arm.errors.tip import active_effects
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.pool import make_pool
-from diagnose.prepare import prepare
+from diagnose.patterns.library import Candidate
+from diagnose.patterns.pool import make_pool
+from diagnose.residual.observed import observe
 from diagnose.simulate import Plan, simulate
 from tests.diagnose.made_diagnosis import made_arm
 

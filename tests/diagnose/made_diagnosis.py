@@ -7,13 +7,13 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.error import active_effects
-from arm.files import read_arm
-from arm.kinematics import tip_position
-from arm.model import beams_of
-from arm.recorded import Asked, seen_of_model
-from arm.statics import solve
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.chain.kinematics import tip_position
+from arm.chain.statics import solve
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, seen_of_model
+from arm.errors.tip import active_effects
+from arm.files.read import read_arm
 from diagnose.recording import Recording, RejectedRow
 from diagnose.result import (
     Alternative,
@@ -137,13 +137,15 @@ def made_diagnosis(verdict="named", arm=None, seed=5, **changed):
     return replace(found, **changed)
 
 
-_SENTENCES = MappingProxyType({
-    "none": "Nothing is missing that this recording could show.",
-    "insufficient_data": "The recording cannot say: 3 poses are too few.",
-    "named": "Left out: compliance of drive 2, 21 urad/(N*m); what remains is the noise floor.",
-    "alias_class": "Left out: compliance of drive 1 or of the base; the data cannot tell which.",
-    "unknown": "Something changed at 700 s that nothing in the library explains.",
-})
+_SENTENCES = MappingProxyType(
+    {
+        "none": "Nothing is missing that this recording could show.",
+        "insufficient_data": "The recording cannot say: 3 poses are too few.",
+        "named": "Left out: compliance of drive 2, 21 urad/(N*m); what remains is the noise floor.",
+        "alias_class": "Left out: compliance of drive 1 or of the base; the data cannot tell which.",
+        "unknown": "Something changed at 700 s that nothing in the library explains.",
+    }
+)
 
 
 def _finding(verdict, rms):

@@ -6,11 +6,9 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link
-
-Array = NDArray[np.float64]
+from arm.chain.chain import Arm, Joint, Link
+from sections.numeric import Array
 
 LENGTHS = (0.4, 0.42, 0.3)
 

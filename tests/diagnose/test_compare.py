@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from diagnose.compare import common_model, compare, fit_common, holm
-from diagnose.compare_places import regions, shared_poses
-from diagnose.observed import observe
+from diagnose.compare.compare import common_model, compare, fit_common, holm
+from diagnose.compare.places import regions, shared_poses
+from diagnose.residual.observed import observe
 from diagnose.result import Alternative, Covered, Finding, FittedParameter
-from linkwright.comparison_words import comparison_json, comparison_sentence
-from linkwright.writing import json_text
+from linkwright.output.files import json_text
+from linkwright.results.comparison import comparison_json, comparison_sentence
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis, made_recording, measured, softer, write_recording
 from tests.linkwright.conftest import bench, linkwright  # noqa: F401 - fixtures
 
@@ -173,12 +173,15 @@ def test_command(linkwright, bench):  # noqa: F811 - the fixtures
     """Before and after: what gave more gives more, and the exit status is 0."""
     write_recording(bench, 2e-5, "before.csv", seed=1)
     write_recording(bench, 5e-5, "after.csv", seed=2)
-    status, out, err = linkwright("compare", "arm.yaml", "before.csv", "after.csv", "--json", "c.json")
+    status, out, err = linkwright(
+        "compare", "arm.yaml", "before.csv", "after.csv", "--json", "c.json", "--markdown", "c.md"
+    )
     assert (status, err) == (0, "")
     content = json.loads((bench / "c.json").read_text(encoding="utf-8"))
     changed = [each for each in content["changes"] if each["changed"]]
     assert changed
     assert content["sentence"] in out
+    assert "| left by the common model |" in (bench / "c.md").read_text(encoding="utf-8")
     assert content["shared_poses"]["count"] == 48
     assert content["shared_poses"]["moved_mm"] > 5.0 * content["shared_poses"]["by_chance_mm"]
     assert MappingProxyType(content).keys() >= {"recordings", "regions", "iso_figures", "notes"}

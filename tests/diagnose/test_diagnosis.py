@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain import Joint
+from arm.chain.chain import Joint
 from arm.effects import EFFECTS
 from benchmarks.diagnosis_simulated import linear
 from diagnose.diagnosis import diagnose

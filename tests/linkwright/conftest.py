@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from arm.chain import LoadCase
+from arm.chain.chain import LoadCase
 from arm.evaluation import evaluate
 from linkwright.cli import run
-from optimize.result import BindingLimit, Candidate, Iteration, LinkDesign, OptimizationResult
+from optimize.result import BindingLimit, Candidate, Iteration, OptimizationResult
 from sections import Circle, Tube
 from tests.linkwright.samples import arm_of, mapped
 
@@ -89,10 +89,6 @@ def evaluation():
 def result(evaluation):
     """An optimisation as it could have ended: tubes in place of the bars, all lengths kept."""
     after = evaluate(arm_of((Tube(0.08, 0.003), Tube(0.07, 0.002))), load_cases=evaluation.load_cases)
-    links = tuple(
-        LinkDesign(index + 1, link.length, link.section.shape, link.section.given(), link.material.name, mass)
-        for index, (link, mass) in enumerate(zip(after.arm.links, after.link_masses, strict=True))
-    )
     error = after.max_error
     return OptimizationResult(
         problem_file="folder/problem.yaml",
@@ -103,7 +99,6 @@ def result(evaluation):
         arm=after.arm,
         before=evaluation,
         after=after,
-        links=links,
         objective=error,
         lower_bound=0.999 * error,
         binding=(BindingLimit("mass", "mass <= 3 kg", 3.0, 3.0, "kg", -0.0042, "mm/kg"),),

@@ -2,10 +2,10 @@
 
 import math
 
-from arm.chain import Arm, Joint, Link, LoadCase
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.errors.model import beam_values, beams_of, error_model
 from arm.evaluation import error_map
-from arm.model import beam_values, beams_of, error_model
-from arm.worst import WorstSearch
+from arm.worst.search import WorstSearch
 from materials.catalogue import load_catalogue
 
 

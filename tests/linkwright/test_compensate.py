@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import brentq
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.compensation import INSTRUMENT, default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.chain.kinematics import tip_position
+from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
 from arm.effects import EFFECTS
-from arm.kinematics import tip_position
 
 ARM = """\
 name: rod
@@ -33,19 +34,24 @@ def two_links():
     return Arm("two", joints, (Link(0.5, mass=2.0), Link(0.4, mass=1.0)), payload=LoadCase(5.0))
 
 
+def sunk(q, mass):
+    """By how much the rod's drive turns (rad) at a coordinate: where m g cos(q + turn) meets -K turn."""
+    return brentq(lambda turn: 2e4 * turn + 9.81 * mass * math.cos(q + turn), -0.1, 0.1, xtol=1e-15)
+
+
 def test_error_of_a_drive_that_gives():
-    """The torque is m g cos q, the turn that over K, and the tip moves 1 m times that, along (-sin q, cos q)."""
+    """It turns until its spring carries the load where that has come to hang, and the tip goes round with it."""
     q = np.linspace(-1.4, 1.4, 11)
-    turn = -10.0 * 9.81 * np.cos(q) / 2e4
-    expected = np.stack([-np.sin(q) * turn, np.cos(q) * turn, 0.0 * q], axis=1)
-    assert np.abs(model_error(rod(), q[:, None], 10.0) - expected).max() < 1e-12
+    stands = q + np.array([sunk(each, 10.0) for each in q])
+    expected = np.stack([np.cos(stands) - np.cos(q), np.sin(stands) - np.sin(q), 0.0 * q], axis=1)
+    assert np.abs(model_error(rod(), q[:, None], 10.0) - expected).max() < 1e-10
 
 
 def test_correction_is_what_the_drive_gives():
-    """The joint must stand higher by what it sinks there: dq = m g cos(q + dq) / K, to second order."""
+    """The joint must stand higher by what it sinks there; it sinks to q, so that the torque is the one at q."""
     q = np.linspace(-1.3, 1.3, 9)[:, None]
     moved = joint_corrections(rod(), q, 10.0)
-    assert np.abs(moved[:, 0] - 98.1 * np.cos(q[:, 0] + moved[:, 0]) / 2e4).max() < 2e-5
+    assert np.abs(moved[:, 0] - 98.1 * np.cos(q[:, 0]) / 2e4).max() < 1e-9
 
 
 def test_corrections_take_the_error_away():
@@ -90,10 +96,10 @@ def test_interpolated_check_is_what_a_controller_would_meet():
 
 
 def test_play_lies_where_the_load_seats_it():
-    """Backlash of 2 mrad under gravity: the tip hangs 1 mm lower, as exactly as gravity pulls one way."""
+    """Backlash of 2 mrad under gravity: the tip hangs 1 mrad lower, as exactly as gravity pulls one way."""
     arm = rod(backlash=2e-3, stiffness=None)
     error = model_error(arm, np.zeros((1, 1)), 10.0)
-    assert error[0] == pytest.approx([0.0, -1e-3, 0.0], abs=1e-15)
+    assert error[0] == pytest.approx([math.cos(1e-3) - 1.0, -math.sin(1e-3), 0.0], abs=1e-15)
 
 
 def test_what_belongs_to_the_instrument_is_not_compensated():
@@ -101,14 +107,16 @@ def test_what_belongs_to_the_instrument_is_not_compensated():
     instrument = EffectEntry("instrument_scale", (), {"scale": 1e-4})
     encoder = EffectEntry("encoder_offset", (1,), {"offset": 1e-3})
     q = np.array([[0.3]])
-    plain = model_error(rod(), q, 10.0)
-    assert np.array_equal(model_error(replace(rod(), effects=(instrument,)), q, 10.0), plain)
-    moved = model_error(replace(rod(), effects=(instrument, encoder)), q, 10.0) - plain
-    assert np.linalg.norm(moved) == pytest.approx(1e-3)
+    stiff = rod(stiffness=None)
+    assert np.array_equal(model_error(replace(stiff, effects=(instrument,)), q, 10.0), np.zeros((1, 3)))
+    moved = model_error(replace(stiff, effects=(instrument, encoder)), q, 10.0)
+    assert np.linalg.norm(moved) == pytest.approx(2.0 * math.sin(0.5e-3))
 
 
-def test_instrument_effects_are_known():
-    assert set(EFFECTS) >= INSTRUMENT
+def test_what_the_instrument_brings_in_is_known():
+    """What a corrected arm may carry without moving its tip."""
+    found = {effect.id for effect in EFFECTS.values() if effect.of_instrument}
+    assert found == {"frame_misalignment", "frame_drift", "instrument_scale", "latency"}
 
 
 def test_default_grid_stays_useful():
@@ -138,12 +146,12 @@ def test_command_writes_a_table_that_a_controller_can_subtract(linkwright, rod_f
     table = pd.read_csv(rod_file / "t.csv")
     assert list(table.columns) == ["q1_deg", "payload_kg", "dx_mm", "dy_mm", "dq1_deg", "left_mm"]
     level = table[table.q1_deg == 0.0].iloc[0]
-    assert level.dy_mm == pytest.approx(-98.1 / 2e4 * 1e3, rel=1e-9)
+    assert level.dy_mm == pytest.approx(math.sin(sunk(0.0, 10.0)) * 1e3, rel=1e-6)
     q = np.radians(table[["q1_deg"]].to_numpy() + table[["dq1_deg"]].to_numpy())
     reached = tip_position(rod(), q) + model_error(rod(), q, 10.0)
     goal = tip_position(rod(), np.radians(table[["q1_deg"]].to_numpy()))
-    # One joint moves the tip along a circle only; what is off across it is of the second order.
-    assert np.abs(reached - goal).max() < 1.5e-5
+    # A drive that gives moves the tip along the very circle on which its joint does.
+    assert np.abs(reached - goal).max() < 1e-8
     content = json.loads((rod_file / "t.json").read_text(encoding="utf-8"))
     assert content["columns"] == list(table.columns)
     assert np.allclose(content["rows"], table.to_numpy())
@@ -157,7 +165,9 @@ def test_command_takes_poses_and_payloads(linkwright, rod_file):
     assert status == 0
     assert "between them" not in out
     table = pd.read_csv(rod_file / "t.csv")
-    assert table.dy_mm.tolist() == pytest.approx([0.0, 0.0, -9.81, -9.81 * math.cos(math.pi / 3) ** 2], rel=1e-9)
+    q = [0.0, math.pi / 3]
+    expected = [1e3 * (math.sin(each + sunk(each, 20.0)) - math.sin(each)) for each in q]
+    assert table.dy_mm.tolist() == pytest.approx([0.0, 0.0, *expected], rel=1e-6)
 
 
 WRONG = [

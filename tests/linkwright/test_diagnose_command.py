@@ -12,21 +12,22 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
-from arm.files import read_arm
+from arm.effects.elastic.joint_compliance import drive_compliance
+from arm.files.read import read_arm
 from diagnose.result import Detectable, FittedParameter
-from linkwright.diagnosis_files import compensation_csv, residuals_csv
-from linkwright.diagnosis_json import diagnosis_json, in_unit, minimum_detectable, unit_of
-from linkwright.diagnosis_words import interval_words, value_words
-from linkwright.redesign import drive_compliance
-from linkwright.report.covariates import covariates
-from linkwright.report.diagnosis import diagnosis_page
-from linkwright.report.plot import Plot, binned, round_ticks
-from linkwright.screen.diagnosis import show_diagnosis
-from linkwright.writing import json_text
-from materials.quantities import read_quantity
-from materials.units import kinds
+from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
+from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
+from linkwright.output.files import json_text
+from linkwright.report.pages.covariates import covariates
+from linkwright.report.pages.diagnosis import diagnosis_page
+from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
+from linkwright.results.diagnosis import describe
+from linkwright.results.diagnosis_words import interval, value
+from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
 from tests.linkwright.test_report import Page
+from units.quantities import read_quantity
+from units.units import kinds
 
 VERDICTS = ("none", "named", "alias_class", "unknown", "insufficient_data")
 CONTRACT = {
@@ -106,21 +107,21 @@ def test_nothing_unknown_becomes_nan():
     assert "NaN" not in text
     assert "Infinity" not in text
     assert json.loads(text)["missing"][0]["parameters"]["lag"]["ci95"] == [0.0, None]
-    assert value_words(fitted) == interval_words(fitted) == "–"
+    assert value(fitted).text == interval(fitted).text == "–"
     assert "nan" not in Page(diagnosis_page(diagnosis)).text.lower()
 
 
 @pytest.mark.parametrize(
-    ("value", "interval", "words"),
+    ("size", "ends", "words"),
     [
         (2.1e-5, (2.0e-5, 2.2e-5), ("21 urad/(N·m)", "20 to 22 urad/(N·m)")),
         (2.0988e-5, (2.0798e-5, 2.1178e-5), ("21 urad/(N·m)", "20.8 to 21.2 urad/(N·m)")),
         (-2.1e-5, (-2.5e-5, -1.7e-5), ("−21 urad/(N·m)", "−25 to −17 urad/(N·m)")),
     ],
 )
-def test_figures_have_the_digits_that_their_interval_supports(value, interval, words):
-    fitted = FittedParameter("compliance_2", "compliance", (2,), "compliance", value, interval)
-    assert (value_words(fitted), interval_words(fitted)) == words
+def test_figures_have_the_digits_that_their_interval_supports(size, ends, words):
+    fitted = FittedParameter("compliance_2", "compliance", (2,), "compliance", size, ends)
+    assert (value(fitted).text, interval(fitted).text) == words
 
 
 @pytest.fixture(scope="module", params=[*VERDICTS, "in space"])
@@ -253,7 +254,7 @@ def test_many_readings_stay_a_page_of_bearable_size():
 def test_screen_tells_the_same(diagnosis):
     """The sentence first; parameters with intervals, the ladder, next poses, rows set aside."""
     out = io.StringIO()
-    show_diagnosis(Console(file=out, width=110, highlight=False, markup=False), diagnosis)
+    show(Console(file=out, width=110, highlight=False, markup=False), describe(diagnosis))
     text = out.getvalue()
     assert text.startswith(diagnosis.sentence)
     for words in ("Row 17 is set aside", diagnosis.next_poses_note, "noise floor"):
@@ -290,6 +291,7 @@ def test_help_shows_an_example(linkwright, command):
 
 
 # The command itself, with the real reader and engine.
+
 
 def test_command_end_to_end(linkwright, bench):
     """Exit 0, four files, the effect (or its class) named with an interval that holds the truth, an arm that reads."""

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from arm.files import read_arm
+from arm.files.read import read_arm
 from linkwright.cli import run
-from materials.quantities import read_quantity
+from units.quantities import read_quantity
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARCMINUTE = np.pi / 10800.0

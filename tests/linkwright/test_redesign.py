@@ -5,21 +5,21 @@ from dataclasses import replace
 
 import pytest
 
-from arm.chain import EffectEntry
+from arm.chain.chain import EffectEntry
+from arm.effects.elastic.joint_compliance import drive_compliance
 from arm.evaluation import evaluate
-from linkwright.redesign import (
+from linkwright.redesigning import (
     STIFFER,
     decisions,
-    drive_compliance,
     redesign,
     stiffer_drives,
     with_findings,
     worst_error,
 )
-from materials.quantities import InputError
 from optimize.problem import read_problem
 from tests.diagnose.made_diagnosis import made_arm, softer, write_recording
 from tests.linkwright.test_report import Page
+from units.quantities import InputError
 
 PROBLEM = """\
 arm: arm.yaml
@@ -60,7 +60,7 @@ def test_old_design_keeps_its_links_and_gets_the_physics():
 
 
 def read_space(arm):
-    from arm.workspace import Workspace
+    from arm.worst.workspace import Workspace
 
     return Workspace(), (arm.payload,)
 

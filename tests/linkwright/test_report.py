@@ -9,13 +9,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from arm.chain import Joint
+from arm.chain.chain import Joint
 from arm.evaluation import evaluate
-from linkwright.report.arm_picture import arm_picture, shared_window, skeleton
-from linkwright.report.evaluation import evaluation_page
-from linkwright.report.optimization import optimization_page
-from linkwright.report.section_picture import sections_grid
-from linkwright.words import mm
+from linkwright.report.pages.evaluation import evaluation_page
+from linkwright.report.pages.optimization import optimization_page
+from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
+from linkwright.report.pictures.sections import sections_grid
+from linkwright.results.figures_in_words import mm
 from sections import Circle, Tube
 from tests.linkwright.samples import arm_of, mapped
 

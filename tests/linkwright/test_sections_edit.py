@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from catalogues.stock_editor import STOCK, Row
 from linkwright.cli import run
-from linkwright.commands.sections_rows import Row, add
 from sections import load_stock
-from sections.stock import read_file
+from sections.stock.tables import read_file
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
 TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
@@ -28,7 +28,7 @@ def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
     for name in ("LINKWRIGHT_SECTIONS", "VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr("sections.stock.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
+    monkeypatch.setattr("sections.stock.tables.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
 
     def command(*arguments):
         status = run(["sections", *(str(argument) for argument in arguments)])
@@ -189,6 +189,15 @@ def test_a_file_of_ones_choice(sections, tmp_path):
     assert not (tmp_path / "c.yaml").exists()
 
 
+def test_one_size_can_be_imported_under_another_name(sections, own):
+    ok(sections("export", "IPE 80", "--out", "one.csv"))
+    ok(sections("import", "one.csv", "--name", "OURS 80"))
+    (copy,) = read_file(own)
+    assert copy.name == "OURS 80"
+    ok(sections("export", "IPE 80", "IPE 100", "--out", "two.csv"))
+    wrong(sections("import", "two.csv", "--name", "OURS 90"), "has 2 sizes; --name is for one")
+
+
 @pytest.mark.parametrize("name", ["all.yaml", "all.csv"])
 def test_what_is_exported_can_be_imported(sections, own, name):
     ok(sections("export", "--out", name))
@@ -220,7 +229,7 @@ def test_a_table_with_a_wrong_row_brings_nothing(sections, tmp_path, own):
 def test_no_edit_is_lost_among_several_writers(own):
     def write(writer):
         for number in range(5):
-            add(own, [Row(f"W{writer}-{number}", "W", "circle", "s", {"diameter_mm": 10 + writer})])
+            STOCK.add(own, [Row(f"W{writer}-{number}", "W", "circle", "s", {"diameter_mm": 10 + writer})])
 
     with ThreadPoolExecutor(6) as pool:
         list(pool.map(write, range(6)))

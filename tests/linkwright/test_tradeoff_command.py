@@ -7,16 +7,18 @@ import re
 import signal
 import subprocess
 import sys
-import time
 import xml.etree.ElementTree as ET
 
 import pytest
 
 from arm.evaluation import evaluate
-from arm.files import read_arm
-from linkwright.report.tradeoff_picture import ticks
-from linkwright.screen.tradeoff import spread
-from optimize.tradeoff_journal import JOURNAL
+from arm.files.read import read_arm
+from linkwright.commands.tradeoff import HELP
+from linkwright.report.pictures.tradeoff import ticks
+from linkwright.results.tradeoff import spread
+from optimize.limits import FIGURES
+from optimize.tradeoff.journal import JOURNAL
+from optimize.tradeoff.question import axes_of
 from tests.linkwright.conftest import ROOT
 
 PROBLEM = """\
@@ -37,12 +39,25 @@ def two(bench):
 
 def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
     status, out, _ = linkwright(
-        "tradeoff", "two.yaml", "--by", "material", "--accuracy", "0.4", "--out", "front", "--csv", "rows.csv"
+        "tradeoff",
+        "two.yaml",
+        "--by",
+        "material",
+        "--accuracy",
+        "0.4",
+        "--out",
+        "front",
+        "--csv",
+        "rows.csv",
+        "--markdown",
+        "front.md",
     )
     assert status == 0
     assert "knee" in out
     result = json.loads((two / "front/result.json").read_text())
     assert result["made_by"].startswith("linkwright tradeoff")
+    points = re.findall(r"^\| (\d+)(?: knee)? \|", (two / "front.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(map(int, points)) == [point["number"] for point in result["points"]]
     rows = list(csv.DictReader((two / "rows.csv").read_text().splitlines()))
     assert (two / "rows.csv").read_text() == (two / "front/tradeoff.csv").read_text()
     assert [int(row["number"]) for row in rows] == [point["number"] for point in result["points"]]
@@ -69,6 +84,9 @@ def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
     figures = json.loads(re.search(r'id="figures">(.*?)</script>', page)[1])
     hovered = [text for trace in figures["front"]["data"] for text in trace["hovertext"] if "<b>point" in text]
     assert len({re.search(r"point (\d+)", text)[1] for text in hovered}) == len(result["points"])
+    known = [each.title for each in FIGURES.values() if result["points"][0].get(each.key) is not None]
+    assert len(known) > 6
+    assert all(title in text for text in hovered for title in known)
     assert "http" not in re.sub(r"<script>.*?</script>", "", page.replace("http://www.w3.org", ""), flags=re.DOTALL)
 
 
@@ -102,12 +120,26 @@ def test_no_design_is_no_answer(two, linkwright):
     assert "would have to be" in error
 
 
-def _started(folder, *more):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", *more]
-    command = [sys.executable, "-m", "linkwright", *asked]
-    pipe = subprocess.PIPE
-    return subprocess.Popen(command, cwd=folder, env=environment, stdout=pipe, stderr=pipe, text=True)
+STOPPED_AT = """
+import os, signal, sys
+from linkwright.cli import main
+from optimize.tradeoff.journal import Journal
+
+left, number = int(sys.argv[1]), int(sys.argv[2])
+put = Journal.put
+
+def counted(self, key, record):
+    global left
+    put(self, key, record)
+    left -= 1
+    if left == 0:
+        os.kill(os.getpid(), number)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+Journal.put = counted
+main(sys.argv[3:])
+"""
+"""A run that gets a signal as it has noted so many points."""
 
 
 def _lines(folder):
@@ -115,18 +147,17 @@ def _lines(folder):
     return len(path.read_bytes().splitlines()) if path.exists() else 0
 
 
-def _stopped(folder, after, number, *more):
-    """Start, wait until the journal has so many lines, send a signal; gives exit status and standard error."""
-    with _started(folder, *more) as process:
-        while process.poll() is None and _lines(folder) < after:
-            time.sleep(0.01)
-        process.send_signal(number)
-        _, error = process.communicate()
-    return process.returncode, error
+def _stopped(folder, points, number, *more):
+    """Run until so many further points are noted, then send a signal; gives exit status and standard error."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", *more]
+    command = [sys.executable, "-c", STOPPED_AT, str(points), str(int(number)), *asked]
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return ended.returncode, ended.stderr
 
 
 def test_stopped_and_killed_it_goes_on(two, linkwright):
-    status, error = _stopped(two, 3, signal.SIGINT)
+    status, error = _stopped(two, 2, signal.SIGINT)
     assert status == 130
     assert "--resume" in error
     kept = _lines(two)
@@ -135,7 +166,7 @@ def test_stopped_and_killed_it_goes_on(two, linkwright):
     assert status == 2
     assert "--resume" in error
     assert _lines(two) == kept
-    status, _ = _stopped(two, kept + 2, signal.SIGKILL, "--resume")
+    status, _ = _stopped(two, 2, signal.SIGKILL, "--resume")
     assert status == -signal.SIGKILL
     assert not (two / "front/result.json").exists()
     kept = _lines(two)
@@ -167,3 +198,9 @@ def test_listed_points_hold_ends_and_knee():
     assert len(listed) == 10
     assert {1, 47, 100} <= set(listed)
     assert spread(points[:5], 10, None) == points[:5]
+
+
+def test_the_help_names_every_figure_that_is_shipped():
+    """It is asked for before the figures are loaded, so that it names them by hand."""
+    named = re.findall(r"[a-z]+(?:_[a-z]+)*", HELP.split("Any two figures:")[1].split(".")[0])
+    assert sorted(named) == sorted(axes_of(FIGURES))

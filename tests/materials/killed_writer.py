@@ -1,51 +1,99 @@
-"""Run by test_store.py: a writer that is killed at random instants, over and over, and a look at the file each time."""
+"""Run by test_store.py: writers that are killed before a line of the code that writes, every line in its turn.
 
+The journal keeps two edits here, so that dropping the oldest is among what is cut short. Prints a line for each kill,
+as JSON: what was done, the line that never ran, and whether the new content stands.
+"""
+
+import json
 import os
-import random
+import re
+import shutil
 import signal
 import sys
-import time
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from linecache import getline
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
+from catalogues import store
 from materials.catalogue import load_layer
-from materials.edit import set_key
-from materials.store import journal, undo
+from units import files
+from units.files import locked
+
+WATCHED = {store.__file__, files.__file__}
 
 
-def main(path: Path, kills: int) -> None:
-    chance = random.Random(7)
-    started = time.perf_counter()
-    set_key(path, "x", "density", "1 kg/m^3")
-    longest = 1.5 * (time.perf_counter() - started)
-    landed = 0
-    for number in range(2, kills + 2):
-        old = path.read_bytes()
-        child = os.fork()
-        if child == 0:
-            set_key(path, "x", "density", f"{number} kg/m^3")
-            time.sleep(60)
-            os._exit(0)
-        time.sleep(chance.uniform(0.0, longest))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        now = path.read_bytes()
-        density = load_layer(path).materials["x"].need("density")
-        assert now == old or density == number, (number, density)
-        assert b"# a comment" in now
-        landed += now != old
-    print("landed", landed)
-    set_key(path, "x", "density", "5000 kg/m^3")  # no lock is left behind
-    undone = 0
-    while journal(path):
-        if journal(path)[-1].before is None:
-            break
-        undo(path)
-        undone += 1
-        if undone > 50:
-            break
-        load_layer(path)
-    print("undone", undone)
+def edit(path: Path, density: int) -> None:
+    def change(text: str | None) -> tuple[str, str]:
+        return re.sub(r"density: \d+ ", f"density: {density} ", text or ""), f"density {density}"
+
+    store.edit_text(path, change)
+
+
+def density_in(path: Path) -> float:
+    return load_layer(path).materials["x"].need("density")
+
+
+def last_line_before(step: int, work: Callable[[], object]) -> str | None:
+    """Do the work in a child that kills itself before its `step`-th watched line; that line, None where it ended."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        left = step
+
+        def trace(frame: FrameType, event: str, argument: Any) -> Any:
+            nonlocal left
+            del argument
+            if frame.f_code.co_filename not in WATCHED:
+                return None
+            if event == "line":
+                left -= 1
+                if left == 0:
+                    os.write(writer, getline(frame.f_code.co_filename, frame.f_lineno).strip().encode())
+                    os.kill(os.getpid(), signal.SIGKILL)
+            return trace
+
+        sys.settrace(trace)
+        work()
+        os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader, "rb") as told:
+        line = told.read().decode()
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == (-signal.SIGKILL if line else 0)
+    return line or None
+
+
+def main(folder: Path) -> None:
+    given = folder / "given"
+    for density in (1, 2, 3):
+        edit(given / "c.yaml", density)
+    for what, work, new in (("edit", partial(edit, density=4), 4), ("undo", store.undo, 2)):
+        for step in count(1):
+            place = folder / f"{what}-{step}"
+            shutil.copytree(given, place)
+            path = place / "c.yaml"
+            line = last_line_before(step, partial(work, path))
+            now, text = density_in(path), path.read_bytes()
+            assert now in (3, new), (line, now)
+            assert text == (given / "c.yaml").read_bytes().replace(b"density: 3 ", b"density: %d " % now), line
+            with locked(path, wait=False):  # nobody holds it any more
+                pass
+            edit(path, 5)
+            edit(path, 6)
+            store.undo(path)
+            store.undo(path)
+            assert path.read_bytes() == text, line
+            names = {item.name for item in place.iterdir()}
+            assert names <= {"c.yaml", ".c.yaml.lock", ".c.yaml.new", ".c.yaml.undo"}, names
+            print(json.dumps([what, line, now == new]))
+            if line is None:
+                break
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]))
+    store.MOST_UNDO = 2
+    main(Path(sys.argv[1]))

@@ -9,7 +9,7 @@ import yaml
 
 from materials.catalogue import load_catalogue, load_layer, shipped_layers
 from materials.material import MissingProperty, OutOfRange
-from materials.quantities import InputError
+from units.quantities import InputError
 
 CELSIUS = 273.15
 SHIPPED = [material for layer in shipped_layers() for material in layer.materials.values()]

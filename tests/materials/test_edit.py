@@ -2,11 +2,11 @@
 
 import pytest
 
-from materials import store
+from catalogues import store
+from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries, shipped_entry
+from catalogues.materials_editor import MATERIALS
 from materials.catalogue import load_catalogue, load_layer, shipped_layers
-from materials.edit import add, add_all, draft, land, remove, remove_key, rename, set_key, uses
-from materials.quantities import InputError
-from materials.written import Entry, entries_text, find_entry, read_entries, shipped_entry
+from units.quantities import InputError
 
 ALLOY = Entry("alloy", {"elastic_modulus": "80 GPa", "density": "3000 kg/m^3", "source": "s"}, {"s": "A data sheet"})
 
@@ -21,12 +21,12 @@ def material(path, name):
 
 
 def test_a_file_is_made_with_its_folder_and_holds_what_was_added(own):
-    add(own, ALLOY)
+    MATERIALS.add(own, [ALLOY])
     assert material(own, "alloy").need("density") == 3000
     assert material(own, "alloy").references == {"s": "A data sheet"}
     with pytest.raises(InputError, match="is there already"):
-        add(own, ALLOY)
-    add(own, Entry("alloy", {**ALLOY.content, "density": "3100 kg/m^3"}, ALLOY.references), replace=True)
+        MATERIALS.add(own, [ALLOY])
+    MATERIALS.add(own, [Entry("alloy", {**ALLOY.content, "density": "3100 kg/m^3"}, ALLOY.references)], replace=True)
     assert material(own, "alloy").need("density") == 3100
 
 
@@ -46,17 +46,19 @@ def test_a_file_is_made_with_its_folder_and_holds_what_was_added(own):
     ],
 )
 def test_an_edit_that_is_not_sound_does_not_land(own, key, value, words):
-    add(own, Entry("alloy", {**ALLOY.content, "poisson_ratio": 0.3, "yield_strength": "90 MPa"}, ALLOY.references))
+    MATERIALS.add(
+        own, [Entry("alloy", {**ALLOY.content, "poisson_ratio": 0.3, "yield_strength": "90 MPa"}, ALLOY.references)]
+    )
     before = own.read_bytes()
     with pytest.raises(InputError, match=words) as caught:
-        set_key(own, "alloy", key, value)
+        MATERIALS.set_key(own, "alloy", key, value)
     assert str(caught.value).startswith(str(own))
     assert own.read_bytes() == before
     assert store.journal(own)[-1].what == "added alloy"
 
 
 def test_changing_a_shipped_material_copies_it_with_its_sources(own):
-    set_key(own, "steel-s355", "yield_strength", "345 MPa", source="Certificate of heat 12")
+    MATERIALS.set_key(own, "steel-s355", "yield_strength", "345 MPa", source="Certificate of heat 12")
     copy, shipped = material(own, "steel-s355"), load_catalogue(user=False).find("steel-s355")
     assert copy.need("yield_strength") == 345e6
     assert copy.references[copy.properties["yield_strength"].source] == "Certificate of heat 12"
@@ -71,8 +73,8 @@ def test_changing_a_shipped_material_copies_it_with_its_sources(own):
 
 def test_every_shipped_material_can_be_copied_whole(own):
     names = load_catalogue(user=False).names
-    add_all(own, [entry for name in names if (entry := shipped_entry(name)) is not None])
-    set_key(own, names[0], "title", "mine")
+    MATERIALS.add(own, [entry for name in names if (entry := shipped_entry(name)) is not None])
+    MATERIALS.set_key(own, names[0], "title", "mine")
     assert sorted(load_layer(own).materials) == list(names)
     layers = {name: each for layer in shipped_layers() for name, each in layer.materials.items()}
     for name, copy in load_layer(own).materials.items():
@@ -83,30 +85,30 @@ def test_every_shipped_material_can_be_copied_whole(own):
 
 
 def test_values_go_where_they_belong(own):
-    add(own, ALLOY)
-    set_key(own, "alloy", "cost", {"value": "3 EUR/kg", "source": "s", "note": "n"})
-    set_key(own, "alloy", "cost", "4 EUR/kg")
+    MATERIALS.add(own, [ALLOY])
+    MATERIALS.set_key(own, "alloy", "cost", {"value": "3 EUR/kg", "source": "s", "note": "n"})
+    MATERIALS.set_key(own, "alloy", "cost", "4 EUR/kg")
     cost = material(own, "alloy").properties["cost"]
     assert (cost.law.value(293.15), cost.note) == (4, "n")
-    set_key(own, "alloy", "density.spread", ["2900 kg/m^3", "3100 kg/m^3"])
+    MATERIALS.set_key(own, "alloy", "density.spread", ["2900 kg/m^3", "3100 kg/m^3"])
     assert material(own, "alloy").spread("density") == (2900, 3100)
-    set_key(own, "steel-s355", "elastic_modulus", "205 GPa")
+    MATERIALS.set_key(own, "steel-s355", "elastic_modulus", "205 GPa")
     assert material(own, "steel-s355").need("elastic_modulus", 400.0) == 205e9
-    remove_key(own, "alloy", "cost")
+    MATERIALS.remove_key(own, "alloy", "cost")
     assert not material(own, "alloy").has("cost")
 
 
 def test_removing_and_renaming(own):
-    add(own, ALLOY)
-    rename(own, "alloy", "other")
+    MATERIALS.add(own, [ALLOY])
+    MATERIALS.rename(own, "alloy", "other")
     assert list(load_layer(own).materials) == ["other"]
     with pytest.raises(InputError, match="did you mean 'other'"):
-        remove(own, "othr")
+        MATERIALS.remove(own, "othr")
     with pytest.raises(InputError, match="shipped with the program"):
-        remove(own, "steel-s355")
+        MATERIALS.remove(own, "steel-s355")
     with pytest.raises(InputError, match="cannot be a material's name"):
-        rename(own, "other", " x")
-    remove(own, "other")
+        MATERIALS.rename(own, "other", " x")
+    MATERIALS.remove(own, "other")
     assert not load_layer(own).materials
     assert [store.undo(own) for _ in range(3)] == ["removed other", "renamed alloy to other", "added alloy"]
     assert not own.exists()
@@ -114,31 +116,31 @@ def test_removing_and_renaming(own):
 
 def test_several_come_all_or_none(own):
     with pytest.raises(InputError, match="comes twice"):
-        add_all(own, [ALLOY, ALLOY])
+        MATERIALS.add(own, [ALLOY, ALLOY])
     with pytest.raises(InputError, match="density: is missing"):
-        add_all(own, [ALLOY, Entry("bad", {"elastic_modulus": "1 GPa", "source": "s"}, ALLOY.references)])
+        MATERIALS.add(own, [ALLOY, Entry("bad", {"elastic_modulus": "1 GPa", "source": "s"}, ALLOY.references)])
     assert not own.exists()
 
 
 def test_the_same_source_key_for_another_text_gets_a_new_name(own):
-    add(own, ALLOY)
-    add(own, Entry("second", ALLOY.content, {"s": "Another data sheet"}))
+    MATERIALS.add(own, [ALLOY])
+    MATERIALS.add(own, [Entry("second", ALLOY.content, {"s": "Another data sheet"})])
     assert list(material(own, "alloy").references.values()) == ["A data sheet"]
     assert list(material(own, "second").references.values()) == ["Another data sheet"]
 
 
 def test_an_editors_text_lands_only_if_sound_and_nobody_was_faster(own):
-    add(own, ALLOY)
-    before, text = draft(own, "alloy")
+    MATERIALS.add(own, [ALLOY])
+    before, text = MATERIALS.draft(own, "alloy")
     with pytest.raises(InputError, match="needs a unit"):
-        land(own, before, text.replace("3000 kg/m^3", "3000"))
-    set_key(own, "alloy", "title", "faster")
+        MATERIALS.land(own, before, text.replace("3000 kg/m^3", "3000"))
+    MATERIALS.set_key(own, "alloy", "title", "faster")
     with pytest.raises(InputError, match="by somebody else"):
-        land(own, before, text.replace("3000", "3200"))
-    before, text = draft(own, "steel-s355")
+        MATERIALS.land(own, before, text.replace("3000", "3200"))
+    before, text = MATERIALS.draft(own, "steel-s355")
     assert before is not None
     assert "steel-s355" not in before
-    land(own, before, text)
+    MATERIALS.land(own, before, text)
     assert "steel-s355" in load_layer(own).materials
 
 
@@ -146,7 +148,11 @@ def test_who_uses_a_material(tmp_path):
     (tmp_path / "arm.yaml").write_text("chain:\n  - link: {material: alloy}\n")
     (tmp_path / "problem.yaml").write_text("choose: {material: [steel-s355, alloy]}\nname: alloy\n")
     (tmp_path / "other.yaml").write_text("name: alloy\nchain:\n  - link: {material: alloy-2}\n")
-    assert [uses(tmp_path / f"{name}.yaml", "alloy") for name in ("arm", "problem", "other")] == [True, True, False]
+    assert [MATERIALS.uses(tmp_path / f"{name}.yaml", "alloy", "material") for name in ("arm", "problem", "other")] == [
+        True,
+        True,
+        False,
+    ]
 
 
 def test_entries_travel_between_files_as_they_are_written(tmp_path):

@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from catalogues.freecad_cards import MECHANICAL, THERMAL, read_card, write_card
+from catalogues.materials_as_text import entries_text
+from catalogues.materials_csv import read_table, write_table
+from catalogues.materials_editor import MATERIALS
 from materials.catalogue import load_catalogue
-from materials.csv_table import read_table, write_table
-from materials.edit import add
-from materials.fcmat import MECHANICAL, THERMAL, read_card, write_card
 from materials.material import Constant, Material, Property
-from materials.quantities import InputError
-from materials.written import entries_text
+from units.quantities import InputError
 
 # In the manner of the cards of FreeCAD 1.0 (Steel-S235JR) and 0.21 (Invar-Generic), with values of their own.
 NEW_CARD = """\
@@ -72,7 +72,7 @@ def test_cards_of_both_formats_are_read(tmp_path, text):
     path.write_bytes(text.encode("utf-8"))
     entry = read_card(path)
     assert entry.name == "steel-x-1"
-    add(own, entry)
+    MATERIALS.add(own, [entry])
     found = load_catalogue([own], user=False).find("steel-x-1")
     assert found.need("elastic_modulus") == pytest.approx(210e9)
     assert found.need("shear_modulus") == pytest.approx(81e9)
@@ -90,7 +90,7 @@ def test_cards_of_both_formats_are_read(tmp_path, text):
 def test_a_card_whose_constants_disagree_is_refused(tmp_path):
     (tmp_path / "X.FCMat").write_text(NEW_CARD.replace("81000", "90000"))
     with pytest.raises(InputError, match="does not fit"):
-        add(tmp_path / "own.yaml", read_card(tmp_path / "X.FCMat"))
+        MATERIALS.add(tmp_path / "own.yaml", [read_card(tmp_path / "X.FCMat")])
 
 
 @pytest.mark.parametrize(

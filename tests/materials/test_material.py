@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from materials.entry import read_inline
+from materials.catalogue_entry import read_inline
 from materials.material import Constant, Material, MissingProperty, OutOfRange, Polynomial, Property, Table
-from materials.quantities import InputError
+from units.quantities import InputError
 
 
 def inline(**content):

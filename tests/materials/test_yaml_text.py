@@ -7,9 +7,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from materials.quantities import InputError
-from materials.reading import parse_yaml
-from materials.yaml_text import YamlText, flow_text
+from catalogues.yaml_edit import YamlText
+from units.quantities import InputError
+from units.reading import parse_yaml, yaml_line
 
 TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cs",)), min_size=0, max_size=20)
 PLAIN = st.sampled_from(["1 GPa", "on", "1e3", "012", "~", "null", "- x", "a: b", "a #b", "12 um/(m*K)", "'q'", ""])
@@ -17,8 +17,8 @@ PLAIN = st.sampled_from(["1 GPa", "on", "1e3", "012", "~", "null", "- x", "a: b"
 
 @given(st.one_of(TEXTS, PLAIN))
 def test_any_text_is_written_so_that_it_reads_back(text):
-    assert parse_yaml(f"[{flow_text(text)}]", file="") == [text]
-    assert parse_yaml(f"{{{flow_text(text, key=True)}: 1}}", file="") == {text: 1}
+    assert parse_yaml(f"[{yaml_line(text)}]", file="") == [text]
+    assert parse_yaml(yaml_line({text: 1}), file="") == {text: 1}
 
 
 NAMES = ["alpha", "beta 2", "gamma.x", "delta", "on"]
@@ -103,7 +103,7 @@ def test_a_plain_edit_changes_one_line_only():
     text += "  y:\n    a: >-\n      long\n      text\n# end\n"
     edited = YamlText(text, file="f")
     edited.set(["materials", "x", "a"], 2)
-    assert edited.text == text.replace("{a: 1,", "{a: 2,")
+    assert edited.text == text.replace("  {a: 1, b: 'two'}", "{a: 2, b: 'two'}  ")
     edited.set(["materials", "y", "a"], "short")
     assert edited.text.endswith("  y:\n    a: short\n# end\n")
 
@@ -111,7 +111,8 @@ def test_a_plain_edit_changes_one_line_only():
 def test_an_empty_mapping_opens_and_closes():
     edited = YamlText("materials: {}  # none yet", file="f")
     edited.set(["materials", "x"], {"a": "b"}, block=True)
-    assert edited.text == "materials:   # none yet\n  x:\n    a: b\n"
+    assert edited.text.split("\n") == [edited.text.partition("\n")[0], "  x:", "    a: b", ""]
+    assert edited.text.split()[:4] == ["materials:", "#", "none", "yet"]
     edited.remove(["materials", "x"])
     assert yaml.safe_load(edited.text) == {"materials": {}}
     assert "# none yet" in edited.text
@@ -126,3 +127,51 @@ def test_what_is_not_there_cannot_be_removed(path):
 def test_a_value_is_no_place_for_keys():
     with pytest.raises(InputError, match="holds no keys"):
         YamlText("materials: {x: 1}", file="f").set(["materials", "x", "a"], 1)
+
+
+ODD = """\
+---
+# head
+"format_version":   1
+on: ~   # kept
+numbers: [+5,  1e3, 012,
+  .5]  # and these
+none:
+many: {a: 1, # of a
+  b: 'x'}
+
+materials:
+  first: {a: 1}   # of the first
+  # before the second
+
+  second:
+    a:  "q"  # two blanks
+    b: plain
+      over two lines
+    c: |
+      # no comment
+      text
+
+    # before d
+    d: 1
+"""
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_what_an_edit_does_not_name_stays_to_the_letter(newline):
+    text = ODD.replace("\n", newline)
+    edited = YamlText(text, file="f")
+    edited.set(["materials", "second", "d"], 2)
+    assert edited.text == text.replace("d: 1", "d: 2")
+    edited.remove(["materials", "second", "c"])
+    edited.remove(["materials", "first"])
+    kept = text.replace("d: 1", "d: 2").replace(f"  first: {{a: 1}}   # of the first{newline}", "")
+    assert edited.text == kept.replace("    c: |\n      # no comment\n      text\n".replace("\n", newline), "")
+    edited.rename(["materials", "second"], "third")
+    edited.extend(["materials"], {"fourth": {"a": 1}})
+    assert edited.text.endswith("    d: 2\n  fourth:\n    a: 1\n".replace("\n", newline))
+
+
+def test_comments_inside_brackets_are_not_lost_without_a_word():
+    with pytest.raises(InputError, match="f: has comments inside brackets, which would be lost; edit it by hand"):
+        YamlText(ODD, file="f").set(["many", "a"], 2)

@@ -7,19 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.chain import Arm, LoadCase
-from arm.model import beam_values, beams_of, error_model
-from arm.play import played
-from optimize.choice import choose, combinations
-from optimize.design import arm_of, design_space, material_row, starting_points
-from optimize.exchange import Exchange, Exchanged, context_of, first_pool
+from arm.chain.chain import Arm, LoadCase
+from arm.errors.lost_motion import played
+from arm.errors.model import beam_values, beams_of, error_model
+from optimize.choice.combinations import choose, combinations
+from optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from optimize.exchange.exchange import Exchange, Exchanged, context_of, first_pool
 from optimize.problem import Problem, read_problem
 from optimize.result import BindingLimit
+from sections.numeric import Array
 from tests.arm.builders import PAPER_MATERIAL, rod_lines
-
-Array = NDArray[np.float64]
 
 ALUMINIUM = "aluminium-6061-t6"
 DRIVE = ", mass: 2 kg, stiffness: 60 kN*m/rad"
@@ -92,7 +90,7 @@ def one_exchange(problem: Problem) -> tuple[Arm, Exchanged]:
 
 def loosened(problem: Problem, limit: BindingLimit, step: float) -> Problem:
     """The problem with one limit moved by `step` of its units (mm, kg, EUR, Hz)."""
-    by = step / 1e3 if limit.name in IN_MM else step
+    by = step / (problem.figures[limit.name].factor if limit.name in problem.figures else 1e3)
     if limit.name in ("section_size", "thickness", "link_length"):
         low, high = getattr(problem, limit.name)
         moved = (low, high + by) if "<=" in limit.text else (low + by, high)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from materials.quantities import InputError
 from optimize.run import optimise
 from tests.optimize.builders import PAPER_ARM, problem_of
+from units.quantities import InputError
 
 LIMITS = "subject_to: {{{}}}\n"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from optimize.problem import NoAnswer
 from optimize.run import optimise
 from tests.optimize.builders import PAPER_ARM, jointed, problem_of, ranged
+from units.quantities import NoAnswer
 
 ARM = jointed(
     [400, 420, 420],

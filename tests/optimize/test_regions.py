@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from arm.evaluation import link_masses
-from arm.kinematics import tip_position
-from arm.model import beams_of
+from arm.chain.kinematics import tip_position
+from arm.errors.model import beams_of
+from arm.evaluation import evaluate, link_masses
+from arm.worst.coverage import Unreached
+from linkwright.results.design import bound_words
+from optimize.choice.combinations import choose
+from optimize.exchange.design import arm_of
+from optimize.exchange.exchange import context_of
 from optimize.problem import Problem
 from optimize.result import OptimizationResult
 from optimize.run import optimise
+from optimize.trust import doubts_of
 from tests.optimize.builders import ALUMINIUM, DRIVE, jointed, one_exchange, problem_of, ranged, scanned_error, worst_at
 
 ARM = jointed((500, 500), ranged("-120 120", "20 150"))
@@ -60,6 +67,47 @@ def test_no_pose_of_the_region_is_worse_than_claimed(region: str, limits: str, t
     assert worst >= result.objective * 0.98
     assert result.objective < result.before.max_error
     assert result.objective <= result.lower_bound * (1.0 + 2e-4)
+
+
+def test_hole_in_a_path_is_told(tmp_path: Path) -> None:
+    """An elbow that folds to 150 degrees keeps the tip out of a disc, and the path cuts 25 mm off its edge, between two
+    of the points at which it is sampled."""
+    inner = np.hypot(500.0 + 500.0 * np.cos(np.radians(150.0)), 500.0 * np.sin(np.radians(150.0)))
+    path = "workspace: {path: [[-600 mm, 258.5 mm], [650 mm, 258.5 mm]]}\n"
+    result = optimise(problem_of(tmp_path, ARM, path + MASS))
+    hole = 2.0 * np.sqrt(inner**2 - 258.5**2) / 1250.0
+    assert result.after.unreached is not None
+    assert result.after.unreached.share == pytest.approx(hole, abs=1.0 / 240.0)
+    assert hole > 0.01
+    assert any("of the path cannot be reached" in warning for warning in result.after.warnings)
+    assert "of the path that is reached" in bound_words(result.after)
+
+
+def test_corners_of_a_box_beyond_the_arm_are_told(tmp_path: Path) -> None:
+    """The share of the box outside the ring between the folded and the stretched arm, by counting."""
+    box = problem_of(tmp_path, ARM, "workspace: {box: [[100 mm, -300 mm], [1100 mm, 300 mm]]}\n" + MASS)
+    x, y = np.meshgrid(np.linspace(100, 1100, 1001), np.linspace(-300, 300, 601))
+    radius = np.hypot(x, y)
+    spans = [np.hypot(500 + 500 * np.cos(a), 500 * np.sin(a)) for a in np.radians((150.0, 20.0))]
+    outside = ((radius < spans[0]) | (radius > spans[1])).mean()
+    found = evaluate(box.arm, box.workspace).unreached
+    assert found is not None
+    assert found.share == pytest.approx(outside, abs=0.03)
+    whole = problem_of(tmp_path, ARM, BOX + MASS)
+    assert evaluate(whole.arm, whole.workspace).unreached is None
+
+
+def test_design_that_reaches_less_than_the_arm_as_given_is_doubted(tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, ARM, BOX + MASS)
+    context = context_of(problem)
+    choice = choose(context)
+    assert choice is not None
+    after = evaluate(arm_of(choice.space, choice.exchanged.x, choice.combination.materials), problem.workspace)
+    before = evaluate(problem.arm, problem.workspace)
+    lower = choice.exchanged.solution.error
+    assert doubts_of(context, choice, before, after, lower) == ()
+    less = replace(after, unreached=Unreached(0.1, (0.4, 0.3), 0.02))
+    assert "10 % of the box unreached" in doubts_of(context, choice, before, less, lower)[0]
 
 
 def test_free_lengths_do_better_than_fixed_ones(tmp_path: Path) -> None:

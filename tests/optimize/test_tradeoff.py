@@ -14,23 +14,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from arm.errors.model import error_model
 from arm.evaluation import evaluate
-from arm.model import error_model
-from arm.worst import WorstSearch
-from materials.quantities import InputError
-from optimize.choice import combinations
-from optimize.design import arm_of, design_space, numeric_beams
-from optimize.pool import Anchor, ErrorCut, ModeCut, Pool, StrengthCut
-from optimize.problem import Limit, NoAnswer, Problem
+from arm.worst.search import WorstSearch
+from optimize.choice.combinations import combinations
+from optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
+from optimize.exchange.design import arm_of, design_space, numeric_beams
+from optimize.limits import FIGURES, Cut, limit_on
+from optimize.problem import Problem
 from optimize.run import optimise
-from optimize.tradeoff import trade_off
-from optimize.tradeoff_journal import Journal, design_of, design_record
-from optimize.tradeoff_question import AXES, Question, digest, question
-from optimize.tradeoff_refine import Refined, envelope, knee, logarithmic, refine, undominated
-from optimize.tradeoff_result import Tradeoff
-from optimize.tradeoff_search import Design, Search
-from optimize.tradeoff_trace import Progress
+from optimize.tradeoff.front import Tradeoff
+from optimize.tradeoff.journal import Journal, design_of, design_record
+from optimize.tradeoff.point import Design, Search
+from optimize.tradeoff.question import Question, axes_of, digest, question
+from optimize.tradeoff.refinement import Refined, envelope, knee, logarithmic, refine, undominated
+from optimize.tradeoff.trace import Progress
+from optimize.tradeoff.tradeoff import trade_off
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
+from units.quantities import InputError, NoAnswer
 
 ARM = jointed((500, 400), ranged("-100 100", "30 140"))
 SIZES = "section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]"
@@ -103,7 +104,7 @@ def test_straight_lines_between_points_are_right(traced: Tradeoff) -> None:
         if (left.number, right.number) in steps:
             continue
         mass = left.x + (right.x - left.x) / 3.0
-        limits = (*[x for x in traced.asked.given.limits if x.name != "mass"], Limit("mass", "<=", mass))
+        limits = (*[x for x in traced.asked.given.limits if x.name != "mass"], limit_on("mass", "<=", mass))
         best = 1e-3 * best_value(replace(traced.asked.given, minimize="max_error", limits=limits))
         straight = left.y + (right.y - left.y) / 3.0
         assert straight == pytest.approx(best, rel=0.01)
@@ -229,7 +230,7 @@ def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     # Where steel takes over the straight line was measured as well: both materials solved anew in between.
     (change,) = [(a, b) for a, b in pairwise(on) if a.front != b.front][:1]
     mass = 0.5 * (change[0].x + change[1].x)
-    free = replace(asked.given, minimize="max_error", limits=(Limit("mass", "<=", mass),))
+    free = replace(asked.given, minimize="max_error", limits=(limit_on("mass", "<=", mass),))
     best = 1e-3 * best_value(free)
     straight = 0.5 * (change[0].y + change[1].y)
     assert straight == pytest.approx(best, rel=0.04)
@@ -246,8 +247,9 @@ def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
         if progress.points >= 4:
             raise KeyboardInterrupt
 
-    with Journal(path, key) as journal, pytest.raises(KeyboardInterrupt):
-        trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
+    with Journal(path, key) as journal:
+        cut = trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
+    assert cut.interrupted
     lines = path.read_bytes().splitlines()
     path.write_bytes(b"\n".join(lines) + b'\n{"key": ["all", "y", "0x1.8')  # a line that a kill cut short
     with Journal(path, key, resume=True) as journal:
@@ -327,7 +329,7 @@ def test_limits_that_no_design_keeps_have_no_answer(tmp_path: Path) -> None:
 
 def traced_curve(curve: Callable[[float], float], ends: tuple[float, float], accuracy: float) -> Refined[Dot]:
     """A known curve refined between its ends."""
-    axes = (AXES["mass"], AXES["max_error"])
+    axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     first, last = (Dot(level, curve(level)) for level in ends)
 
     def solve(level: float, left: Dot, right: Dot, error: float) -> Dot:
@@ -358,7 +360,7 @@ def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> Non
 
 
 def test_jump_is_found_as_a_step() -> None:
-    axes = (AXES["mass"], AXES["max_error"])
+    axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     done = traced_curve(lambda level: 3.0 if level < 4.0 else 1.0, (1.0, 9.0), 0.01)
     ((left, right),) = done.steps
     assert left.level < 4.0 <= right.level
@@ -368,7 +370,7 @@ def test_jump_is_found_as_a_step() -> None:
 
 def test_envelope_leaves_out_what_lies_above_another_front() -> None:
     """Between the points of one front those of another may be undominated and yet above its straight line."""
-    axes = (AXES["mass"], AXES["max_error"])
+    axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     low = [Dot(1.0, 4.0), Dot(3.0, 2.0), Dot(5.0, 1.0)]
     high = [Dot(2.0, 3.1), Dot(4.0, 1.4), Dot(6.0, 0.5)]
     assert envelope(axes, [low, high]) == [low[0], low[1], high[1], high[2]]
@@ -378,18 +380,18 @@ def test_envelope_leaves_out_what_lies_above_another_front() -> None:
 @given(st.floats(1.5, 50.0))
 def test_knee_of_a_hyperbola_is_in_its_middle(ratio: float) -> None:
     """x y = 1 between 1/r and r is symmetrical about x = y, where its tangent is parallel to the chord."""
-    axes = (AXES["mass"], AXES["max_error"])
+    axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     x = np.geomspace(1.0 / ratio, ratio, 201).tolist()
     y = [1.0 / value for value in x]
     assert knee(axes, x, y, (False, False)) == 100
     assert knee(axes, x, y, (True, True)) is None  # straight in logarithms
     # With frequency upwards the same front, mirrored.
-    up = (AXES["mass"], AXES["first_frequency"])
+    up = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["first_frequency"])
     assert knee(up, x, [ratio + 1.0 / ratio - value for value in y], (False, False)) == 100
 
 
 def test_front_that_bulges_has_no_knee() -> None:
-    axes = (AXES["mass"], AXES["max_error"])
+    axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     x = np.linspace(0.0, 1.0, 50)
     assert knee(axes, x.tolist(), np.sqrt(1.0 - x**2).tolist(), (False, False)) is None
     assert logarithmic([1.0, 11.0])
@@ -410,8 +412,8 @@ def test_a_design_comes_back_from_the_journal_as_it_went_in(tmp_path: Path) -> N
     asked = asked_of(tmp_path, TWO, "mass", "max_error")
     anchor = Anchor((0.1, 0.2, 0.0), ((0.6, 0.8),), -1.0)
     errors = (ErrorCut((0.1, 1 / 3), 0, (1.0,), (0.0, 1e-6, 0.0), anchor), ErrorCut((0.2, 0.3), 0, (), (0.0, 0.0, 0.0)))
-    held = (StrengthCut((0.4, 0.5), 0),)
-    pool = Pool(errors, held, (ModeCut((0.6, 0.7), 3.0, (1.0, 0.5)),)).with_torques(held)
+    held = (Cut((0.4, 0.5), 0),)
+    pool = Pool(errors).with_cuts("strengths", held).with_cuts("modes", (Cut((0.6, 0.7), 0, (3.0, 1.0, 0.5)),))
     design = Design(combinations(asked.problem)[0], (0.1, 2 / 3), pool, 1.25, None, converged=True)
     record = json.loads(json.dumps(design_record(design)))
     assert design_of(record, asked.problem) == design

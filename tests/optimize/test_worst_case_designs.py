@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
-from arm.model import beam_values, beams_of, error_model
-from optimize.choice import choose
-from optimize.design import arm_of
-from optimize.exchange import Context, Exchange, context_of, first_pool
+from arm.errors.model import beam_values, beams_of, error_model
+from optimize.choice.combinations import choose
+from optimize.exchange.design import arm_of
+from optimize.exchange.exchange import Context, Exchange, context_of, first_pool
 from optimize.run import optimise
 from tests.optimize.builders import DRIVE, jointed, problem_of, ranged, scanned_error, worst_at
 
@@ -74,8 +74,9 @@ def test_claim_is_the_true_worst_and_limits_are_kept(name: str, tmp_path: Path) 
     assert result.objective == pytest.approx(result.lower_bound, rel=2e-4)
     assert result.after.mass <= 10.0 * (1.0 + 1e-6)
     assert result.objective < result.before.max_error
-    for link in result.links:
-        assert all(0.005 * (1 - 1e-9) <= size <= 0.2 * (1 + 1e-9) for size in link.dimensions.values())
+    for link in result.arm.links:
+        sizes = {} if link.section is None else link.section.given()
+        assert all(0.005 * (1 - 1e-9) <= size <= 0.2 * (1 + 1e-9) for size in sizes.values())
     if problem.link_length is not None:
         assert result.after.reach == pytest.approx(1.24, rel=1e-9)
 

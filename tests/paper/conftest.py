@@ -2,7 +2,7 @@
 
 import pytest
 
-from linkwright.paper.figures import make_figures
+from linkwright.paper.output.figures import make_figures
 from linkwright.paper.tables import make_tables
 
 

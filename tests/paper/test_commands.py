@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.cli import run
-from linkwright.paper.output import BEGIN, END, into, tables_markdown
+from linkwright.paper.output.pages import BEGIN, END, into, tables_markdown
 from linkwright.paper.verdicts import proofs, verdicts
 
 TABLES = ("clearance", "backlash", "backlash_direction", "material", "shape")

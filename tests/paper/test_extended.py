@@ -9,18 +9,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain import Arm, Joint, Link
-from arm.workspace import Unreachable
+from arm.chain.chain import Arm, Joint, Link
+from arm.worst.workspace import Unreachable
 from linkwright.cli import run
 from linkwright.paper.corrected import PaperArm, worst_error
-from linkwright.paper.extended import LENGTHS, Extended
-from linkwright.paper.output import BEGIN, END, EXTENDED_BEGIN, EXTENDED_END, all_into, extended_csv, extended_markdown
+from linkwright.paper.extended.sensitivity import seam_table, sensitivities
+from linkwright.paper.extended.tables import LENGTHS, Extended
+from linkwright.paper.extended.warmth import growth_of, mass_of, material_table, warmed
+from linkwright.paper.output.pages import (
+    BEGIN,
+    END,
+    EXTENDED_BEGIN,
+    EXTENDED_END,
+    all_into,
+    extended_csv,
+    extended_markdown,
+)
+from linkwright.paper.output.screen import show_extended
 from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import Column, ExtendedTable
-from linkwright.paper.screen import show_extended
-from linkwright.paper.sensitivity import seam_table, sensitivities
-from linkwright.paper.warmth import growth_of, mass_of, material_table, warmed
 from linkwright.screen.console import console
 from materials.catalogue import load_catalogue
 
@@ -221,9 +229,9 @@ def test_a_row_without_its_cell_is_refused():
 
 def test_the_command_writes_extended_tables_and_quick_leaves_them_out(tmp_path, monkeypatch):
     """Screen, JSON, CSV and Markdown, from one list."""
-    monkeypatch.setattr("linkwright.paper.extended.make_extended", lambda _progress=None: (SMALL,))
+    monkeypatch.setattr("linkwright.paper.face.make_extended", lambda _progress=None: (SMALL,))
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("linkwright.commands.tables.EXTENDED_KEYS", ("small",))
+    monkeypatch.setattr("linkwright.commands.paper.tables.EXTENDED_KEYS", ("small",))
     for arguments in ((), ("--quick",)):
         assert run(["tables", "--json", "t.json", "--csv", "csv", "--markdown", "t.md", *arguments]) == 0
         content = json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))
@@ -245,7 +253,7 @@ def test_the_command_writes_extended_tables_and_quick_leaves_them_out(tmp_path, 
 
 def test_progress_is_told_before_each_table(arms, monkeypatch):
     """In the order of the page; every key is one that the command may write."""
-    from linkwright.commands.tables import EXTENDED_KEYS
+    from linkwright.commands.paper.tables import EXTENDED_KEYS
 
     makers = ("shapes", "materials", "steps", "tolerances", "seam", "heat", "rail", "dual_arm")
     for name, key in zip(makers, EXTENDED_KEYS, strict=True):

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from linkwright.paper.output import figure_csv, figures_json
-from linkwright.paper.pictures import page
+from linkwright.paper.output.pages import figure_csv, figures_json
+from linkwright.paper.output.pictures import page
 
 
 def test_all_five_with_columns_of_one_length(figures):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.model import beam_values, beams_of, error_model
+from arm.errors.model import beam_values, beams_of, error_model
 from linkwright.paper.conventions import Conventions, Deformation, Equations, printed_second_moment
 from linkwright.paper.corrected import PAPER_PHYSICS, PaperArm
 from linkwright.paper.printed import read_paper

@@ -7,14 +7,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.effects import EFFECTS
-from arm.files import read_arm
+from arm.files.read import read_arm
 from linkwright.paper.corrected import PaperArm, worst_error
-from linkwright.paper.extended import Extended
-from linkwright.paper.postures import Postures, around
-from linkwright.paper.printed import read_paper
-from linkwright.paper.workplace import (
+from linkwright.paper.extended.tables import Extended
+from linkwright.paper.extended.workplace import (
     EVERY_PART,
     Rail,
     dual_table,
@@ -23,6 +21,8 @@ from linkwright.paper.workplace import (
     pair_errors,
     rail_table,
 )
+from linkwright.paper.postures import Postures, around
+from linkwright.paper.printed import read_paper
 from materials.catalogue import load_catalogue
 
 LENGTHS = (0.4, 0.42, 0.42)
@@ -229,7 +229,7 @@ def test_directions_come_in_pairs():
 
 def test_the_workplace_stands_in_the_extended_tables(arms):
     """Each table has a maker; their names are what the command may write."""
-    from linkwright.commands.tables import EXTENDED_KEYS
+    from linkwright.commands.paper.tables import EXTENDED_KEYS
 
     extended = Extended(arms)
     assert {extended.heat().key, extended.rail().key} == {"heat_and_field", "rail"}

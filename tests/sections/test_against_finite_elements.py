@@ -87,9 +87,7 @@ def random_sections() -> list[tuple[Section, float, float]]:
     return cases
 
 
-@pytest.mark.parametrize(
-    ("section", "nu", "tolerance"), random_sections(), ids=lambda v: getattr(v, "shape", v)
-)
+@pytest.mark.parametrize(("section", "nu", "tolerance"), random_sections(), ids=lambda v: getattr(v, "shape", v))
 def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) -> None:
     expected, found = reference(section, nu), section.properties(nu)
     assert found.area == pytest.approx(expected.area, rel=1e-6)

@@ -102,9 +102,7 @@ def test_constraints_on_symbols_are_not_judged_but_given() -> None:
         ("polygon", {"points": [[0, 0], [1, 0], [2, 0]]}, "points", ""),
     ],
 )
-def test_errors_name_the_key_and_say_what_is_wrong(
-    shape: str, dimensions: dict, key: str, words: str
-) -> None:
+def test_errors_name_the_key_and_say_what_is_wrong(shape: str, dimensions: dict, key: str, words: str) -> None:
     with pytest.raises(SectionError) as caught:
         build(shape, dimensions)
     assert caught.value.key == key
@@ -115,16 +113,12 @@ def test_errors_name_the_key_and_say_what_is_wrong(
 
 def test_short_forms() -> None:
     whole = build("rectangular_tube", {"width": 0.1, "height": 0.08, "thickness": 0.004})
-    pairs = build(
-        "rectangular_tube", {"width": 0.1, "height": 0.08, "flange_thickness": 0.004, "web_thickness": 0.004}
-    )
+    pairs = build("rectangular_tube", {"width": 0.1, "height": 0.08, "flange_thickness": 0.004, "web_thickness": 0.004})
     assert whole.properties(0.3) == pairs.properties(0.3)
     equal = ISection(0.05, 0.1, 0.006, 0.004)
     spelt = FreeFlangeISection.from_variables((0.05, 0.05, 0.1, 0.006, 0.006, 0.004))
     for name in ("area", "second_moment_y", "torsion_constant", "shear_area_y", "shear_area_z"):
-        assert getattr(equal.properties(0.3), name) == pytest.approx(
-            getattr(spelt.properties(0.3), name), rel=1e-9
-        )
+        assert getattr(equal.properties(0.3), name) == pytest.approx(getattr(spelt.properties(0.3), name), rel=1e-9)
     assert equal.given() == {"width": 0.05, "height": 0.1, "flange_thickness": 0.006, "web_thickness": 0.004}
 
 

@@ -35,9 +35,7 @@ def test_torsion_constant_of_rectangles(ratio: float, constant: float) -> None:
         assert found == pytest.approx(constant, abs=6e-4)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "k2"), [(1.0, 0.208), (1.5, 0.231), (2.0, 0.246), (4.0, 0.282), (10.0, 0.312)]
-)
+@pytest.mark.parametrize(("ratio", "k2"), [(1.0, 0.208), (1.5, 0.231), (2.0, 0.246), (4.0, 0.282), (10.0, 0.312)])
 def test_torsion_stress_of_rectangles(ratio: float, k2: float) -> None:
     # The same table: greatest stress T / (k2 b h^2).
     found = Rectangle(0.02 * ratio, 0.02).properties(0.3).torsion_modulus / (0.02**3 * ratio)
@@ -51,9 +49,7 @@ def test_torsion_of_an_equilateral_triangle() -> None:
     assert found.torsion_constant == pytest.approx(math.sqrt(3) / 80 * a**4, rel=1e-4)
     assert found.torsion_modulus == pytest.approx(a**3 / 20, rel=0.01)
     corners = ((0.0, 0.0), (a, 0.0), (a / 2, a * math.sqrt(3) / 2))
-    assert Polygon(corners).properties(0.3).torsion_constant == pytest.approx(
-        math.sqrt(3) / 80 * a**4, rel=1e-5
-    )
+    assert Polygon(corners).properties(0.3).torsion_constant == pytest.approx(math.sqrt(3) / 80 * a**4, rel=1e-5)
 
 
 def test_shear_area_of_a_square_by_gruttmann_and_wagner() -> None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sections import SectionError, load_stock, section_from_name
-from sections.stock import last_unit, plain_name, read_text
+from sections.stock.tables import last_unit, plain_name, read_text
 
 TABLE = """
 format_version: 1

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.beam import Beam
-from arm.chain import Arm, Joint, Link, LoadCase
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.kinematics import place, section_directions
+from arm.chain.statics import solve
+from arm.chain.vectors import from_roll_pitch_yaw, unit
+from arm.errors.model import beam_values, beams_of, error_model
 from arm.evaluation import evaluate
-from arm.kinematics import place, section_directions
-from arm.model import beam_values, beams_of, error_model
-from arm.modes import segmented
-from arm.statics import solve
-from arm.vectors import from_roll_pitch_yaw, unit
+from arm.limits.modes import segmented
 from materials.catalogue import load_catalogue
 from sections import build
 from tests import frame_solver
@@ -161,6 +161,7 @@ def test_drive_loads_are_the_derivatives_of_the_loads_work(seed: int) -> None:
 
 def odd_arm(rng: np.random.Generator) -> Arm:
     """Four joints with turned and shifted frames, one of them a slide, and a tool beside the last link."""
+
     def direction() -> tuple[float, float, float]:
         x, y, z = rng.normal(size=3)
         return unit((x, y, z))

@@ -135,9 +135,7 @@ def test_shear_adds_to_the_cantilever_deflection_and_not_to_its_slope(plane):
     ):
         loads = [PointLoad(1, force=load * direction)]
         stiff, soft = (
-            tip_in_plane(
-                cantilever(replace(member, distributed_load=member_load * direction), loads=loads), plane
-            )
+            tip_in_plane(cantilever(replace(member, distributed_load=member_load * direction), loads=loads), plane)
             for member in (BEAM, SHEAR_BEAM)
         )
         assert soft[0] - stiff[0] == pytest.approx(addition, rel=1e-9)
@@ -213,9 +211,7 @@ def test_turning_the_whole_frame_turns_its_displacements():
     turned = replace(
         frame,
         nodes=np.array(frame.nodes) @ turn.T,
-        members=[
-            replace(member, height_direction=turn @ member.height_direction) for member in frame.members
-        ],
+        members=[replace(member, height_direction=turn @ member.height_direction) for member in frame.members],
         loads=[PointLoad(2, force=turn @ (0, 0, FORCE))],
     )
     expected = solve(frame)[2].reshape(2, 3) @ turn.T
@@ -283,9 +279,7 @@ def test_springs_in_a_row_at_one_point():
         loads=[PointLoad(3, force=(0, FORCE, FORCE))],
     )
     moment = FORCE * LENGTH
-    np.testing.assert_allclose(
-        solve(frame)[2], [0, 0, 0, 0, -moment / 7e4, moment / 8e4], rtol=EXACT, atol=1e-20
-    )
+    np.testing.assert_allclose(solve(frame)[2], [0, 0, 0, 0, -moment / 7e4, moment / 8e4], rtol=EXACT, atol=1e-20)
 
 
 def test_a_frame_that_can_move_freely_is_refused():
@@ -306,10 +300,7 @@ def first_frequency(second_moment: float) -> float:
 def test_first_frequency_of_a_cantilever_converges_from_above():
     """A consistent mass gives an upper bound; its excess falls as the fourth power of the members' length."""
     exact = first_frequency(BEAM.second_moment_width)
-    excess = [
-        frequencies(cantilever(pieces=pieces), rotary_inertia=False)[0] / exact - 1
-        for pieces in (2, 4, 8, 16)
-    ]
+    excess = [frequencies(cantilever(pieces=pieces), rotary_inertia=False)[0] / exact - 1 for pieces in (2, 4, 8, 16)]
     assert 0 < excess[0] < 5e-4
     assert 0 < excess[3] < 2e-7
     for coarse, fine in pairwise(excess):
@@ -362,9 +353,7 @@ def test_stocky_simply_supported_beam_with_shear_and_rotary_inertia():
     assert expected < 0.97 * slender  # else this beam could not tell the theories apart
 
     def found(pieces: int) -> float:
-        sides = [
-            Support(node, held=(2, 3, 4)) for node in range(1, pieces)
-        ]  # bending in the height plane only
+        sides = [Support(node, held=(2, 3, 4)) for node in range(1, pieces)]  # bending in the height plane only
         ends = [Support(node, held=(0, 1, 2, 3, 4)) for node in (0, pieces)]
         return frequencies(replace(cantilever(beam, pieces=pieces), supports=[*sides, *ends]))[0]
 
@@ -457,9 +446,7 @@ def test_dividing_links_changes_nothing(seed):
     whole, tip = build_frame(chain)
     divided, divided_tip = build_frame(chain, pieces=4)
     expected = solve(whole)[tip]
-    np.testing.assert_allclose(
-        solve(divided)[divided_tip], expected, rtol=0, atol=1e-9 * np.linalg.norm(expected[:3])
-    )
+    np.testing.assert_allclose(solve(divided)[divided_tip], expected, rtol=0, atol=1e-9 * np.linalg.norm(expected[:3]))
 
 
 @pytest.mark.parametrize("seed", range(5))

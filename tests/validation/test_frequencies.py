@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.beam import Beam
-from arm.chain import Arm, Joint, Link, LoadCase
-from arm.modes import first_modes
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.limits.modes import first_modes
 from materials.catalogue import load_catalogue
 from sections import build
 from tests import frame_solver

@@ -7,15 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link
-from arm.kinematics import place, tip_position
-from arm.vectors import from_roll_pitch_yaw, to_roll_pitch_yaw
+from arm.chain.chain import Arm, Joint, Link
+from arm.chain.kinematics import place, tip_position
+from arm.chain.vectors import from_roll_pitch_yaw, to_roll_pitch_yaw
+from sections.numeric import Array
 from tests.arm.builders import arm_of
 from tests.random_chains import places, random_spatial_chain, rotation_about
-
-Array = NDArray[np.float64]
 
 # Universal Robots, "DH parameters for calculations of kinematics and dynamics", UR10 (a, d in mm, alpha in degrees).
 UR10 = [(0, 127.3, 90), (-612, 0, 0), (-572.3, 0, 0), (0, 163.941, 90), (0, 115.7, -90), (0, 92.2, 0)]

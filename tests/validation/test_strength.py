@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain import Arm, Joint, Link, LoadCase
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.errors.model import beam_values, beams_of
 from arm.evaluation import evaluate, strength_over, warnings_of
-from arm.model import beam_values, beams_of
-from arm.strength import StrengthResult
+from arm.limits.strength import StrengthResult
 from materials.catalogue import load_catalogue
 from materials.material import MissingProperty
 from sections import build

@@ -7,17 +7,15 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arm.beam import Beam
-from arm.chain import Arm, Joint, Link, LoadCase
-from arm.conditions import Conditions
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.conditions import Conditions
+from arm.chain.kinematics import tip_position
+from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
-from arm.error import carried_to_tip
-from arm.kinematics import tip_position
-from arm.statics import PoseState, solve
-
-Array = NDArray[np.float64]
+from arm.errors.tip import carried_to_tip
+from sections.numeric import Array
 
 Z = (0.0, 0.0, 1.0)
 GRAVITY = 9.81

@@ -12,20 +12,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain import EffectEntry
+from arm.chain.chain import EffectEntry
+from arm.chain.kinematics import parts, symbols
+from arm.chain.statics import solve
 from arm.effects import EFFECTS, Effect, Settings, kind_at
-from arm.error import active_effects, carried_to_tip, tip_error
+from arm.errors.tip import active_effects, carried_to_tip, tip_error
 from arm.evaluation import evaluate
-from arm.kinematics import parts, symbols
-from arm.statics import solve
-from arm.writing import arm_to_yaml
+from arm.files.write import arm_to_yaml
 from linkwright.cli import run
-from materials.quantities import InputError, format_quantity
-from materials.units import kinds
 from tests.arm.builders import arm_of, rod_lines
-from tests.arm.effect_states import Posed, moved, planar, spatial
+from tests.arm.effects.effect_states import Posed, moved, planar, spatial
+from units.quantities import InputError, format_quantity
+from units.units import kinds
 
-DOCS = Path(__file__).resolve().parents[2] / "docs" / "model.md"
+DOCS = Path(__file__).resolve().parents[3] / "docs" / "model.md"
 NOT_LINEAR = frozenset({"link_modulus"})
 POSED = (planar(1), planar(2, absolute=True), spatial(3), spatial(4, slide=False))
 SIZED = [(effect, size.name) for effect in EFFECTS.values() for size in effect.sizes]

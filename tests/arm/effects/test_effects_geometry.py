@@ -8,16 +8,14 @@ from functools import partial
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint
+from arm.chain.chain import Arm, Joint
+from arm.chain.kinematics import tip_position
 from arm.effects import EFFECTS, Settings
-from arm.kinematics import tip_position
-from arm.recorded import Asked, seen
-from tests.arm.effect_states import Plane, Posed, exact_change, in_space, moved, planar, spatial
+from arm.errors.recorded import Asked, seen
+from sections.numeric import Array
+from tests.arm.effects.effect_states import Plane, Posed, exact_change, in_space, moved, planar, spatial
 from tests.random_chains import rotation_about
-
-Array = NDArray[np.float64]
 
 # ---- in the plane, by hand
 

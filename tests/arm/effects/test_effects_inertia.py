@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from arm.beam import Beam, Taper
-from arm.chain import Arm, Joint, Link, LoadCase
-from arm.conditions import Conditions
-from arm.effects.dynamic_deflection import inertial_loads
-from arm.kinematics import place
-from arm.statics import solve
-from tests.arm.effect_states import ROWS, Posed, moved, planar, spatial
-
-Array = NDArray[np.float64]
+from arm.chain.beam import Beam, Taper
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.conditions import Conditions
+from arm.chain.kinematics import place
+from arm.chain.statics import solve
+from arm.effects.loads.dynamic_deflection import inertial_loads
+from sections.numeric import Array
+from tests.arm.effects.effect_states import ROWS, Posed, moved, planar, spatial
 
 
 @given(st.integers(0, 10**6))

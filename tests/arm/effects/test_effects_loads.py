@@ -6,20 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from arm.beam import Beam
-from arm.chain import Arm, EffectEntry, Joint, Link
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, EffectEntry, Joint, Link
+from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
-from arm.error import active_effects, tip_error
-from arm.recorded import Asked, seen
-from arm.statics import PoseState, solve
+from arm.errors.recorded import Asked, seen
+from arm.errors.tip import active_effects, tip_error
+from sections.numeric import Array
 from tests.arm.builders import chain_arm, elastic_motion
-from tests.arm.effect_states import GRAVITY, ROWS, Plane, in_space, moved, planar, spatial
+from tests.arm.effects.effect_states import GRAVITY, ROWS, Plane, in_space, moved, planar, spatial
 from tests.random_chains import RandomChain, random_planar_chain, random_spatial_chain, rotation_about, tip_motion
-
-Array = NDArray[np.float64]
-
 
 # ---- drives, in the plane by hand
 

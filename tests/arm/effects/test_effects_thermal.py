@@ -7,14 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from arm.conditions import Conditions
-from arm.statics import solve
-from tests.arm.effect_states import ROWS, Plane, Posed, in_space, moved, planar, spatial, turned
-
-Array = NDArray[np.float64]
+from arm.chain.conditions import Conditions
+from arm.chain.statics import solve
+from sections.numeric import Array
+from tests.arm.effects.effect_states import ROWS, Plane, Posed, in_space, moved, planar, spatial, turned
 
 LAG = 2400.0
 

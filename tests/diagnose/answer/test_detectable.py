@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from arm.effects import EFFECTS
-from diagnose.calibrate import given_model, p_value
-from diagnose.candidates import parameter_of
-from diagnose.detectable import detectable
-from diagnose.naming import FALSE_ALARM, Namer
+from diagnose.answer.detectable import detectable
+from diagnose.patterns.library import parameter_of
+from diagnose.rules.rules import RULES
+from diagnose.search.calibrate import given_model, p_value
+from diagnose.search.naming import Namer
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 TRIALS = 240
+LEVEL = RULES.search.false_alarm
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["plane", "space"])
@@ -35,7 +37,7 @@ def test_power_at_the_stated_size(gate, effect):
     at = () if effect == "payload" else (1,)
     found = next(
         d
-        for d in detectable(null, tested, 1.0, FALSE_ALARM)
+        for d in detectable(null, tested, 1.0, LEVEL)
         if (d.effect, d.at) == (effect, tuple(index + 1 for index in at))
     )
     number = group_of(null, effect, at)
@@ -45,7 +47,7 @@ def test_power_at_the_stated_size(gate, effect):
     passed = 0
     for _ in range(TRIALS):
         trial = with_residual(null, signal + noise_of(null, rng))
-        passed += p_value(statistic(trial, number), tested.drawn) <= FALSE_ALARM
+        passed += p_value(statistic(trial, number), tested.drawn) <= LEVEL
     # Binomial scatter of 240 trials is 0.019; three of them, and 0.02 for the level's own (2999 draws).
     assert passed / TRIALS == pytest.approx(0.9, abs=0.08)
     tip = signal[:, : null.observed.components]
@@ -55,7 +57,10 @@ def test_power_at_the_stated_size(gate, effect):
 
 def test_twice_the_noise_hides_twice_as_much(gate):
     null, tested = gate
-    once, twice = detectable(null, tested, 1.0, FALSE_ALARM), detectable(null, tested, 2.0, FALSE_ALARM)
+    once, twice = (
+        detectable(null, tested, 1.0, LEVEL),
+        detectable(null, tested, 2.0, LEVEL),
+    )
     size = {(each.effect, each.at): each.value for each in once}
     ratio = [each.value / size[each.effect, each.at] for each in twice]
     assert ratio == pytest.approx([2.0] * len(twice))
@@ -68,7 +73,7 @@ def test_a_pattern_within_the_nuisances_shows_only_what_is_left():
     sizes = []
     for prepared in (known, free):
         tested = Namer(prepared, thorough=False, seed=1).test(())[0]
-        found = {(d.effect, d.at): d for d in detectable(prepared, tested, 1.0, FALSE_ALARM)}
+        found = {(d.effect, d.at): d for d in detectable(prepared, tested, 1.0, LEVEL)}
         sizes.append(found)
     assert ("encoder_offset", (1,)) in sizes[0]
     assert ("encoder_offset", (1,)) not in sizes[1]
@@ -90,4 +95,4 @@ def test_gate_gives_each_group_its_own_statistic(gate):
     for effect in ("encoder_offset", "joint_compliance"):
         number = group_of(trial, effect, (1,))
         assert found.each[number] == pytest.approx(statistic(trial, number), rel=1e-6, abs=1e-6)
-    assert tested.p_value > FALSE_ALARM
+    assert tested.p_value > LEVEL

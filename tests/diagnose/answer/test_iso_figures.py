@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain import Arm, Joint, Link
-from arm.jacobian import jacobian
-from arm.kinematics import tip_position
-from diagnose import iso_figures as iso
+from arm.chain.chain import Arm, Joint, Link
+from arm.chain.jacobian import jacobian
+from arm.chain.kinematics import tip_position
+from diagnose.answer import iso_figures as iso
 from diagnose.recording import Recording
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 

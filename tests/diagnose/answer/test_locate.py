@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.locate import dependences, depends_on, direction, joint_shares
-from diagnose.observed import observe
+from diagnose.answer.locate import dependences, depends_on, direction, joint_shares
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.prepare import prepare
+from diagnose.residual.observed import observe
 from tests.diagnose.core_cases import noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

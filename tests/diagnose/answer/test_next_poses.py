@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnose.answer.next_poses import _greedy, _noncentrality, _pair, _tried, next_poses  # pyright: ignore[reportPrivateUsage]
 from diagnose.diagnosis import diagnose
-from diagnose.naming import Namer
-from diagnose.next_poses import _greedy, _noncentrality, _pair, _tried, next_poses  # pyright: ignore[reportPrivateUsage]
-from diagnose.observed import observe
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.prepare import prepare
-from diagnose.rivals import Rival
+from diagnose.residual.observed import observe
+from diagnose.rules.rules import RULES
+from diagnose.search.aliases import Rival
+from diagnose.search.naming import Namer
 from tests.diagnose.core_cases import group_of, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -45,7 +46,7 @@ def test_greedy_choice_beats_random_poses(asked):
     width = tried.residual.shape[1]
     pairs = [_pair(namer, tried, [member], member, other) for other in others]
     assert None not in pairs
-    taken = _greedy(pairs, width)
+    taken = _greedy(pairs, width, RULES.answer.taken)
     assert len(set(taken)) == len(taken) == 6
     best = min(_noncentrality(pair, taken, width) for pair in pairs)
     rng = np.random.default_rng(1)

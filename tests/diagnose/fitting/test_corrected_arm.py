@@ -6,12 +6,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.files import read_arm
-from arm.writing import write_arm
-from diagnose.candidates import Candidate
-from diagnose.correct import corrected_arm
+from arm.files.read import read_arm
+from arm.files.write import write_arm
 from diagnose.diagnosis import diagnose
-from diagnose.refit import Refit, Term
+from diagnose.fitting.corrected_arm import corrected_arm
+from diagnose.fitting.refit import Refit, Term
+from diagnose.patterns.library import Candidate
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from diagnose.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical
-from diagnose.observed import observe
+from diagnose.fitting.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.prepare import prepare
+from diagnose.residual.observed import observe
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnose.held_out import residual_held_out, rms_held_out, splits
-from diagnose.observed import poses
+from diagnose.fitting.held_out import residual_held_out, rms_held_out, splits
+from diagnose.residual.observed import poses
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 

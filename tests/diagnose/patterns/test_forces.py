@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from diagnose.forces import pull_found
-from diagnose.observed import observe
+from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.prepare import prepare
+from diagnose.patterns.forces import pull_found
+from diagnose.residual.observed import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of
 from tests.diagnose.recorded import planar_arm, planar_tip

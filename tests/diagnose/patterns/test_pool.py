@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.pool import make_pool, orthonormal, with_group
+from diagnose.patterns.pool import make_pool, orthonormal, with_group
 from tests.diagnose.core_cases import pattern, random_pool
 
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain import Arm, Joint, Link
-from arm.kinematics import tip_position
+from arm.chain.chain import Arm, Joint, Link
+from arm.chain.kinematics import tip_position
 from diagnose.diagnosis import diagnose
-from diagnose.held_out import HeldOut, splits
+from diagnose.fitting.held_out import HeldOut, splits
 from diagnose.recording import Recording
 from tests.diagnose.core_cases import SIGMA, prepared_null
 

@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain import Arm, Joint, Link
-from diagnose.reading import read_recording
+from arm.chain.chain import Arm, Joint, Link
+from diagnose.mistakes.row_lists import rows_text
+from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
-from diagnose.row_lists import rows_text
-from materials.quantities import InputError
+from sections.numeric import Array
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
-Array = NDArray[np.float64]
 ARM = planar_arm()
 COUNT = 120
 

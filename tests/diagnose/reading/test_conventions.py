@@ -11,16 +11,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.files import read_arm
-from diagnose.reading import read_recording
+from arm.files.read import read_arm
+from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
-from materials.quantities import InputError
+from sections.numeric import Array
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
-Array = NDArray[np.float64]
 Spoil = Callable[[Array, Array], tuple[Array, Array]]
 
 ARM = """

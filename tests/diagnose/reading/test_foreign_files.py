@@ -7,16 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from arm.chain import Arm, Joint, Link
-from arm.files import read_arm
-from diagnose.reading import read_recording
+from arm.chain.chain import Arm, Joint, Link
+from arm.files.read import read_arm
+from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
-from materials.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
-Array = NDArray[np.float64]
 ARM = planar_arm((0.4, 0.3))
 HEADER = ("q1_deg", "q2_deg", "x_mm", "y_mm")
 ANGLES = poses(30, joints=2)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from diagnose.column_formula import read_condition, read_formula
-from materials.quantities import InputError
+from diagnose.reading.formula import read_condition, read_formula
+from units.quantities import InputError
 
 NAMES = ("Joint 1 [rad]", "Joint 1", "pos (2)", "x", "x_mm", "a-b", "1e3", "Δq", "temp (°C)")
 VALUES = {name: 0.7 + 0.31 * k for k, name in enumerate(NAMES)}
@@ -110,6 +110,18 @@ def test_no_text_does_worse_than_an_input_error(text: str) -> None:
 def test_depth_has_an_end(text: str) -> None:
     with pytest.raises(InputError):
         value(text)
+
+
+@pytest.mark.parametrize("text", ["9**9**9", "1e300**9", "9**(9**9)*x"])
+def test_a_power_too_large_is_infinite_and_not_computed_to_the_last_digit(text: str) -> None:
+    assert value(text) == math.inf
+
+
+@pytest.mark.parametrize(
+    "text", ["(" * 60 + "x" + ")" * 60, "x" + " + x" * 240, "(" * 30 + "1**" * 20 + "2" + ")" * 30]
+)
+def test_what_is_no_deeper_than_that_is_computed(text: str) -> None:
+    assert math.isfinite(value(text))
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.chain import Arm, Joint, Link
-from diagnose.conditions import conditions_of
-from diagnose.reading import read_recording
-from diagnose.reading_columns import meaning_of
-from materials.quantities import InputError
+from arm.chain.chain import Arm, Joint, Link
+from diagnose.reading.columns import meaning_of
+from diagnose.reading.read import read_recording
+from diagnose.residual.recorded_conditions import conditions_of
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
 ARM = planar_arm()
 Q = poses(30)

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.chain import Arm, Joint, Link
-from diagnose.reading import read_recording
-from diagnose.reading_assembly import sides_from_order
-from diagnose.recording import SAME_ANGLE, SAME_LENGTH
-from materials.quantities import InputError
+from arm.chain.chain import Arm, Joint, Link
+from diagnose.reading.assemble import sides_from_order
+from diagnose.reading.read import read_recording
+from diagnose.rules.rules import RULES
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
 TURN_AND_SLIDE = Arm(
     "crane", (Joint(), Joint("prismatic", (1.0, 0.0, 0.0), (0.0, 1.0))), (Link(0.2, mass=0.0), Link(0.2, mass=0.0))
@@ -27,10 +27,10 @@ def test_a_joint_keeps_the_side_of_its_last_move() -> None:
 
 
 def test_what_a_servo_comes_back_to_within_is_no_move() -> None:
-    # As an angle SAME_LENGTH is nothing; as a length SAME_ANGLE is ten times what a slide comes back to within.
-    assert SAME_LENGTH < SAME_ANGLE
-    between = (SAME_ANGLE + SAME_LENGTH) / 2
-    q = np.array([[0.0, 0.5], [0.2, 0.4], [0.2 - between, 0.4 + between], [0.2 - 3 * SAME_ANGLE, 0.4]])
+    # As an angle same_length is nothing; as a length same_angle is ten times what a slide comes back to within.
+    assert RULES.residual.same_length < RULES.residual.same_angle
+    between = (RULES.residual.same_angle + RULES.residual.same_length) / 2
+    q = np.array([[0.0, 0.5], [0.2, 0.4], [0.2 - between, 0.4 + between], [0.2 - 3 * RULES.residual.same_angle, 0.4]])
     assert sides_from_order(q, TURN_AND_SLIDE).tolist() == [[0, 0], [1, -1], [1, 1], [-1, -1]]
 
 

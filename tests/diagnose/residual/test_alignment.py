@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.model import beams_of
-from arm.statics import solve
-from diagnose.alignment import aligned, tool_directions
+from arm.chain.arrays import matrices
+from arm.chain.statics import solve
+from arm.errors.model import beams_of
+from diagnose.residual.alignment import aligned
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 
 
@@ -35,7 +36,7 @@ def test_frame_and_tool_are_recovered(space, frame, tool):
     recording, state = at_rest(space)
     modelled, width = recording.tip, recording.tip.shape[1]
     offset = np.array([0.03, -0.02, 0.05])[:width] if tool else np.zeros(width)
-    truth = modelled + tool_directions(state, recording.size, width) @ offset
+    truth = modelled + matrices(state.frames.orientation, recording.size, width) @ offset
     turn = Rotation.from_rotvec([0.4, -1.1, 2.0] if space else [0.0, 0.0, 2.0]).as_matrix()[:width, :width]
     shift = np.array([3.0, -2.0, 1.5])[:width]
     measured = (truth - shift) @ turn if frame else truth  # base = turn @ measured + shift

@@ -6,15 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.stats import norm
 
-from diagnose.noise import NoiseFloor, noise_floor, repeat_groups
 from diagnose.recording import Recording
-from diagnose.robust import qn, resolution
+from diagnose.residual.noise import NoiseFloor, noise_floor, repeat_groups
+from diagnose.residual.robust_scale import qn, resolution
+from sections.numeric import Array
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
-Array = NDArray[np.float64]
 ARM = planar_arm()
 SIGMA = np.array([15e-6, 30e-6])
 

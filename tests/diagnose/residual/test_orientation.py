@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from diagnose.observed import observe
-from diagnose.orientation import with_sound_orientation
-from diagnose.reading import read_recording
+from diagnose.reading.read import read_recording
+from diagnose.residual.observed import observe
+from diagnose.residual.orientation import with_sound_orientation
 from diagnose.simulate import Plan, simulate
-from materials.quantities import InputError
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
 
 SIGMA, TURN_SIGMA = 20e-6, 20e-6
 SCALE = 8e-4

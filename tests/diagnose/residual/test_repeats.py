@@ -7,15 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from arm.chain import Arm
-from diagnose.noise import noise_floor
+from arm.chain.chain import Arm
 from diagnose.recording import Recording
-from diagnose.stays import differences_of_revisits, without_drift
+from diagnose.residual.noise import noise_floor
+from diagnose.residual.repeats import differences_of_revisits, without_drift
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
-Array = NDArray[np.float64]
 ARM: Arm = planar_arm()
 SIGMA = 8e-6
 

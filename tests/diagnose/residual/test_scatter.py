@@ -7,7 +7,7 @@ import pytest
 
 from arm.effects import Settings
 from diagnose.diagnosis import diagnose
-from diagnose.observed import looks_quieter, observe
+from diagnose.residual.observed import looks_quieter, observe
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain import Link
+from arm.chain.chain import Link
 from arm.effects import Settings
 from diagnose.diagnosis import diagnose
-from diagnose.observed import observe
+from diagnose.residual.observed import observe
 from tests.diagnose.core_cases import SIGMA, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 
@@ -18,12 +18,18 @@ HEAVY = ("payload", (), {"mass": 1.0})
 
 def test_a_softened_recording_is_that_of_the_softer_arm():
     """What a kilogram does through the file's flexibility and an entry of `effects`, against an arm that has the entry
-    in its file; the residual stays against the file, and so does every pattern that is no load."""
+    in its file; the residual stays against the file, and so does every pattern that is no load.
+
+    The shape about which they are taken stays the file's as well: levers are off by what the softer drive turns by.
+    """
     arm, recording = made_arm(), made_recording()
     plain, softer = observe(arm, recording), observe(with_effects(arm, SOFT), recording)
     found = plain.softened(softer.arm.effects)
     kilogram = Settings((), {"mass": 1.0})
-    assert found.signature("payload", kilogram) == pytest.approx(softer.signature("payload", kilogram), rel=1e-12)
+    torque = max(np.abs(joint.drive_load).max() for joint in plain.state.joints)
+    expected = softer.signature("payload", kilogram)
+    off = np.linalg.norm(found.signature("payload", kilogram) - expected)
+    assert off < 2.0 * SOFT[2]["compliance"] * torque * np.linalg.norm(expected)
     stiff = plain.signature("payload", kilogram)
     assert np.linalg.norm(found.signature("payload", kilogram)) > 1.3 * np.linalg.norm(stiff)
     assert (found.residual == plain.residual).all()

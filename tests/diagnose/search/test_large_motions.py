@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from diagnose.reading import read_recording
+from diagnose.reading.read import read_recording
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses, table, written
 
 SIGMA = 20e-6

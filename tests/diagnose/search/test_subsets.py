@@ -6,7 +6,16 @@ import math
 import numpy as np
 import pytest
 
-from diagnose.search import Products, best_subsets, criterion_for, families, gains, gains_beside, own_blocks, products
+from diagnose.search.subsets import (
+    Products,
+    best_subsets,
+    criterion_for,
+    families,
+    gains,
+    gains_beside,
+    own_blocks,
+    products,
+)
 from tests.diagnose.core_cases import random_pool
 
 RANKS = (1, 1, 2, 3, 4, 1, 2)

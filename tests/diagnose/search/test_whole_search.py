@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from diagnose.diagnosis import diagnose
-from diagnose.naming import Named, Namer
 from diagnose.options import Options
-from diagnose.whole_search import whole_search_p
+from diagnose.search.naming import Named, Namer
+from diagnose.search.whole_search import whole_search_p
 from tests.diagnose.core_cases import prepared_null, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from arm.actuators import ACTUATORS_VARIABLE
-from arm.files import read_arm
+from arm.files.read import read_arm
 
 OWN = """\
 format_version: 1
@@ -107,7 +107,7 @@ def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, 
     assert found["rounded"]["cost_of_rounding"]["value"] == pytest.approx(
         found["rounded"]["max_error_mm"] - found["max_error_mm"], rel=1e-9
     )
-    assert [limit["name"] for limit in found["rounded"]["limits"]] == ["total_mass", "torque_use"]
+    assert [limit["name"] for limit in found["rounded"]["limits"]] == ["total_mass", "torque_use", "wall_slenderness"]
     for limit in found["rounded"]["limits"]:
         assert limit["value"] <= limit["limit_value"]
     assert "rounded to stock sizes" in out

@@ -9,11 +9,11 @@ import pytest
 
 from arm.actuators import ACTUATORS_VARIABLE
 from arm.evaluation import evaluate
-from materials.quantities import InputError
-from optimize.actuators import assignments, with_actuators
-from optimize.problem import NoAnswer, Problem
+from optimize.choice.actuators import assignments, with_actuators
+from optimize.problem import Problem
 from optimize.run import optimise
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
+from units.quantities import InputError, NoAnswer
 
 TWO = jointed([400, 300], ranged("-120 120", "-150 150", more=""))
 GEARS = "[CSG-17-100-2UH, CSG-25-100-2UH, RV-6E]"
@@ -161,7 +161,7 @@ def test_a_search_joint_by_joint_is_told_and_no_worse_than_its_start(
 ) -> None:
     problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
     whole = optimise(problem)
-    monkeypatch.setattr("optimize.actuators.MOST_ASSIGNMENTS", 4)
+    monkeypatch.setattr("optimize.choice.actuators.MOST_ASSIGNMENTS", 4)
     part = optimise(problem)
     assert not part.drives_exhaustive
     assert len(part.drives) <= len(whole.drives)

@@ -1,0 +1,160 @@
+"""The contract of effects: every shipped one keeps it, and each way of breaking it is told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.chain.statics import PoseState
+from arm.effects import EFFECTS, Disc, Effect, Interval, Parameter, Settings, Twist
+from arm.effects.contract import check
+from arm.effects.effect import drive_motion
+from units.quantities import InputError
+
+OFFSET = EFFECTS["encoder_offset"]
+SIZE = OFFSET.parameters[0]
+
+
+@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+def test_every_shipped_effect_keeps_the_contract(effect: Effect) -> None:
+    check(effect)
+
+
+def test_an_effect_need_not_be_registered() -> None:
+    check(replace(OFFSET, id="an_offset_of_mine"))
+
+
+def sized(**changes: object) -> Effect:
+    """The offset with its one parameter changed."""
+    return replace(OFFSET, parameters=(replace(SIZE, **changes),))
+
+
+SHAPE = Parameter("lag", "time", "a lag", 0.0, 10.0, (1.0, 2.0), "a test", role="shape", grid=(0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        (replace(OFFSET, id="My Offset"), "the id 'My Offset' needs small letters"),
+        (replace(OFFSET, title=" "), "title is empty"),
+        (replace(OFFSET, source=""), "source is empty"),
+        (replace(OFFSET, place="elbow"), "place 'elbow' is not one of joint, link, base, tip"),
+        (replace(OFFSET, cause="magic"), "cause 'magic' is not one of geometry"),
+        (replace(OFFSET, aliases=("encoder_ofset",)), "alias 'encoder_ofset' is no effect"),
+        (replace(OFFSET, aliases=("encoder_offset",)), "alias 'encoder_offset' is itself"),
+        (replace(OFFSET, requires=("weather",)), "requires 'weather', which is not one of time"),
+        (replace(OFFSET, only="joints on Sundays"), "only 'joints on Sundays' is not one of"),
+        (replace(OFFSET, parameters=(SIZE, SIZE)), "two parameters have one name"),
+        (replace(OFFSET, parameters=(SHAPE,)), "has shapes but no size"),
+        (replace(OFFSET, enough=(("ofset",),)), "`enough` names ofset, which are no parameters"),
+        (replace(OFFSET, in_modes=True), "in_modes does not go with the rest: it must be flexible and automatic"),
+        (replace(OFFSET, free_with="frame"), "free_with does not go with the rest"),
+        (sized(kind="angel"), "parameter offset: there is no kind of quantity 'angel'"),
+        (sized(typical=(0.1, 0.5)), "typical 0.1 to 0.5 must lie within the bounds -0.2 to 0.2"),
+        (sized(lower=0.05, typical=(0.1, 0.1)), "the bounds of a size must hold 0"),
+        (sized(role="form"), "role 'form' is not one of size, shape, given"),
+        (sized(grid=(0.1,)), "only a shape has a grid"),
+        (replace(OFFSET, parameters=(SIZE, replace(SHAPE, grid=()))), "a shape needs a grid"),
+        (replace(OFFSET, parameters=(SIZE, replace(SHAPE, grid=(1.0, 0.5)))), "the grid must rise"),
+        (replace(OFFSET, parameters=(SIZE, replace(SHAPE, grid=(1.0, 11.0)))), "the grid must lie within the bounds"),
+        (replace(OFFSET, parameters=(SIZE, replace(SHAPE, grid=(0.5, 1.0), whole=True))), "must hold whole numbers"),
+    ],
+)
+def test_a_wrong_entry_is_told(effect: Effect, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        check(effect)
+    assert said in str(caught.value)
+    assert str(caught.value).startswith(f"effect {effect.id}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_all_faults_are_told_at_once() -> None:
+    with pytest.raises(InputError) as caught:
+        check(replace(sized(kind="angel"), title="", cause="magic"))
+    assert all(said in str(caught.value) for said in ("title is empty", "cause 'magic'", "kind of quantity 'angel'"))
+
+
+def offset_of(state: PoseState, settings: Settings) -> float:
+    del state
+    return settings.values.get("offset", 0.0)
+
+
+def never_still(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from drive_motion(state, 0, 1e-3 + offset_of(state, settings))
+
+
+def squared(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from drive_motion(state, 0, offset_of(state, settings) ** 2)
+
+
+def endless(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from drive_motion(state, 0, offset_of(state, settings) * np.inf if offset_of(state, settings) else 0.0)
+
+
+def by_other_rows(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from drive_motion(state, 0, offset_of(state, settings) * (1.0 + np.size(state.joints[0].coordinate)))
+
+
+def other_for_symbols(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    numbers = isinstance(state.joints[0].coordinate, float | np.ndarray)
+    yield from drive_motion(state, 0, offset_of(state, settings) * (1.0 if numbers else 2.0))
+
+
+def for_one_pose(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield from drive_motion(state, 0, offset_of(state, settings) * math.sin(state.joints[0].coordinate))
+
+
+def nothing(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    del state, settings
+    yield from ()
+
+
+def beyond_the_chain(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    yield Twist("joint", 9, (offset_of(state, settings), 0.0, 0.0))
+
+
+def words(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    del state, settings
+    yield "a twist"  # type: ignore[misc]
+
+
+def empty_play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
+    del state, settings
+    yield Interval((), 0.0)
+
+
+def negative_play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
+    del state, settings
+    yield Disc(0, -1.0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        (replace(OFFSET, twists=never_still), "moves something at a size of 0"),
+        (replace(OFFSET, twists=squared), "is not linear in its sizes, though it promises so"),
+        (replace(OFFSET, twists=endless), "not finite"),
+        (replace(OFFSET, twists=by_other_rows), "gives other values for floats than for arrays"),
+        (replace(OFFSET, twists=other_for_symbols), "gives other values for CasADi's symbols than for floats"),
+        (replace(OFFSET, twists=for_one_pose), "raises TypeError"),
+        (replace(OFFSET, twists=nothing), "the size offset moves nothing, on no chain"),
+        (replace(OFFSET, twists=beyond_the_chain), "has a twist at joint 9, which the chain does not have"),
+        (replace(OFFSET, twists=words), "gives what is no Twist: 'a twist'"),
+        (replace(OFFSET, play=empty_play), "has an interval of play without a twist"),
+        (replace(OFFSET, play=negative_play), "has a disc of play of negative radius"),
+        (replace(OFFSET, requires=("time",)), "moves something without time, which it requires"),
+        (replace(OFFSET, only="joints that slide"), "moves something where it cannot act (joints that slide)"),
+    ],
+)
+def test_wrong_physics_is_told(effect: Effect, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        check(effect)
+    assert said in str(caught.value)
+
+
+def test_what_does_not_promise_to_be_linear_need_not_be() -> None:
+    check(replace(OFFSET, twists=squared, linear=False))

@@ -1,0 +1,70 @@
+"""What `evaluate` says of first order: a drive that gives, by hand, and a bound that the arm keeps as it stands."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.compensation import model_error
+from arm.evaluation import evaluate
+from materials.catalogue import load_catalogue
+from sections.shapes.tube import Tube
+
+STEEL = load_catalogue(user=False).find("steel-s355")
+
+
+def rod(stiffness, mass=10.0, reach=(-1.4, 1.4)):
+    """One drive that gives, one stiff link of 1 m without weight, a mass at its end."""
+    return Arm("rod", (Joint(range=reach, stiffness=stiffness),), (Link(1.0, mass=0.0),), payload=LoadCase(mass))
+
+
+def test_a_drive_that_gives_is_off_by_what_geometry_says():
+    """First order sinks straight down by m g L / K; really the tip goes round to where the torque has become less."""
+    found = evaluate(rod(2e3))
+    (at,) = found.worst.poses[0].q
+    assert at == pytest.approx(0.0, abs=1e-6)
+    turn = brentq(lambda x: 2e3 * x + 98.1 * math.cos(x), -0.2, 0.2, xtol=1e-15)
+    off = math.hypot(math.cos(turn) - 1.0, math.sin(turn) + 98.1 / 2e3)
+    assert found.beyond.at_worst == pytest.approx(off, rel=1e-6)
+    assert found.upper_bound is not None
+
+
+def soft_arm(seed):
+    """Three links of tube that bend by millimetres, drives that give, any weight at the tip."""
+    random = np.random.default_rng(seed)
+    joints = tuple(Joint(range=(-1.5, 1.5), stiffness=float(k)) for k in random.uniform(2e4, 2e5, 3))
+    tube = Tube(0.05, 0.004)
+    links = tuple(Link(float(length), section=tube, material=STEEL) for length in random.uniform(0.3, 0.7, 3))
+    return Arm("soft", joints, links, payload=LoadCase(float(random.uniform(2.0, 20.0))))
+
+
+def mast(seed):
+    """The same held upright: what weighs on it pushes it further over than first order knows."""
+    arm = soft_arm(seed)
+    reach = [(math.pi / 2.0 - 0.4, math.pi / 2.0 + 0.4), (-0.3, 0.3), (-0.3, 0.3)]
+    return replace(arm, joints=tuple(replace(j, range=r) for j, r in zip(arm.joints, reach, strict=True)))
+
+
+@pytest.mark.parametrize("arm", [soft_arm(0), soft_arm(1), mast(0), mast(1)], ids=["soft", "soft", "mast", "mast"])
+def test_no_pose_as_it_really_stands_is_worse_than_the_bound(arm):
+    """At poses that the evaluation did not look at. To first order the masts' bound would not hold."""
+    found = evaluate(arm)
+    lower, upper = np.array([joint.range for joint in arm.joints]).T
+    random = np.random.default_rng(100)
+    near = np.clip(np.array(found.worst.poses[0].q) + random.normal(0.0, 0.02, (200, 3)), lower, upper)
+    poses = np.vstack([random.uniform(lower, upper, (400, 3)), near])
+    met = np.linalg.norm(model_error(arm, poses, arm.payload.mass), axis=1).max()
+    assert found.upper_bound is not None
+    assert met <= found.upper_bound
+    assert (met > found.worst.upper_bound) == (upper[0] > 1.6)
+
+
+def test_an_arm_that_finds_no_shape_has_no_bound():
+    """A column under a load above what its drive can hold upright: m g L > K falls over."""
+    arm = replace(rod(50.0, mass=10.0), gravity=(-9.81, 0.0, 0.0))
+    found = evaluate(arm)
+    assert found.upper_bound is None
+    assert any("finds no shape" in warning for warning in found.warnings)

@@ -1,0 +1,100 @@
+"""Diagnosis, prediction and comparison from a program, beside the commands."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from linkwright.cli import run
+from tests.face.test_contract import a_result, same_files
+
+BACKLASH = Path(__file__).resolve().parents[2] / "examples" / "hidden-backlash"
+
+
+@pytest.fixture(scope="module")
+def arm():
+    """The arm as its file says."""
+    return lw.read_arm(BACKLASH / "arm.yaml")
+
+
+@pytest.fixture(scope="module")
+def dia(arm):
+    """What its recording says."""
+    return lw.diagnose(arm, lw.read_recording(BACKLASH / "recording.csv", arm))
+
+
+def test_diagnosis(dia):
+    """Verdict, findings, the corrected arm, residuals."""
+    assert repr(dia) == "<Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>"
+    assert dia.verdict == "named"
+    assert dia.findings["effect"].iloc[0] == "backlash"
+    assert dia.findings["at"].iloc[0] == (2,)
+    assert {"rms_explained_mm", "parameter", "value", "low", "high", "unit"} <= set(dia.findings.columns)
+    assert len(dia.residuals) == dia.recording.found.size
+    assert dia.corrected.model.effects[-1].effect == "backlash"
+    a_result(dia)
+
+
+def test_saved_folder_is_the_command_s(dia, tmp_path):
+    """File for file, but for the seconds that it took."""
+    files = [str(BACKLASH / name) for name in ("arm.yaml", "recording.csv")]
+    assert run(["diagnose", *files, "--out", str(tmp_path / "out"), "--json", str(tmp_path / "a.json")]) == 0
+    dia.save(tmp_path / "saved")
+    same_files(tmp_path / "out", tmp_path / "saved", but=("diagnosis.json", "report.html"))
+    told, ours = json.loads((tmp_path / "a.json").read_text(encoding="utf-8")), json.loads(dia.to_json())
+    assert told.pop("seconds") > 0.0
+    assert ours.pop("seconds") > 0.0
+    assert told == ours
+
+
+def test_corrected_arm_predicts(dia, arm):
+    """Its own recording to the noise, better than the arm as given; rows beyond what it learned from are named."""
+    own = lw.predict(dia.corrected, dia.recording)
+    assert own.rms_mm == pytest.approx(1e3 * dia.found.rms_after, rel=0.05)
+    assert own.rms_mm < 0.5 * lw.predict(arm, dia.recording).rms_mm < own.nominal_rms_mm
+    assert own.outside == ()
+    table = own.table
+    assert np.sqrt((table["residual_mm"] ** 2).mean()) == pytest.approx(own.rms_mm)
+    assert own.max_mm == pytest.approx(table["residual_mm"].max())
+    assert own.mean_mm == pytest.approx(table["residual_mm"].mean())
+    other = lw.predict(dia.corrected, BACKLASH / "after-service.csv")
+    q = lw.read_recording(BACKLASH / "after-service.csv", arm).found.q
+    beyond = (q < dia.recording.found.q.min(axis=0)) | (q > dia.recording.found.q.max(axis=0))
+    assert len(other.outside) == int(beyond.any(axis=1).sum()) > 0
+    free = lw.predict(dia.corrected, dia.recording, frame="free", tool="free")
+    assert free.rms_mm < own.rms_mm
+    assert (free.frame, free.tool, own.frame) == ("free", "free", "known")
+    a_result(own)
+
+
+def test_a_moved_frame_is_fitted_and_nothing_else(dia, arm):
+    """A recording in a frame that stands elsewhere: free takes that up, known counts it."""
+    table = dia.recording.table
+    table["x_mm"] += 3.0
+    moved = lw.read_recording(table, arm)
+    assert lw.predict(dia.corrected, moved).rms_mm == pytest.approx(3.0, rel=0.01)
+    there, here = (lw.predict(dia.corrected, each, frame="free").rms_mm for each in (moved, dia.recording))
+    assert there == pytest.approx(here, rel=1e-6)
+
+
+def test_predict_command(dia, tmp_path):
+    """An arm file from a diagnosis knows what it was learned from; the JSON holds what is promised."""
+    dia.save(tmp_path / "out")
+    arm, recording = tmp_path / "out" / "arm.yaml", BACKLASH / "after-service.csv"
+    assert run(["predict", str(arm), str(recording), "--json", str(tmp_path / "a.json")]) == 0
+    told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    found = lw.predict(arm, recording)
+    assert told == json.loads(found.to_json())
+    promised = {"rms_mm", "mean_mm", "max_mm", "rows", "nominal_rms_mm", "outside", "frame", "tool"}
+    assert promised <= set(told)
+    assert told["outside"] == list(lw.predict(dia.corrected, recording).outside)
+
+
+def test_a_list_is_no_recording(arm):
+    """Several recordings are not taken for one."""
+    with pytest.raises(lw.InputError, match="one recording"):
+        lw.diagnose(arm, [BACKLASH / "recording.csv"])
+    with pytest.raises(lw.InputError, match="did you mean 'backlash'"):
+        lw.diagnose(arm, BACKLASH / "recording.csv", without=["backlsh"])

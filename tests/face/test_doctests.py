@@ -1,0 +1,32 @@
+"""The examples in the docstrings of the face, run."""
+
+import doctest
+import importlib
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+import linkwright.face
+
+ROOT = Path(__file__).resolve().parents[2]
+FACE = pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face.")
+MODULES = [*(each.name for each in FACE), "linkwright.paper.face"]
+
+
+def examples(name):
+    """The doctests of a module that hold any example."""
+    return [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_hold(name, monkeypatch):
+    """Run from the project's folder, whose examples they read."""
+    monkeypatch.chdir(ROOT)
+    failed = [test.name for test in examples(name) if doctest.DocTestRunner().run(test).failed]
+    assert failed == []
+
+
+def test_examples_are_found():
+    """The check above checked."""
+    assert any(test.name.endswith("read_arm") for test in examples("linkwright.face.arm"))

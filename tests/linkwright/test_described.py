@@ -1,0 +1,213 @@
+"""One description of a result, rendered for the screen, as HTML and as Markdown: all say the same."""
+
+import io
+
+import pytest
+from markdown_it import MarkdownIt
+from rich.console import Console
+
+from arm.compensation import table_over
+from diagnose.compare.compare import compare
+from linkwright.markdown.described import escaped
+from linkwright.markdown.described import markdown as written
+from linkwright.report.described import body
+from linkwright.results.describe import describe
+from linkwright.results.document import (
+    Bars,
+    Description,
+    Facts,
+    Lines,
+    Paragraph,
+    Section,
+    Table,
+    amount,
+    table,
+    words,
+)
+from linkwright.screen.described import show
+from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
+from tests.linkwright.test_report import Page
+
+KINDS = (
+    "evaluation",
+    "optimisation",
+    "named",
+    "alias_class",
+    "unknown",
+    "none",
+    "insufficient_data",
+    "compensation",
+    "comparison",
+)
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def described(request, evaluation, result):
+    """(a result, its description)."""
+    found = {"evaluation": evaluation, "optimisation": result}.get(request.param)
+    if request.param == "compensation":
+        found = table_over(evaluation.arm, 4, (1.0,))
+    if request.param == "comparison":
+        found = compare(made_arm(), made_diagnosis("named"), made_diagnosis("alias_class"))
+    if found is None:
+        found = made_diagnosis(request.param)
+    return found, describe(found)
+
+
+def _screen(description):
+    out = io.StringIO()
+    show(Console(file=out, width=400, highlight=False, markup=False), description)
+    return out.getvalue()
+
+
+def _one_line(text):
+    return " ".join(text.replace("\u00a0", " ").split())
+
+
+def _sentences(items, *, brief):
+    """Everything that is said beside tables."""
+    for item in items:
+        if brief and getattr(item, "detail", False):
+            continue
+        if isinstance(item, Section):
+            yield from _sentences(item.items, brief=brief)
+        elif isinstance(item, Paragraph):
+            yield item.text
+        elif isinstance(item, Lines):
+            yield from item.lines
+
+
+def tables(items):
+    """All tables, in order, those of the figures among them."""
+    for item in items:
+        if isinstance(item, Section):
+            yield from tables(item.items)
+        elif isinstance(item, Facts | Table):
+            yield item.table if isinstance(item, Facts) else item
+
+
+def _said(description):
+    """Every cell of every table, and every sentence."""
+    cells = {words(cell) for each in tables(description.items) for row in each.rows for cell in row}
+    return {_one_line(text) for text in (description.headline, *_sentences(description.items, brief=False), *cells)}
+
+
+def _read(source):
+    """Markdown read by a parser of its own: its headings, cells and sentences, and each table's rows."""
+    found, rows, row = [], [], []
+    for token in MarkdownIt("commonmark").enable("table").parse(source):
+        if token.type == "inline":
+            text = "".join(child.content for child in token.children or () if child.type in ("text", "text_special"))
+            found.append(_one_line(text))
+            row.append(found[-1])
+        elif token.type == "tr_open":
+            row = []
+        elif token.type == "tr_close":
+            rows.append(row)
+            row = []
+    return found, rows
+
+
+def test_page_says_all_of_it(described):
+    """Every cell and every sentence of the description, and no cell that it has not."""
+    _, description = described
+    page = Page("".join(body(description, {})))
+    assert page.open == []
+    for text in _said(description) - {_one_line(description.headline)}:
+        assert text in page.text, text
+
+
+def test_markdown_says_all_of_it(described):
+    """Read back by a parser: every sentence, and every table cell for cell."""
+    _, description = described
+    found, rows = _read(written(description))
+    for text in _said(description):
+        assert not text or text in found or any(text in each for each in found), text
+    for each in tables(description.items):
+        kept = [k for k in range(len(each.columns)) if not any(isinstance(row[k], Bars) for row in each.rows)]
+        for row in each.rows:
+            assert [_one_line(words(row[k])) for k in kept] in rows
+
+
+def test_screen_says_what_is_no_detail(described):
+    """Brief rows of every table that it shows, and the sentences, whole."""
+    _, description = described
+    text = _one_line(_screen(description))
+    for sentence in _sentences(description.items, brief=True):
+        assert _one_line(sentence) in text, sentence
+    for each in tables(description.items):
+        shown = each.shortened()
+        for row in () if each.detail else shown.rows:
+            for cell in row:
+                if not _inside_detail(description.items, each):
+                    assert _one_line(words(cell)) in text, words(cell)
+
+
+def _inside_detail(items, wanted):
+    return any(
+        isinstance(item, Section)
+        and ((item.detail and wanted in list(tables([item]))) or _inside_detail(item.items, wanted))
+        for item in items
+    )
+
+
+def test_what_is_no_result_is_refused():
+    """A number, say."""
+    with pytest.raises(TypeError, match="float is no result"):
+        describe(3.0)
+
+
+ODD = "a|b <i>&amp; [red]*x*_y_`z`\\ \x1b[31m\n# c"
+
+
+def test_odd_names_stay_text_everywhere():
+    """Markup of any kind is shown as it stands; control characters are taken out, line feeds become blanks."""
+    shown = "a|b <i>&amp; [red]*x*_y_`z`\\ \ufffd[31m # c"
+    rows = [(ODD, amount(1.0, "mm"))]
+    description = Description(ODD, ODD, (Paragraph(ODD), Lines((ODD,)), table((ODD, "size"), rows)))
+    assert "\x1b" not in _screen(description) + written(description) + "".join(body(description, {}))
+    assert _screen(description).count(_one_line(shown)) >= 2
+    page = Page("".join(body(description, {})))
+    assert page.text.count(_one_line(shown)) == 4
+    assert "i" not in {tag for tag, _ in page.tags}
+    found, cells = _read(written(description))
+    assert found.count(_one_line(shown)) == 6
+    assert [_one_line(shown), "1 mm"] in cells
+
+
+@pytest.mark.parametrize("line", ["# no heading", "1. no list", "- no list", "+ no list", "=", "---", "0.63 mm", "-5"])
+def test_no_line_opens_a_block(line):
+    """A sentence is a sentence, whatever it begins with; a number is left as it is."""
+    tokens = MarkdownIt("commonmark").enable("table").parse(f"before\n\n{escaped(line)}\n")
+    assert [token.type for token in tokens if token.type.endswith("_open")] == ["paragraph_open"] * 2
+    said = "".join(child.content for child in tokens[-2].children)
+    assert said == line
+    assert escaped("0.63 mm") == "0.63 mm"
+
+
+def test_a_long_table_is_short_on_the_screen():
+    """Its first rows, and where the others are; a page folds them; Markdown has them all."""
+    rows = [(f"row {k}", amount(float(k), "mm")) for k in range(60)]
+    made = table(("what", "size"), rows, first=3, rest="and 57 more, in result.json")
+    description = Description("t", "h", (made,))
+    text = _screen(description)
+    assert "row 2" in text
+    assert "row 3 " not in text
+    assert "and 57 more" in text
+    page = Page("".join(body(description, {})))
+    assert "57 more" in page.text
+    assert "row 59" in page.text
+    assert "row 59" in written(description)
+
+
+def test_command_writes_markdown(linkwright, bench):
+    """Beside the other files, named on the screen; never over an input."""
+    status, out, err = linkwright("evaluate", "arm.yaml", "--markdown", "arm.md", "--json", "arm.json")
+    assert (status, err) == (0, "")
+    assert out.splitlines()[-2:] == ["written: arm.json", "written: arm.md"]
+    source = (bench / "arm.md").read_text(encoding="utf-8")
+    assert source.startswith("# bench &lt;arm&gt; &amp; co\n")
+    assert "| mass of the links |" in source
+    status, _, err = linkwright("evaluate", "arm.yaml", "--markdown", "arm.yaml")
+    assert status == 2
+    assert "input" in err
