@@ -12,17 +12,22 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo test lint benchmark proof proof-sample proof-docs lock clean
+.PHONY: help demo pictures test test-fast lint benchmark problems proof proof-sample proof-docs rules rules-docs lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
+	@echo "make pictures   docs/pictures/tradeoff.svg, by the command that docs/tradeoff.md shows (ten minutes)"
 	@echo "make test       run the test suite"
+	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make lint       ruff and pyright"
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
+	@echo "make problems   hold the optimiser against every combination of random problems, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
+	@echo "make rules      what moves when each rule of the diagnosis does (RULES_ARGS=... is passed on; an hour or two)"
+	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -66,8 +71,37 @@ demo: $(RUNTIME)
 	$(BIN)/linkwright optimize examples/welding-arm/problem.yaml --out "$$out" \
 		&& $(BIN)/python -c "$$SHOW_DEMO" "$$out"
 
+# A run that was stopped is gone on with.
+pictures: $(RUNTIME)
+	$(ONE_THREAD) $(BIN)/linkwright tradeoff examples/welding-arm/problem.yaml --x mass --y max_error --by shape \
+		--accuracy 0.05 --out pictures-out --resume
+	cp pictures-out/tradeoff.svg docs/pictures/tradeoff.svg
+
 test: $(DEV)
 	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+
+# Some of every room, a real optimisation and a real diagnosis among them, by what they cost: 93 s of CPU in all on
+# a machine busy with other things, half that in time on two idle cores.
+FAST_TESTS := tests/test_house.py \
+	tests/sections/test_design.py tests/sections/test_published_values.py tests/sections/test_stock.py \
+	tests/materials/test_catalogue.py tests/materials/test_material.py tests/materials/test_reading.py \
+	tests/materials/test_store.py::test_a_kill_before_any_line_leaves_the_old_or_the_new_file \
+	tests/arm/effects/test_effect_contract.py tests/arm/effects/test_effects_geometry.py \
+	tests/arm/effects/test_effects_inertia.py tests/arm/effects/test_effects_loads.py \
+	tests/arm/effects/test_effects_thermal.py tests/arm/test_actuators.py \
+	tests/arm/test_denavit_hartenberg.py tests/arm/test_files.py tests/arm/test_play.py \
+	tests/optimize/test_bad_input.py \
+	tests/optimize/test_known_figures.py::test_fixed_lengths_are_a_geometric_program \
+	tests/diagnose/reading/test_checks.py tests/diagnose/reading/test_foreign_files.py \
+	tests/diagnose/reading/test_formulas.py tests/diagnose/reading/test_reading.py \
+	tests/diagnose/residual/test_alignment.py \
+	tests/diagnose/test_diagnosis.py::test_too_few_readings_decide_nothing \
+	tests/face/test_diagnosis.py::test_diagnosis tests/linkwright/test_json.py \
+	tests/linkwright/test_cli.py::test_help_shows_an_example tests/linkwright/test_cli.py::test_wrong_input_is_one_line \
+	tests/linkwright/commands/test_inverse.py
+
+test-fast: $(DEV)
+	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS) $(FAST_TESTS)
 
 lint: $(DEV)
 	$(BIN)/ruff check .
@@ -75,6 +109,11 @@ lint: $(DEV)
 
 benchmark: $(DEV)
 	$(BIN)/python -m benchmarks $(BENCHMARK_ARGS)
+
+# Some ten minutes of CPU for each ten problems.
+PROBLEMS ?= 50
+problems: $(DEV)
+	@$(ONE_THREAD) PROBLEMS=$(PROBLEMS) $(BIN)/python -m pytest -n 2 $(PYTEST_ARGS) tests/optimize/test_invariants.py
 
 PROOF_CASES ?= 1000
 PROOF_SEED ?= 1
@@ -103,6 +142,15 @@ proof-docs: $(DEV)
 		$(if $(wildcard $(PROOF_DISCLOSED_ANSWERS)),--disclosed $(PROOF_DISCLOSED) $(PROOF_DISCLOSED_ANSWERS)) \
 		$(if $(wildcard $(PROOF_SEALED_ANSWERS)),--sealed $(PROOF_SEALED) $(PROOF_SEALED_ANSWERS))
 
+# Each rule of the diagnosis 20 % either way on recordings of known truth; goes on where it was interrupted. Fails where a
+# right answer turned wrong.
+RULES_OUT ?= rules-out
+rules: $(DEV) rules-docs
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.rules --work $(RULES_OUT) $(RULES_ARGS)
+
+rules-docs: $(DEV)
+	$(BIN)/python -m benchmarks.rules --page docs/rules.md
+
 # The dev lock repeats the pins of the runtime lock, so that tests run on what users get. The first run on a tree
 # without locks needs pip-tools in the environment by hand.
 lock:
@@ -115,5 +163,5 @@ lock:
 	@touch requirements.lock requirements-dev.lock
 
 clean:
-	rm -rf $(VENV) build dist ./*.egg-info .pytest_cache .ruff_cache .hypothesis demo-out-* proof-out-*
+	rm -rf $(VENV) build dist ./*.egg-info .pytest_cache .ruff_cache .hypothesis demo-out-* pictures-out proof-out-* rules-out*
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
