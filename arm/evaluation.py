@@ -113,8 +113,8 @@ class Evaluation:
 
     @property
     def upper_bound(self) -> float | None:
-        """No pose is worse than this, m: the bound to first order, and the most by which the error was found to be
-        longer beyond it. None where either is not known."""
+        """The bound to first order (certified where `worst.certified`), and the most by which samples of poses were
+        longer beyond it (no certificate covers that), m. None where either is not known."""
         if self.worst.upper_bound is None or self.beyond.longer is None:
             return None
         return self.worst.upper_bound + self.beyond.longer

@@ -51,7 +51,7 @@ class Evaluation(Result):
 
     @property
     def upper_bound_mm(self) -> float | None:
-        """No pose is worse than this, mm, with what lies beyond first order (sampled); None where no bound is known."""
+        """The bound to first order and the most by which samples were longer beyond it, mm; None where unknown."""
         bound = self.found.upper_bound
         return None if bound is None else 1e3 * bound
 

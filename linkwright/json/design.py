@@ -141,6 +141,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
     return {
         "arm": arm.name,
         **fields(evaluation, "upper_bound_mm"),
+        **fields(worst, "upper_bound_first_order_mm=upper_bound"),
         **fields(evaluation.beyond, "beyond_first_order_mm=at_worst", "beyond_first_order_largest_mm=largest"),
         **fields(worst, "certified"),
         "worst_poses": [

@@ -30,10 +30,11 @@ Named = Sequence[tuple[str, Evaluation]]
 
 
 def bound_words(evaluation: Evaluation) -> str:
-    """What is known of poses that were not looked at."""
-    if evaluation.upper_bound is None:
+    """What is known of poses that were not looked at: to first order, for that is all that is certified."""
+    known = evaluation.worst.upper_bound
+    if known is None:
         return "the worst of all poses searched; no bound is known for this model"
-    bound = f"no pose is worse than {mm(evaluation.upper_bound, 6)}"
+    bound = f"no pose is worse than {mm(known, 6)} to first order"
     if evaluation.unreached is not None:
         part = percent(1.0 - evaluation.unreached.share)
         bound += f", of the {part} of the {evaluation.workspace.kind} that is reached"
@@ -41,12 +42,14 @@ def bound_words(evaluation: Evaluation) -> str:
 
 
 def first_order_words(evaluation: Evaluation) -> str:
-    """How far the error, which is to first order, is from finite motions and loads on the deformed shape."""
-    beyond = evaluation.beyond
+    """How far the error, which is to first order, is from finite motions and loads on the deformed shape; the bound
+    with what samples show of that, which no certificate covers."""
+    beyond, bound = evaluation.beyond, evaluation.upper_bound
     if beyond.at_worst is None:
         return "to first order; beyond it the arm finds no shape under its loads"
-    most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} poses sampled"
-    return f"first order is {mm(beyond.at_worst, 2)} off at the worst pose{most}"
+    most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} samples"
+    with_it = "" if bound is None else f"; bound with that {mm(bound, 6)}"
+    return f"first order is {mm(beyond.at_worst, 2)} off there{most}{with_it}"
 
 
 def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:

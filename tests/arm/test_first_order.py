@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from arm.chain.chain import Arm, Joint, Link, LoadCase
 from arm.compensation import model_error
 from arm.evaluation import evaluate
+from linkwright.results.design import bound_words, first_order_words
 from materials.catalogue import load_catalogue
 from sections.shapes.tube import Tube
 
@@ -68,3 +69,13 @@ def test_an_arm_that_finds_no_shape_has_no_bound():
     found = evaluate(arm)
     assert found.upper_bound is None
     assert any("finds no shape" in warning for warning in found.warnings)
+
+
+def test_only_what_a_certificate_covers_is_called_certified():
+    """The words' bound is that of first order; what samples add to it stands beside it, as such."""
+    found = evaluate(mast(0))
+    assert found.worst.certified
+    words = bound_words(found)
+    assert words == f"certified: no pose is worse than {1e3 * found.worst.upper_bound:.6g} mm to first order"
+    assert f"{1e3 * found.upper_bound:.6g} mm" in first_order_words(found)
+    assert "samples" in first_order_words(found)

@@ -60,6 +60,7 @@ def test_evaluation_figures_are_those_of_the_evaluation(evaluation):
     content = strictly(json_text(evaluation_json(evaluation)))
     assert content["max_error_mm"] == pytest.approx(1e3 * evaluation.max_error)
     assert content["upper_bound_mm"] == pytest.approx(1e3 * evaluation.upper_bound)
+    assert content["upper_bound_first_order_mm"] == pytest.approx(1e3 * evaluation.worst.upper_bound)
     assert content["by_effect_mm"] == pytest.approx({k: 1e3 * v for k, v in evaluation.by_effect.items()})
     assert content["mass_kg"] == pytest.approx(evaluation.mass)
     assert content["reach_mm"] == pytest.approx(700.0)
