@@ -18,6 +18,7 @@ from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from arm.errors.tip import active_effects
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
 from arm.limits.modes import first_frequencies
+from arm.limits.sideways import least_sideways
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
 from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance
 from arm.limits.walls import WallsResult, slender_walls, walls_of
@@ -26,6 +27,7 @@ from arm.worst.coverage import Unreached, unreached
 from arm.worst.refine import uphill
 from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Workspace, climbing_bounds, wrapped
+from materials.material import MissingProperty
 from sections.numeric import Array
 
 from .effects import EFFECTS
@@ -105,6 +107,8 @@ class Evaluation:
     """What the drives hold, where some joint has an actuator."""
     unreached: Unreached | None = None
     """What of a box or path the arm does not reach; no figure counts there."""
+    sideways: TipStiffness | None = None
+    """The least stiffness of a planar arm's tip out of its plane; None in space, or where nothing gives."""
 
     @property
     def max_error(self) -> float:
@@ -153,6 +157,11 @@ def evaluate(
     walls = walls_of(arm)
     if walls.unknown is not None:
         unknown["wall_slenderness"] = walls.unknown
+    sideways = None
+    try:
+        sideways = least_sideways(arm, cases, poses, search) if model.planar else None
+    except MissingProperty as error:
+        unknown["sideways_stiffness"] = str(error)
     frequency = least_frequency(arm, search, beams, p, cases)
     if frequency is None:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
@@ -193,6 +202,7 @@ def evaluate(
         unknown=MappingProxyType(unknown),
         drives=drives,
         unreached=missed,
+        sideways=sideways,
     )
 
 

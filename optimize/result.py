@@ -11,6 +11,7 @@ from arm.evaluation import ErrorMap, Evaluation
 from units.quantities import Relation
 
 from .limits import FIGURES, Figure
+from .worse import Worse, worse_figures
 
 Status = Literal["certified", "converged", "searched", "stopped", "doubtful"]
 """`certified`: no pose is worse than the bound, within the gap; `converged`: no worse pose was found, without proof;
@@ -172,6 +173,11 @@ class OptimizationResult:
     def minimised(self) -> Figure:
         """What was minimised."""
         return self.figures[self.minimize]
+
+    @property
+    def worse(self) -> tuple[Worse, ...]:
+        """What the design does worse than the arm as given, in the order of `figures`."""
+        return worse_figures(self.figures, self.before, self.after)
 
     @property
     def built(self) -> Arm:

@@ -1,7 +1,8 @@
 """How stiff an arm is at its tip: the least force over the displacement that it brings, whatever its direction.
 
 The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's own model; the stiffness
-at a pose is one over its largest singular value.
+at a pose is one over its largest singular value. Of a planar arm C is that of its plane; what it gives out of it, which
+a planar model does not count, is told by `arm.limits.sideways`.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _CLIMBS = 4
 @dataclass(frozen=True)
 class TipCompliance(Expressions):
     """An arm's compliance at its tip as a function of poses and designs: the columns of C one below the other, for
-    symbols (q, p); `size` is 2 in the plane and 3 in space."""
+    symbols (q, p); `size` is 2 in the plane, 3 in space, and 1 out of the plane."""
 
     size: int
 
@@ -50,13 +51,18 @@ class TipStiffness:
 
 def tip_compliance(arm: Arm, *, planar: bool) -> TipCompliance:
     """An arm's compliance at its tip; with `planar` in the x-y plane alone."""
+    return compliance_along(arm, range(2 if planar else 3))
+
+
+def compliance_along(arm: Arm, axes: Sequence[int]) -> TipCompliance:
+    """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them."""
     still = replace(arm, gravity=(0.0, 0.0, 0.0))
-    size = 2 if planar else 3
-    forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in range(size))]
+    forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in axes)]
     q, p = ca.SX.sym("q", arm.size), beam_symbols(arm)  # pyright: ignore[reportCallIssue]
     cases = error_model(still, [LoadCase(force=force) for force in forces]).cases
     rest, *moved = [case.function(q, p)[0] for case in cases]
-    return TipCompliance((q, p), (ca.vertcat(*[(each - rest)[:size] for each in moved]),), size)
+    columns = [(each - rest)[list(axes)] for each in moved]
+    return TipCompliance((q, p), (ca.vertcat(*columns),), len(axes))
 
 
 def stiffnesses(matrices: Array) -> Array:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 HELP = """The trade-off between two figures: no design of the front can be beaten in both.
 
 Any two figures: max_error, mass, total_mass, cost, reach, safety_factor, first_frequency, wall_slenderness, aspect,
-tip_stiffness. A front that was stopped goes on with --resume.
+tip_stiffness, sideways_stiffness. A front that was stopped goes on with --resume.
 
 Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 """

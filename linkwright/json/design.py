@@ -12,6 +12,7 @@ from arm.files.write import material_to_value, section_to_mapping
 from arm.worst.workspace import Workspace
 from linkwright.version import program_version
 from optimize.limits import FIGURES, Figure
+from optimize.worse import softened_links, worse_figures
 from sections.taper import Tapered
 from units.quantities import format_quantity
 
@@ -202,6 +203,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "lower_bound_mm": factor * result.lower_bound if errors else None,
         **evaluation_figures(result.after, result.figures),
         "before": evaluation_figures(result.before, result.figures),
+        **_worse(result, result.after),
         "binding": [
             fields(each, "name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit")
             for each in result.binding
@@ -232,6 +234,24 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
     }
 
 
+def _worse(result: OptimizationResult, evaluation: Evaluation) -> dict[str, Any]:
+    """What a design does worse than the arm as given, in the units that people read, and which links bend sideways."""
+    return {
+        "worse": [
+            {
+                "name": each.figure.name,
+                "before": each.figure.shown(each.before),
+                "after": each.figure.shown(each.after),
+                "unit": each.figure.unit,
+            }
+            for each in worse_figures(result.figures, result.before, evaluation)
+        ],
+        "softer_sideways": [
+            {"link": link + 1, "share_of_before": kept} for link, kept in softened_links(result.before, evaluation)
+        ],
+    }
+
+
 def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
     """The design of sizes that can be had: its figures, and what rounding cost."""
     factor, unit = objective_unit(result.minimize, result.figures)
@@ -256,4 +276,5 @@ def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
             for limit in rounded.limits
         ],
         **evaluation_figures(rounded.evaluation, result.figures),
+        **_worse(result, rounded.evaluation),
     }

@@ -63,8 +63,7 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
     found: list[tuple[str, Value, str]] = []
     for each in known.values():
         value = each.shown(each.value(evaluation))
-        nothing = value is None and each.assumed is not None and each.name not in evaluation.unknown
-        if each.name == "max_error" or nothing:
+        if each.name == "max_error" or not each.told(evaluation):
             continue
         at = None if each.where is None else each.where(evaluation)
         note = each.note if at is None else f"{each.note}, at {pose(evaluation.arm, at)}"

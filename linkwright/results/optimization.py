@@ -6,8 +6,10 @@ import math
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from arm.evaluation import Evaluation
 from linkwright.json.design import objective_unit
 from optimize.result import BindingLimit, Iteration, KeptLimit, OptimizationResult, Rounded
+from optimize.worse import MUCH_LESS, Worse, softened_links, worse_figures
 from units.quantities import format_quantity
 
 from . import design
@@ -33,6 +35,8 @@ from .figures_in_words import factor_words, figure, mm, percent, with_unit
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
+_BESIDE = frozenset({"max_error", "mass"})
+"""The figures that a headline gives anyway."""
 _SCALE = "Both to one scale; links as thick as their sections are high."
 _COLOURS = "One colour scale for both; the numbered circles are the worst poses."
 
@@ -50,6 +54,7 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(bound_sentence(result), "under"),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),
+        *_sideways(result, result.after, "new design"),
         *_not_judged(result),
         _facts(result),
         section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
@@ -67,6 +72,24 @@ def describe(result: OptimizationResult) -> Description:
     return Description(f"{name}: the new design", headline(result), tuple(items), headline(result), f"{name}: ")
 
 
+def _sideways(result: OptimizationResult, evaluation: Evaluation, which: str) -> list[Paragraph]:
+    """What a planar model does not see of a design: how much more it gives across its plane, and by which links."""
+    before, after = result.before.sideways, evaluation.sideways
+    if before is None or after is None or after.value >= MUCH_LESS * before.value:
+        return []
+    softer = figure(before.value / after.value, 3)
+    links = softened_links(result.before, evaluation)
+    shares = (f"link {link + 1} has {percent(kept)}" for link, kept in links)
+    weak = f"; of the bending stiffness that it had that way, {', '.join(shares)}" if links else ""
+    return [
+        Paragraph(
+            f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
+            f"that of the arm as given{weak}; sideways_stiffness limits it",
+            "warning",
+        )
+    ]
+
+
 def _not_judged(result: OptimizationResult) -> list[Paragraph]:
     """Limits that could not be judged of the new design, and why: what is not known is not taken for kept."""
     limited = {text.split(" ")[0] for text in result.limits}
@@ -79,10 +102,11 @@ def _not_judged(result: OptimizationResult) -> list[Paragraph]:
 def _facts(result: OptimizationResult) -> Facts:
     """The arm's figures before and after, each with how many times smaller or larger it became."""
     facts: list[Fact] = []
+    both = (result.before, result.after)
     for each in result.figures.values():
-        one, other = (each.shown(each.value(evaluation)) for evaluation in (result.before, result.after))
-        if one is None and other is None and each.assumed is not None:
+        if not any(each.told(evaluation) for evaluation in both):
             continue
+        one, other = (each.shown(each.value(evaluation)) for evaluation in both)
         before, after = (amount(value, each.unit, each.digits) for value in (one, other))
         note = "" if one is None or other is None else factor_words(one, other)
         facts.append(Fact(each.title_for(result.after.arm), after, note, before))
@@ -208,12 +232,29 @@ def _rounded(result: OptimizationResult, rounded: Rounded) -> Section:
         Paragraph(f"rounded to {told}: {rounding_headline(result, rounded)}", "strong"),
         Paragraph(f"worst case of the rounded design: {design.bound_words(rounded.evaluation)}", "under"),
         Paragraph(compared_words(rounded), "under"),
+        _worse_paragraph(result, rounded),
         *design.warnings(rounded.evaluation, "rounded design"),
+        *_sideways(result, rounded.evaluation, "rounded design"),
         Picture("rounded"),
         design.links((("", rounded.evaluation),), 6),
         table(headings, limits) if limits else None,
         lead="Before and after rounding; arm.yaml holds the rounded design.",
     )
+
+
+def _worse_paragraph(result: OptimizationResult, rounded: Rounded) -> Paragraph | None:
+    words = worse_words(worse_figures(result.figures, result.before, rounded.evaluation))
+    return Paragraph(f"than the arm as given {words}", "under") if words else None
+
+
+def worse_words(found: Sequence[Worse]) -> str:
+    """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
+    parts: list[str] = []
+    for each in found:
+        if each.figure.name not in _BESIDE:
+            before, after = (figure(each.figure.shown(value)) for value in (each.before, each.after))
+            parts.append(f"{each.figure.title} from {before} to {after} {each.figure.unit}".rstrip())
+    return f"worse: {', '.join(parts)}" if parts else ""
 
 
 def violation_words(iteration: Iteration) -> str:
@@ -305,12 +346,13 @@ def effort_words(result: OptimizationResult) -> str:
 
 
 def headline(result: OptimizationResult) -> str:
-    """The result in one sentence."""
+    """The result in one sentence: error and mass, and all that the new design does worse than the arm as given."""
     before, after = result.before, result.after
     words = factor_words(before.max_error, after.max_error)
     error = f"worst error {mm(before.max_error)} before, {mm(after.max_error)} after ({words})"
     mass = f"links {with_unit(before.mass, 'kg')} before, {with_unit(after.mass, 'kg')} after"
-    return f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
+    better = f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
+    return "; ".join(part for part in (better, worse_words(result.worse)) if part)
 
 
 def names_words(names: Sequence[str | None]) -> str:

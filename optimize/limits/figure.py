@@ -203,6 +203,7 @@ class Figure:
         traded: whether a trade-off can have it as an axis.
         at_poses: whether a limit may name the poses at which it holds, and its value (SI) there.
         assumed: the limit (SI) that a problem has on it without asking, if any.
+        everywhere: whether any arm has it; where one that need not has none, nothing is told of it.
         digits: significant digits where it stands alone.
     """
 
@@ -224,6 +225,7 @@ class Figure:
     traded: bool = True
     at_poses: Callable[[Evaluation, Sequence[tuple[float, ...]]], float | None] | None = None
     assumed: Callable[[Asked], float | None] | None = None
+    everywhere: bool = True
     digits: int = 4
 
     def value(self, evaluation: Evaluation) -> float | None:
@@ -252,6 +254,12 @@ class Figure:
     def worst(self, values: Sequence[float]) -> float:
         """The worst of some values: the least where more is better."""
         return min(values) if self.more_is_better else max(values)
+
+    def told(self, evaluation: Evaluation) -> bool:
+        """Whether there is anything to tell of it: a value, or a reason why none is known."""
+        if self.value(evaluation) is not None or self.name in evaluation.unknown:
+            return True
+        return self.everywhere and self.assumed is None
 
     def title_for(self, arm: Arm) -> str:
         """The title for a certain arm."""

@@ -50,16 +50,22 @@ class Stiffness(PoseFamily):
     """The compliance under a force of some direction: a cut holds the direction beside the pose."""
 
     name: ClassVar[str] = "stiffness"
+    limited: ClassVar[str] = "tip_stiffness"
+    """The figure's name."""
 
-    def prepare(self, problem: Asked) -> _Prepared:
+    def compliance(self, problem: Asked) -> TipCompliance:
         """The compliance of the problem's arm."""
         planar = all(problem.arm.planar(load) for load in problem.load_cases)
-        numbers = tuple(k for k, limit in enumerate(problem.limits) if limit.name == TIP_STIFFNESS.name)
-        return _Prepared(tip_compliance(problem.arm, planar=planar), numbers)
+        return tip_compliance(problem.arm, planar=planar)
+
+    def prepare(self, problem: Asked) -> _Prepared:
+        """The compliance, and the numbers of the limits on it."""
+        numbers = tuple(k for k, limit in enumerate(problem.limits) if limit.name == self.limited)
+        return _Prepared(self.compliance(problem), numbers)
 
     def groups(self, problem: Asked) -> int:
         """One for each limit, as each may have poses of its own."""
-        return sum(limit.name == TIP_STIFFNESS.name for limit in problem.limits)
+        return sum(limit.name == self.limited for limit in problem.limits)
 
     def more(self, prepared: _Prepared) -> int:
         """The direction of the force."""
@@ -92,13 +98,13 @@ class Stiffness(PoseFamily):
             else:
                 own = stiffness_at(prepared.compliance, np.array(poses), p)
             cuts = [(each.value, Cut(each.q, group, each.direction)) for each in own]
-            found += [Worst(TIP_STIFFNESS.name, value, cut, number) for value, cut in cuts]
+            found += [Worst(self.limited, value, cut, number) for value, cut in cuts]
         return found
 
     def at_pose(self, prepared: _Prepared, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
         """The stiffness of each design at its pose."""
         del group
-        return {TIP_STIFFNESS.name: stiffnesses(prepared.compliance.matrices(q, designs.p))}
+        return {self.limited: stiffnesses(prepared.compliance.matrices(q, designs.p))}
 
     def exactly(self, prepared: _Prepared, limit: Limit, designs: Designs) -> Array | None:
         """The least stiffness of each design at the poses that the limit names."""

@@ -1,0 +1,44 @@
+"""How stiff a planar arm is out of its plane, which its planar model does not count: a thin section bends sideways.
+
+Links bend about their other axis and, where the arm is bent, twist; joints give in nothing but their own motion, so
+bearings count as rigid. To first order, by unit forces across the plane through the arm's own model in space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from arm.chain.chain import Arm, LoadCase
+from arm.errors.model import beam_values, beams_of
+from sections.numeric import Array
+
+from .tip_stiffness import TipCompliance, TipStiffness, compliance_along, least_stiffness
+
+if TYPE_CHECKING:
+    from arm.worst.search import WorstSearch
+
+SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
+"""One newton across the plane."""
+
+
+def sideways_compliance(arm: Arm) -> TipCompliance:
+    """A planar arm's compliance at its tip across its plane, as a function of poses and designs."""
+    return compliance_along(arm, (2,))
+
+
+def least_sideways(arm: Arm, cases: Sequence[LoadCase], poses: Array, search: WorstSearch) -> TipStiffness | None:
+    """A planar arm's least stiffness across its plane over the workspace of `search`, the poses being where climbs
+    start; None where nothing gives.
+
+    Raises `MissingProperty` for what a planar model does without: a shear modulus, say, for links that twist.
+    """
+    p = beam_values(beams_of(arm, [*cases, SIDEWAYS]))
+    return least_stiffness(sideways_compliance(arm), poses, p, search)
+
+
+def sideways_rigidities(arm: Arm) -> tuple[float | None, ...]:
+    """Each link's flexural rigidity about its other axis (N*m^2), E I_z; None where it is rigid."""
+    beams = beams_of(arm)
+    found = (beam.flexural_rigidity_width for beam in beams)
+    return tuple(None if value is None else float(value) for value in found)
