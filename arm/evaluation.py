@@ -24,6 +24,7 @@ from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_complian
 from arm.limits.walls import WallsResult, slender_walls, walls_of
 from arm.limits.weakest_poses import weakest_poses
 from arm.worst.coverage import Unreached, unreached
+from arm.worst.growth import GrowthLeftOut, growth_left_out
 from arm.worst.refine import uphill
 from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Workspace, climbing_bounds, wrapped
@@ -107,6 +108,8 @@ class Evaluation:
     """What the drives hold, where some joint has an actuator."""
     unreached: Unreached | None = None
     """What of a box or path the arm does not reach; no figure counts there."""
+    growth: GrowthLeftOut | None = None
+    """The thermal growth that the model leaves out, where the arm works at another temperature than 20 degC."""
     sideways: TipStiffness | None = None
     """The least stiffness of a planar arm's tip out of its plane; None in space, or where nothing gives."""
 
@@ -168,6 +171,7 @@ def evaluate(
     drives = None
     if any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
+    growth = growth_left_out(arm, cases, space, p, gap=gap)
     missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
     holes = [] if missed is None else [missed.text(space.kind)]
     top = worst.poses[0]
@@ -193,6 +197,7 @@ def evaluate(
         compliance=_compliance(np.array(where), give.matrices(np.array([where]), p)[0]),
         warnings=(
             *holes,
+            *([] if growth is None else [growth.words(worst.error)]),
             *idle_effects(arm),
             *shapeless(beyond),
             *warnings_of(strength),
@@ -202,6 +207,7 @@ def evaluate(
         unknown=MappingProxyType(unknown),
         drives=drives,
         unreached=missed,
+        growth=growth,
         sideways=sideways,
     )
 

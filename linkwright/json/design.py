@@ -15,11 +15,13 @@ from optimize.limits import FIGURES, Figure
 from optimize.worse import softened_links, worse_figures
 from sections.taper import Tapered
 from units.quantities import format_quantity
+from units.temperature import ZERO_CELSIUS
 
 from .fields import fields, in_mm
 
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
+    from arm.worst.growth import GrowthLeftOut
     from optimize.result import OptimizationResult, Rounded
 
 _LENGTH_DIGITS = 7
@@ -172,7 +174,17 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
             fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment") for case in evaluation.load_cases
         ],
         **fields(evaluation, "warnings", "unknown"),
+        "thermal_growth_left_out": None if evaluation.growth is None else _growth(evaluation.growth),
         "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
+    }
+
+
+def _growth(growth: GrowthLeftOut) -> dict[str, Any]:
+    """The thermal growth that the model leaves out: what the worst error would be with it."""
+    return {
+        "temperature_degC": growth.temperature - ZERO_CELSIUS,
+        **fields(growth, "max_error_mm=error"),
+        "links_not_known": [link + 1 for link in growth.unknown],
     }
 
 

@@ -38,6 +38,8 @@ def bound_words(evaluation: Evaluation) -> str:
     if evaluation.unreached is not None:
         part = percent(1.0 - evaluation.unreached.share)
         bound += f", of the {part} of the {evaluation.workspace.kind} that is reached"
+    if evaluation.growth is not None:
+        bound += ", thermal expansion left out"
     return f"certified: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
 
 
