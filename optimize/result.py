@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -10,13 +11,14 @@ from arm.chain.chain import Arm
 from arm.evaluation import ErrorMap, Evaluation
 from units.quantities import Relation
 
-from .limits import FIGURES, Figure
+from .limits import FIGURES, KEPT_WITHIN, Figure
 from .worse import Worse, worse_figures
 
-Status = Literal["certified", "converged", "searched", "stopped", "doubtful"]
+Status = Literal["certified", "converged", "searched", "stopped", "interrupted", "doubtful"]
 """`certified`: no pose is worse than the bound, within the gap; `converged`: no worse pose was found, without proof;
 `searched`: there were too many combinations to try every one, so that a better one may exist; `stopped`: the iteration
-limit ended the search; `doubtful`: a check of the answer failed (`doubts` says which)."""
+limit ended the search; `interrupted`: an interrupt did; `doubtful`: a check of the answer failed (`doubts` says
+which)."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +90,18 @@ class KeptLimit:
 
     @property
     def room(self) -> float:
-        """How far inside the limit the rounded design is, relative to it; zero for an equality."""
+        """How far inside the limit the rounded design is, relative to it (negative beyond it); zero for an
+        equality."""
         if self.relation == "==":
             return 0.0
         ratio = self.after / self.value
         return ratio - 1.0 if self.relation == ">=" else 1.0 - ratio
+
+    @property
+    def exceeded(self) -> float:
+        """How far beyond the limit the rounded design is, relative to it; zero where it is kept, NaN where unknown."""
+        over = abs(self.after / self.value - 1.0) if self.relation == "==" else -self.room
+        return over if math.isnan(over) or over > KEPT_WITHIN else 0.0
 
 
 @dataclass(frozen=True)
@@ -116,11 +125,32 @@ class Rounded:
     searched: int
     exhaustive: bool
     seconds: float
+    interrupted: bool = False
+    """Whether an interrupt ended the comparison: this is then the best design that it had."""
 
     @property
     def certified(self) -> bool:
         """Whether no pose of the workspace is worse than this design's error, within the gap."""
         return self.evaluation.worst.certified
+
+
+@dataclass(frozen=True)
+class NotRounded:
+    """Why there is no design of sizes that can be had, and the one that breaks the limits least.
+
+    `to` and `length_step` as in `Rounded`. `excess` is how far `nearest` is beyond the limit that it breaks most,
+    relative to it; `limits` are all of them. `proven`: no combination of these sizes breaks them less. None, 0 and
+    empty where there is no such design at all.
+    """
+
+    to: str
+    length_step: float | None
+    reason: str
+    nearest: Evaluation | None = None
+    excess: float = 0.0
+    limits: tuple[KeptLimit, ...] = ()
+    proven: bool = False
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -165,7 +195,9 @@ class OptimizationResult:
     interrupted: bool = False
     """Whether an interrupt ended the search: this is then the best design that it had."""
     rounded: Rounded | None = None
-    """The design of sizes that can be had, where that was asked for."""
+    """The design of sizes that can be had, where that was asked for and there is one."""
+    not_rounded: NotRounded | None = None
+    """Why there is none, where that was asked for."""
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
     """What the problem could limit, by name."""
 

@@ -114,7 +114,9 @@ def _choices(problem: Problem) -> tuple[str, ...]:
 
 
 def _status(choice: Choice, context: Context, *, searched: bool) -> Status:
-    if choice.interrupted or not choice.exchanged.converged:
+    if choice.interrupted:
+        return "interrupted"
+    if not choice.exchanged.converged:
         return "stopped"
     if searched or not choice.exhaustive:
         return "searched"

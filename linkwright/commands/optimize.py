@@ -80,7 +80,7 @@ def optimize(
     for path in written + [path for path in (json, markdown) if path is not None]:
         screen.print(f"written: {path}", soft_wrap=True)
     if result.interrupted:
-        console(errors=True).print("stopped: this is the best design so far", soft_wrap=True)
+        _stopped("this is the best design so far")
         raise KeyboardInterrupt
 
 
@@ -98,5 +98,16 @@ def _solved(problem: Problem, round_to: str | None, round_length: str | None) ->
 
     try:
         return lw.optimize(problem, round_to=round_to, round_length=round_length, progress=steps, log=log)
+    except KeyboardInterrupt:
+        steps.close()
+        _stopped("no design was finished yet, so there is none to keep")
+        raise
     finally:
         steps.close()
+
+
+def _stopped(words: str) -> None:
+    """Say on standard error what an interrupt leaves."""
+    from linkwright.screen.console import console
+
+    console(errors=True).print(f"stopped: {words}", soft_wrap=True)

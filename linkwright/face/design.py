@@ -134,7 +134,8 @@ def optimize(
     """The best design within a problem's limits.
 
     `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
-    (text, or m; 1 mm by default). `progress(text, share)` hears of combinations tried, by default a bar where somebody
+    (text, or m; 1 mm by default); where no such design keeps the limits, `found.not_rounded` says why and which comes
+    nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody
     looks; `log` of every round. Ctrl-C ends it with the best design so far, marked `interrupted`. Raises `InputError`,
     `MissingProperty`, and `NoAnswer` with the limit that stands in the way.
 

@@ -22,7 +22,7 @@ from .fields import fields, in_mm
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
     from arm.worst.growth import GrowthLeftOut
-    from optimize.result import OptimizationResult, Rounded
+    from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 
 _LENGTH_DIGITS = 7
 
@@ -209,7 +209,9 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
     return {
         "made_by": f"linkwright optimize {program_version()}",
         "problem": PurePath(result.problem_file).name,
-        **fields(result, "status", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"),
+        **fields(
+            result, "status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"
+        ),
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,
@@ -243,6 +245,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             "seconds",
         ),
         "rounded": None if result.rounded is None else _rounded(result, result.rounded),
+        "not_rounded": None if result.not_rounded is None else _not_rounded(result, result.not_rounded),
     }
 
 
@@ -269,7 +272,7 @@ def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
     factor, unit = objective_unit(result.minimize, result.figures)
     return {
         **fields(rounded, "to", "length_step_mm", "designs_compared=compared", "designs_searched=searched"),
-        **fields(rounded, "exhaustive", "seconds"),
+        **fields(rounded, "exhaustive", "interrupted", "seconds"),
         "objective": {"value": factor * rounded.objective, "unit": unit},
         "objective_before": {"value": factor * rounded.before, "unit": unit},
         "cost_of_rounding": {
@@ -277,16 +280,35 @@ def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
             "unit": unit,
             "relative": rounded.objective / rounded.before - 1.0,
         },
-        "limits": [
-            {
-                **fields(limit, "name", "limit=text"),
-                "before": limit.figure.factor * limit.before,
-                "value": limit.figure.factor * limit.after,
-                "limit_value": limit.figure.factor * limit.value,
-                "kept": True,
-            }
-            for limit in rounded.limits
-        ],
+        "limits": _limits(rounded.limits),
         **evaluation_figures(rounded.evaluation, result.figures),
         **_worse(result, rounded.evaluation),
     }
+
+
+def _not_rounded(result: OptimizationResult, missing: NotRounded) -> dict[str, Any]:
+    """Why there is no design of sizes that can be had, and the one that breaks the limits least."""
+    nearest = None
+    if missing.nearest is not None:
+        nearest = {
+            "exceeds_a_limit_by": missing.excess,
+            "proven": missing.proven,
+            "limits": _limits(missing.limits),
+            **evaluation_figures(missing.nearest, result.figures),
+        }
+    return {**fields(missing, "to", "length_step_mm", "reason", "seconds"), "nearest": nearest}
+
+
+def _limits(limits: Sequence[KeptLimit]) -> list[dict[str, Any]]:
+    """Limits with what the optimum and another design have of them."""
+    return [
+        {
+            **fields(limit, "name", "limit=text"),
+            "before": limit.figure.factor * limit.before,
+            "value": limit.figure.factor * limit.after,
+            "limit_value": limit.figure.factor * limit.value,
+            "kept": limit.exceeded == 0.0,
+            "exceeded_by": limit.exceeded,
+        }
+        for limit in limits
+    ]

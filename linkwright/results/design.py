@@ -11,10 +11,12 @@ from itertools import zip_longest
 
 from arm.evaluation import Evaluation
 from optimize.limits import FIGURES, Figure
+from optimize.worse import MUCH_LESS, Worse, softened_links
 
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
 from .figures_in_words import (
     effect_title,
+    figure,
     load_case_words,
     material_words,
     mm,
@@ -26,6 +28,8 @@ from .figures_in_words import (
 
 MOST_POSES = 6
 _NOTHING = 1e-9
+_BESIDE = frozenset({"max_error", "mass"})
+"""The figures that a headline gives anyway."""
 Named = Sequence[tuple[str, Evaluation]]
 
 
@@ -199,3 +203,30 @@ def asked(evaluation: Evaluation) -> list[tuple[str, str]]:
 def settings(rows: Sequence[tuple[str, str]]) -> Table:
     """What was given, line by line, without headings."""
     return table(("", ""), rows, detail=True)
+
+
+def worse_words(found: Sequence[Worse]) -> str:
+    """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
+    parts: list[str] = []
+    for each in found:
+        if each.figure.name not in _BESIDE:
+            before, after = (figure(each.figure.shown(value)) for value in (each.before, each.after))
+            parts.append(f"{each.figure.title} from {before} to {after} {each.figure.unit}".rstrip())
+    return f"worse: {', '.join(parts)}" if parts else ""
+
+
+def sideways(before: Evaluation, after: Evaluation, which: str) -> list[Paragraph]:
+    """What a planar model does not see of a design: how much more it gives across its plane, and by which links."""
+    one, other = before.sideways, after.sideways
+    if one is None or other is None or other.value >= MUCH_LESS * one.value:
+        return []
+    softer = figure(one.value / other.value, 3)
+    shares = [f"link {link + 1} has {percent(kept)}" for link, kept in softened_links(before, after)]
+    weak = f"; of the bending stiffness that it had that way, {', '.join(shares)}" if shares else ""
+    return [
+        Paragraph(
+            f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
+            f"that of the arm as given{weak}; sideways_stiffness limits it",
+            "warning",
+        )
+    ]

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from arm.evaluation import Evaluation
 from linkwright.json.design import objective_unit
-from optimize.result import BindingLimit, Iteration, KeptLimit, OptimizationResult, Rounded
-from optimize.worse import MUCH_LESS, Worse, softened_links, worse_figures
-from units.quantities import format_quantity
+from optimize.result import BindingLimit, Iteration, OptimizationResult
 
-from . import design
+from . import design, rounding
 from .document import (
     Cell,
-    Column,
     Description,
     Fact,
     Facts,
@@ -35,8 +30,6 @@ from .figures_in_words import factor_words, figure, mm, percent, with_unit
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
-_BESIDE = frozenset({"max_error", "mass"})
-"""The figures that a headline gives anyway."""
 _SCALE = "Both to one scale; links as thick as their sections are high."
 _COLOURS = "One colour scale for both; the numbered circles are the worst poses."
 
@@ -54,8 +47,9 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(bound_sentence(result), "under"),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),
-        *_sideways(result, result.after, "new design"),
+        *design.sideways(result.before, result.after, "new design"),
         *_not_judged(result),
+        *rounding.warnings(result),
         _facts(result),
         section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
         section("Cross-sections", Picture("sections"), design.links(named), lead="All drawn to one scale."),
@@ -66,28 +60,10 @@ def describe(result: OptimizationResult) -> Description:
         _search(result),
         section("Strength, frequency and buckling", design.strength(named), design.stiffness(named), detail=True),
         section("The problem as solved", _problem(result), design.joints(result.before), detail=True),
-        *([] if result.rounded is None else [_rounded(result, result.rounded)]),
+        *rounding.sections(result),
     ]
     name = result.after.arm.name
-    return Description(f"{name}: the new design", headline(result), tuple(items), headline(result), f"{name}: ")
-
-
-def _sideways(result: OptimizationResult, evaluation: Evaluation, which: str) -> list[Paragraph]:
-    """What a planar model does not see of a design: how much more it gives across its plane, and by which links."""
-    before, after = result.before.sideways, evaluation.sideways
-    if before is None or after is None or after.value >= MUCH_LESS * before.value:
-        return []
-    softer = figure(before.value / after.value, 3)
-    links = softened_links(result.before, evaluation)
-    shares = (f"link {link + 1} has {percent(kept)}" for link, kept in links)
-    weak = f"; of the bending stiffness that it had that way, {', '.join(shares)}" if links else ""
-    return [
-        Paragraph(
-            f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
-            f"that of the arm as given{weak}; sideways_stiffness limits it",
-            "warning",
-        )
-    ]
+    return Description(f"{name}: the new design", headline(result), tuple(items), better_words(result), f"{name}: ")
 
 
 def _not_judged(result: OptimizationResult) -> list[Paragraph]:
@@ -219,44 +195,6 @@ def _problem(result: OptimizationResult) -> Table:
     return design.settings(rows)
 
 
-def _rounded(result: OptimizationResult, rounded: Rounded) -> Section:
-    """The design of sizes that can be had, and what rounding cost."""
-    told = rounding_words(rounded)
-    limits = [
-        (each.text, limit_figure(each, each.before), limit_figure(each, each.after), share(each.room, 3), "kept")
-        for each in rounded.limits
-    ]
-    headings = ("limit", "optimum", "rounded", Column("to spare", detail=True), "")
-    return section(
-        f"Rounded to {told}",
-        Paragraph(f"rounded to {told}: {rounding_headline(result, rounded)}", "strong"),
-        Paragraph(f"worst case of the rounded design: {design.bound_words(rounded.evaluation)}", "under"),
-        Paragraph(compared_words(rounded), "under"),
-        _worse_paragraph(result, rounded),
-        *design.warnings(rounded.evaluation, "rounded design"),
-        *_sideways(result, rounded.evaluation, "rounded design"),
-        Picture("rounded"),
-        design.links((("", rounded.evaluation),), 6),
-        table(headings, limits) if limits else None,
-        lead="Before and after rounding; arm.yaml holds the rounded design.",
-    )
-
-
-def _worse_paragraph(result: OptimizationResult, rounded: Rounded) -> Paragraph | None:
-    words = worse_words(worse_figures(result.figures, result.before, rounded.evaluation))
-    return Paragraph(f"than the arm as given {words}", "under") if words else None
-
-
-def worse_words(found: Sequence[Worse]) -> str:
-    """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
-    parts: list[str] = []
-    for each in found:
-        if each.figure.name not in _BESIDE:
-            before, after = (figure(each.figure.shown(value)) for value in (each.before, each.after))
-            parts.append(f"{each.figure.title} from {before} to {after} {each.figure.unit}".rstrip())
-    return f"worse: {', '.join(parts)}" if parts else ""
-
-
 def violation_words(iteration: Iteration) -> str:
     """How much the worst pose found afterwards exceeds the objective; rounding counts as nothing."""
     return percent(iteration.worst_violation if iteration.worst_violation > _ROUNDING else 0.0)
@@ -280,8 +218,17 @@ def status_words(result: OptimizationResult) -> str:
         "converged": "converged: no worse pose was found; there is no proof that none exists",
         "searched": "searched: too many combinations to try every one, so a better one may exist",
         "stopped": "stopped at the limit of iterations: a better design may exist",
+        "interrupted": f"interrupted: the best design so far, {_rests_on(result)}; a better one may exist",
         "doubtful": f"doubtful: {'; '.join(result.doubts)}",
     }[result.status]
+
+
+def _rests_on(result: OptimizationResult) -> str:
+    """What an interrupted search had done, as a phrase."""
+    looked, rounds = len(result.candidates), len(result.iterations)
+    tried = f"the best of {looked:,} of {result.combinations:,} combinations" if result.combinations > 1 else "found"
+    proof = "its own worst case certified" if result.after.worst.certified else "its own worst case searched for"
+    return f"{tried} in {rounds} iteration{'' if rounds == 1 else 's'}, {proof}"
 
 
 def bound_sentence(result: OptimizationResult) -> str:
@@ -307,38 +254,6 @@ def _unit_name(unit: str) -> str:
     return dict(names).get(unit, unit)
 
 
-def rounding_words(rounded: Rounded) -> str:
-    """What a design was rounded to, as a phrase."""
-    sizes = "stock sizes" if rounded.to == "stock" else f"sizes in steps of {rounded.to}"
-    if rounded.length_step is None:
-        return sizes
-    return f"{sizes} and lengths in steps of {format_quantity(rounded.length_step, 'length')}"
-
-
-def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
-    """What rounding cost, as a phrase."""
-    factor, unit = objective_unit(result.minimize, result.figures)
-    named = "links" if result.minimize == "mass" else result.minimised.title
-    before, after = (with_unit(factor * value, unit, 5) for value in (rounded.before, rounded.objective))
-    change = rounded.objective / rounded.before - 1.0
-    words = f"{percent(abs(change), 3)} {'more' if change >= 0.0 else 'less'}"
-    mass = f"; links {with_unit(result.after.mass, 'kg')} before, {with_unit(rounded.evaluation.mass, 'kg')} after"
-    return f"{named} {before} before, {after} after ({words}){'' if result.minimize == 'mass' else mass}"
-
-
-def compared_words(rounded: Rounded) -> str:
-    """How the rounded design was found, as a phrase."""
-    told = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
-    seconds = with_unit(rounded.seconds, "s", 3)
-    return f"the best of {rounded.compared} designs compared, {told} among them, in {seconds}"
-
-
-def limit_figure(limit: KeptLimit, value: float) -> Value:
-    """A figure (SI) that is limited, with its unit."""
-    known = not math.isnan(value)
-    return Value(format_quantity(value, limit.figure.kind, limit.figure.unit or None, digits=5) if known else "–")
-
-
 def effort_words(result: OptimizationResult) -> str:
     """How many iterations it took, and how long."""
     rounds = len(result.iterations)
@@ -347,12 +262,16 @@ def effort_words(result: OptimizationResult) -> str:
 
 def headline(result: OptimizationResult) -> str:
     """The result in one sentence: error and mass, and all that the new design does worse than the arm as given."""
+    return "; ".join(part for part in (better_words(result), design.worse_words(result.worse)) if part)
+
+
+def better_words(result: OptimizationResult) -> str:
+    """Error and mass before and after, as a phrase."""
     before, after = result.before, result.after
     words = factor_words(before.max_error, after.max_error)
     error = f"worst error {mm(before.max_error)} before, {mm(after.max_error)} after ({words})"
     mass = f"links {with_unit(before.mass, 'kg')} before, {with_unit(after.mass, 'kg')} after"
-    better = f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
-    return "; ".join(part for part in (better, worse_words(result.worse)) if part)
+    return f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
 
 
 def names_words(names: Sequence[str | None]) -> str:

@@ -88,6 +88,8 @@ class RoundSearch:
 
     def offer(self, picks: Integers) -> bool:
         """Look at designs (rows of picks, see `Table`); whether one is better than the best so far."""
+        if self._heard is not None:
+            self._heard(self.offered, self.searched)
         picks = self.table.agreeing(picks)
         before = self.best
         scores = self._scored(picks)
@@ -118,6 +120,16 @@ class RoundSearch:
         self._excluded = self._excluded | {pick}
         self._done = set(self._excluded)
         self.best = None
+
+    def exceeded(self, picks: Integers) -> dict[Limit, Array]:
+        """How far designs exceed each limit at least (relative to it), by what is known without a search of their
+        workspaces; NaN where nothing is."""
+        figures = self.table.figures(picks)
+        over = self._known(picks)[1]
+        for number, pose in enumerate(self._poses):
+            there = self._at_pose(pose.load_case, self._turned(number, picks[:, -1]), picks, figures)[1]
+            over |= {limit: np.fmax(over.get(limit, values), values) for limit, values in there.items()}
+        return over
 
     # ---- scores
 
@@ -220,6 +232,13 @@ class RoundSearch:
 
     def _bound(self, case: int, q: Array, picks: Integers, figures: Figures) -> Array:
         """A bound on the objective from one pose of each design: infinite where it breaks a limit."""
+        error, over = self._at_pose(case, q, picks, figures)
+        broken = self._broken(over, np.ones(len(q), dtype=bool)) if over else np.zeros(len(q), dtype=bool)
+        return np.where(broken, math.inf, error if self.problem.minimize == "max_error" else 0.0)
+
+    def _at_pose(self, case: int, q: Array, picks: Integers, figures: Figures) -> tuple[Array, dict[Limit, Array]]:
+        """The error (m) at one pose of each design, and how far each limit is exceeded there; where a design has no
+        such pose, 0 and kept."""
         there: NDArray[np.bool_] = np.asarray(np.isfinite(q).all(axis=1))
         q = np.where(there[:, None], q, 0.0)
         over: dict[Limit, Array] = {}
@@ -238,10 +257,7 @@ class RoundSearch:
         for family, prepared in self.context.families:
             values = family.at_pose(prepared, case, q, designs)
             over |= {x: _excesses(x, values[x.name]) for x in self.problem.limits if x.name in values and not x.poses}
-        over = {limit: np.where(there, values, -1.0) for limit, values in over.items()}
-        bound = np.where(there & (self.problem.minimize == "max_error"), error, 0.0)
-        broken = self._broken(over, np.ones(len(q), dtype=bool)) if over else np.zeros(len(q), dtype=bool)
-        return np.where(broken, math.inf, bound)
+        return np.where(there, error, 0.0), {limit: np.where(there, values, -1.0) for limit, values in over.items()}
 
     # ---- one design over its whole workspace
 

@@ -20,14 +20,15 @@ from arm.evaluation import Evaluation, evaluate
 from optimize.choice.combinations import Progress
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import context_of
-from optimize.limits import Limit, broken
+from optimize.limits import broken
 from optimize.problem import Problem
-from optimize.result import KeptLimit, OptimizationResult, Rounded
+from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from optimize.run import Log, optimise
 from units.quantities import NoAnswer, format_quantity
 
 from .designs_at_once import Group, Table
 from .fixed_sizes import RoundSearch
+from .nearest import NoRounding, nearest_design, why_not
 from .options import (
     Option,
     Rounding,
@@ -52,43 +53,74 @@ _LENGTH_STEPS = (64, 16, 4, 1)
 def optimise_rounded(
     problem: Problem, rounding: Rounding, *, log: Log | None = None, progress: Progress | None = None
 ) -> OptimizationResult:
-    """The best design for a problem, with `rounded` in it.
+    """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    Raises `NoAnswer` where no design, or no rounded one, keeps the limits.
+    An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
+    where no design keeps the limits, whatever its sizes.
     """
     result = optimise(problem, log=log, progress=progress)
+    reason = "interrupted before a design of them was found"
+    missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:
-        return result
-    return replace(result, rounded=rounded(problem, result, rounding, progress=progress))
+        return replace(result, not_rounded=missing)
+    try:
+        made = rounded(problem, result, rounding, progress=progress)
+    except KeyboardInterrupt:
+        return replace(result, interrupted=True, not_rounded=missing)
+    except NoRounding as none:
+        return replace(result, not_rounded=none.found)
+    except NoAnswer as none:
+        return replace(result, not_rounded=replace(missing, reason=str(none)))
+    return replace(result, rounded=made, interrupted=made.interrupted)
 
 
 def rounded(
     problem: Problem, result: OptimizationResult, rounding: Rounding, *, progress: Progress | None = None
 ) -> Rounded:
-    """The best rounded design near a problem's optimum. Raises `NoAnswer` where none keeps the limits."""
+    """The best rounded design near a problem's optimum; the best so far where `progress` raises `KeyboardInterrupt`.
+
+    Raises `NoAnswer` where none keeps the limits (`NoRounding` with the nearest), `KeyboardInterrupt` where there is
+    none yet.
+    """
     began = time.perf_counter()
     # Where the bounds are no multiples themselves, the optimum within those that are is what to round.
     drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None)
     own = replace(problem, arm=result.arm, actuators=None)
     if drawn != own:
         try:
-            result_there = optimise(drawn)
+            result_there = optimise(drawn, progress=progress)
         except NoAnswer as reason:
             raise NoAnswer(f"within bounds that are multiples of the steps: {reason}") from None
+        if result_there.interrupted:
+            raise KeyboardInterrupt
         own = replace(drawn, arm=result_there.arm)
     else:
         result_there = result
     search = _search(own, result_there.after, rounding, progress)
+    stopped = not _compared(search)
     while search.best is not None:
         pick, _ = search.best
         made = search.table.arm_of(pick)
         after = evaluate(made, own.workspace, own.load_cases)
         if not broken(own.limits, after):
-            return _rounded(own, result, rounding, search, after, time.perf_counter() - began)
+            made = _rounded(own, result, rounding, search, after, time.perf_counter() - began)
+            return replace(made, interrupted=stopped)
         # The last word is that of the evaluation, which looks closer than a search does.
         search.exclude(pick)
+        stopped = not _compared(search)
+    raise NoRounding(_not_rounded(own, result, rounding, search, began))
+
+
+def _compared(search: RoundSearch) -> bool:
+    """Compare designs; whether that went through to the end. Raises `KeyboardInterrupt` where one left nothing."""
+    try:
         _compare(search)
-    raise NoAnswer(_why_not(search, rounding))
+    except KeyboardInterrupt:
+        if search.best is None:
+            raise
+        search.complete = False
+        return False
+    return True
 
 
 def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress: Progress | None) -> RoundSearch:
@@ -104,7 +136,6 @@ def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress:
             poses += [(each.cut.q, family.load_case(each.cut)) for each in found]
     if poses:
         search.add_poses(np.array([q for q, _ in poses]), [case for _, case in poses], p)
-    _compare(search)
     return search
 
 
@@ -276,21 +307,17 @@ def _rounded(
     after: Evaluation,
     seconds: float,
 ) -> Rounded:
-    kept = [
-        KeptLimit(x.name, x.text, x.of(result.after), x.of(after), x.relation, x.value, x.figure)
-        for x in problem.limits
-    ]
     objective, before = (problem.objective.value(each) for each in (after, result.after))
     assert objective is not None
     assert before is not None
     return Rounded(
         to=rounding.text,
-        length_step=rounding.length_step if problem.link_length is not None else None,
+        length_step=_length_step(problem, rounding),
         arm=after.arm,
         evaluation=after,
         objective=objective,
         before=before,
-        limits=tuple(kept),
+        limits=_limits(problem, result, after),
         compared=search.offered,
         searched=search.searched,
         exhaustive=search.complete,
@@ -298,20 +325,27 @@ def _rounded(
     )
 
 
-def _why_not(search: RoundSearch, rounding: Rounding) -> str:
-    """Which limit no rounded design keeps."""
-    sizes = "stock sizes" if rounding.step is None else f"sizes in steps of {rounding.text}"
-    for limit in search.problem.limits:
-        over = search.least.get(limit.text, 0.0)
-        if over > 0.0 and not math.isinf(over):
-            return f"no design of {sizes} near the optimum keeps {limit.text}: the nearest has {_had(limit, over)}"
-    if search.nearest is None:
-        return f"no design of {sizes} near the optimum reaches the whole workspace"
-    over, limit = search.nearest
-    broken_by = f"the nearest breaks {limit.text} with {_had(limit, over)}"
-    return f"no design of {sizes} near the optimum keeps all limits at once: {broken_by}"
+def _not_rounded(
+    problem: Problem, result: OptimizationResult, rounding: Rounding, search: RoundSearch, began: float
+) -> NotRounded:
+    """Why there is none, and the design that breaks the limits least."""
+    counts, lengths = [len(group.options) for group in search.table.groups], len(search.table.lengths)
+    sizes = _few_enough(counts, lengths)
+    found = nearest_design(search, _product([range(size) for size in sizes], range(lengths)))
+    told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(search, rounding))
+    if found is not None:
+        limits = _limits(problem, result, found.evaluation)
+        proven = found.proven and sizes == counts
+        told = replace(told, nearest=found.evaluation, excess=found.excess, limits=limits, proven=proven)
+    return replace(told, seconds=time.perf_counter() - began)
 
 
-def _had(limit: Limit, over: float) -> str:
-    way = -1.0 if limit.relation == ">=" else 1.0
-    return format_quantity(limit.value * (1.0 + way * over), limit.figure.kind, digits=4)
+def _limits(problem: Problem, result: OptimizationResult, after: Evaluation) -> tuple[KeptLimit, ...]:
+    return tuple(
+        KeptLimit(x.name, x.text, x.of(result.after), x.of(after), x.relation, x.value, x.figure)
+        for x in problem.limits
+    )
+
+
+def _length_step(problem: Problem, rounding: Rounding) -> float | None:
+    return rounding.length_step if problem.link_length is not None else None

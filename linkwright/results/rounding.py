@@ -1,0 +1,123 @@
+"""Rounding described: the design of sizes that can be had and its cost, or why there is none and what comes near."""
+
+from __future__ import annotations
+
+import math
+
+from linkwright.json.design import objective_unit
+from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
+from optimize.worse import worse_figures
+from units.quantities import format_quantity
+
+from . import design
+from .document import Column, Paragraph, Picture, Section, Value, section, share, table
+from .figures_in_words import percent, with_unit
+
+
+def sections(result: OptimizationResult) -> list[Section]:
+    """The rounded design, or the one that came near; nothing where none was asked for."""
+    if result.rounded is not None:
+        return [_made(result, result.rounded)]
+    return [] if result.not_rounded is None else [_missed(result.not_rounded)]
+
+
+def warnings(result: OptimizationResult) -> list[Paragraph]:
+    """That the design is not of sizes that can be had, though they were asked for."""
+    missing = result.not_rounded
+    if missing is None:
+        return []
+    told = f"not rounded to {sizes_words(missing.to, missing.length_step)}: {missing.reason}"
+    return [Paragraph(f"{told}; this is the optimum as it is", "warning")]
+
+
+def _made(result: OptimizationResult, rounded: Rounded) -> Section:
+    """The design of sizes that can be had, and what rounding cost."""
+    told = rounding_words(rounded)
+    limits = [
+        (each.text, limit_figure(each, each.before), limit_figure(each, each.after), share(each.room, 3), "kept")
+        for each in rounded.limits
+    ]
+    headings = ("limit", "optimum", "rounded", Column("to spare", detail=True), "")
+    return section(
+        f"Rounded to {told}",
+        Paragraph(f"rounded to {told}: {rounding_headline(result, rounded)}", "strong"),
+        Paragraph(f"worst case of the rounded design: {design.bound_words(rounded.evaluation)}", "under"),
+        Paragraph(compared_words(rounded), "under"),
+        _worse_paragraph(result, rounded),
+        *design.warnings(rounded.evaluation, "rounded design"),
+        *design.sideways(result.before, rounded.evaluation, "rounded design"),
+        Picture("rounded"),
+        design.links((("", rounded.evaluation),), 6),
+        table(headings, limits) if limits else None,
+        lead="Before and after rounding; arm.yaml holds the rounded design.",
+    )
+
+
+def _missed(missing: NotRounded) -> Section:
+    """The design that breaks the limits least, and by how much."""
+    told = sizes_words(missing.to, missing.length_step)
+    title = f"Not rounded to {told}"
+    if missing.nearest is None:
+        return section(title, Paragraph(f"{missing.reason}."), lead="arm.yaml holds the optimum.")
+    limits = [
+        (each.text, limit_figure(each, each.before), limit_figure(each, each.after), exceeded_words(each))
+        for each in missing.limits
+    ]
+    rest = "no other of them breaks the limits less" if missing.proven else "others may break them less"
+    nearest = f"the nearest design of {told} breaks a limit by {percent(missing.excess, 3)}; {rest}"
+    return section(
+        title,
+        Paragraph(nearest, "strong"),
+        design.links((("", missing.nearest),), 6),
+        table(("limit", "optimum", "nearest", ""), limits),
+        lead="arm.yaml holds the optimum; this is only what comes near.",
+    )
+
+
+def exceeded_words(limit: KeptLimit) -> str:
+    """Whether a limit is kept, or by how much it is not."""
+    if math.isnan(limit.exceeded):
+        return "not known"
+    return "kept" if limit.exceeded == 0.0 else f"broken by {percent(limit.exceeded, 3)}"
+
+
+def _worse_paragraph(result: OptimizationResult, rounded: Rounded) -> Paragraph | None:
+    words = design.worse_words(worse_figures(result.figures, result.before, rounded.evaluation))
+    return Paragraph(f"than the arm as given {words}", "under") if words else None
+
+
+def rounding_words(rounded: Rounded) -> str:
+    """What a design was rounded to, as a phrase."""
+    return sizes_words(rounded.to, rounded.length_step)
+
+
+def sizes_words(to: str, length_step: float | None) -> str:
+    """Sizes that can be had, as a phrase."""
+    sizes = "stock sizes" if to == "stock" else f"sizes in steps of {to}"
+    if length_step is None:
+        return sizes
+    return f"{sizes} and lengths in steps of {format_quantity(length_step, 'length')}"
+
+
+def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
+    """What rounding cost, as a phrase."""
+    factor, unit = objective_unit(result.minimize, result.figures)
+    named = "links" if result.minimize == "mass" else result.minimised.title
+    before, after = (with_unit(factor * value, unit, 5) for value in (rounded.before, rounded.objective))
+    change = rounded.objective / rounded.before - 1.0
+    words = f"{percent(abs(change), 3)} {'more' if change >= 0.0 else 'less'}"
+    mass = f"; links {with_unit(result.after.mass, 'kg')} before, {with_unit(rounded.evaluation.mass, 'kg')} after"
+    return f"{named} {before} before, {after} after ({words}){'' if result.minimize == 'mass' else mass}"
+
+
+def compared_words(rounded: Rounded) -> str:
+    """How the rounded design was found, as a phrase."""
+    told = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
+    seconds = with_unit(rounded.seconds, "s", 3)
+    return f"the best of {rounded.compared} designs compared, {told} among them, in {seconds}"
+
+
+def limit_figure(limit: KeptLimit, value: float) -> Value:
+    """A figure (SI) that is limited, with its unit."""
+    known = not math.isnan(value)
+    return Value(format_quantity(value, limit.figure.kind, limit.figure.unit or None, digits=5) if known else "–")

@@ -1,0 +1,101 @@
+"""Where no design of sizes that can be had keeps all limits: which breaks them least, and by how much.
+
+Each design's worst excess over a limit is bounded from below by the poses known; the design with the least bound is
+evaluated, until none can break less than the best evaluated so far.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.evaluation import Evaluation, evaluate
+from arm.worst.workspace import Unreachable
+from optimize.limits import Limit, excess
+from optimize.problem import Problem
+from optimize.result import NotRounded
+from sections.numeric import Array
+from units.quantities import NoAnswer, format_quantity
+
+from .fixed_sizes import CHUNK, Integers, RoundSearch
+from .options import Rounding
+
+MOST_EVALUATED = 12
+"""Designs evaluated before the best of them is taken for the nearest."""
+
+
+class NoRounding(NoAnswer):
+    """No design of sizes that can be had keeps the limits; `found` has the one that breaks them least."""
+
+    def __init__(self, found: NotRounded) -> None:
+        self.found = found
+        super().__init__(found.reason)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep what was found when the error crosses between processes."""
+        return NoRounding, (self.found,)
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The design that breaks the limits least: its evaluation, and its worst excess over a limit (relative to it).
+
+    `proven`: no other of the designs compared breaks them less.
+    """
+
+    evaluation: Evaluation
+    excess: float
+    proven: bool
+
+
+def nearest_design(search: RoundSearch, picks: Integers) -> Nearest | None:
+    """The design of `picks` (see `Table`) that breaks the limits least; None where none reaches the workspace."""
+    picks = search.table.agreeing(picks)
+    over = np.concatenate([_bounds(search, picks[k : k + CHUNK]) for k in range(0, len(picks), CHUNK)] or [np.zeros(0)])
+    best: Nearest | None = None
+    for _ in range(min(MOST_EVALUATED, len(picks))):
+        at = int(np.argmin(over))
+        if best is not None and not over[at] < best.excess:
+            return Nearest(best.evaluation, best.excess, proven=True)
+        over[at] = math.inf
+        found = _evaluated(search.problem, search, picks[at])
+        if found is not None and (best is None or found.excess < best.excess):
+            best = found
+    return best
+
+
+def _bounds(search: RoundSearch, picks: Integers) -> Array:
+    """How far each design exceeds some limit at least."""
+    over = search.exceeded(picks)
+    known = [np.where(np.isnan(values), -math.inf, values) for values in over.values()]
+    return np.max(known, axis=0) if known else np.full(len(picks), -math.inf)
+
+
+def _evaluated(problem: Problem, search: RoundSearch, pick: Integers) -> Nearest | None:
+    try:
+        found = evaluate(search.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
+    except Unreachable:
+        return None
+    each = [excess(limit, limit.of(found)) for limit in problem.limits]
+    return Nearest(found, max((value for value in each if not math.isnan(value)), default=0.0), proven=False)
+
+
+def why_not(search: RoundSearch, rounding: Rounding) -> str:
+    """Which limit no rounded design keeps."""
+    sizes = "stock sizes" if rounding.step is None else f"sizes in steps of {rounding.text}"
+    for limit in search.problem.limits:
+        over = search.least.get(limit.text, 0.0)
+        if over > 0.0 and not math.isinf(over):
+            return f"no design of {sizes} near the optimum keeps {limit.text}: the nearest has {_had(limit, over)}"
+    if search.nearest is None:
+        return f"no design of {sizes} near the optimum reaches the whole workspace"
+    over, limit = search.nearest
+    broken_by = f"the nearest breaks {limit.text} with {_had(limit, over)}"
+    return f"no design of {sizes} near the optimum keeps all limits at once: {broken_by}"
+
+
+def _had(limit: Limit, over: float) -> str:
+    way = -1.0 if limit.relation == ">=" else 1.0
+    return format_quantity(limit.value * (1.0 + way * over), limit.figure.kind, digits=4)

@@ -1,0 +1,93 @@
+"""Ctrl-C while a design is sought: what was found is written, and said to be no more than that."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import linkwright as lw
+from arm.evaluation import evaluate
+from arm.files.read import read_arm
+from optimize.problem import read_problem
+
+ROOT = Path(__file__).resolve().parents[2]
+
+WAITS_AT = """
+import sys
+from linkwright.cli import main
+from linkwright.screen import progress
+
+told = progress.Steps.__call__
+
+
+def heard(self, text, share):
+    if text.startswith(sys.argv[1]):
+        print("reached", flush=True)
+        sys.stdin.readline()  # by now the signal is sent
+    told(self, text, share)
+
+
+progress.Steps.__call__ = heard
+main(sys.argv[2:])
+"""
+"""A run that says when it has come so far, and goes on once it is answered."""
+
+
+def interrupted_at(folder, word, *arguments):
+    """Run the command until its progress tells of `word`, send SIGINT; exit status and standard error."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", WAITS_AT, word, *arguments]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=folder, env=environment, text=True, **pipes) as run:
+        assert any(line.startswith("reached") for line in run.stdout)
+        run.send_signal(signal.SIGINT)
+        _, error = run.communicate("go on\n")
+        return run.returncode, error
+
+
+def test_the_best_so_far_is_written_and_called_that(bench):
+    """While further starts are tried the first design is finished: its files are there, as sure as they say."""
+    status, error = interrupted_at(bench, "further starts", "optimize", "problem.yaml", "--out", "out")
+    assert status == 130
+    assert "stopped: this is the best design so far" in error
+    found = json.loads((bench / "out" / "result.json").read_text())
+    assert found["status"] == "interrupted"
+    assert found["interrupted"]
+    assert found["optimum"] == "local"
+    problem = read_problem(bench / "problem.yaml")
+    made = evaluate(read_arm(bench / "out" / "arm.yaml"), problem.workspace, problem.load_cases)
+    assert 1e3 * made.max_error == pytest.approx(found["max_error_mm"], rel=1e-5)
+    assert made.mass <= 3.0 * (1.0 + 1e-6)
+    assert found["max_error_mm"] < found["before"]["max_error_mm"]
+    page = (bench / "out" / "report.html").read_text()
+    assert "interrupted: the best design so far" in page
+    assert "its own worst case certified" in page
+
+
+def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
+    """The optimum was finished, and says so; the sizes were not."""
+    arguments = ("optimize", "problem.yaml", "--round", "1 mm", "--out", "out")
+    status, error = interrupted_at(bench, "rounding: 0 designs", *arguments)
+    assert status == 130
+    assert "stopped: this is the best design so far" in error
+    found = json.loads((bench / "out" / "result.json").read_text())
+    assert found["status"] == "certified"
+    assert found["interrupted"]
+    assert found["rounded"] is None
+    assert found["not_rounded"]["reason"] == "interrupted before a design of them was found"
+    assert read_arm(bench / "out" / "arm.yaml").size == 2
+
+
+def test_before_any_design_there_is_nothing_to_keep(bench, linkwright, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(lw, "optimize", interrupted)
+    status, _, error = linkwright("optimize", "problem.yaml", "--out", "out")
+    assert status == 130
+    assert error == "stopped: no design was finished yet, so there is none to keep\n"
+    assert list((bench / "out").iterdir()) == []
