@@ -54,7 +54,7 @@ def first_order_words(evaluation: Evaluation) -> str:
     if beyond.at_worst is None:
         return "to first order; beyond it the arm finds no shape under its loads"
     most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} samples"
-    with_it = "" if bound is None else f"; bound with that {mm(bound, 6)}"
+    with_it = "" if bound is None else f"; bound with it {mm(bound, 6)}"
     return f"first order is {mm(beyond.at_worst, 2)} off there{most}{with_it}"
 
 
