@@ -11,6 +11,7 @@ from itertools import zip_longest
 
 from arm.evaluation import Evaluation
 from optimize.limits import FIGURES, Figure
+from optimize.limits.sideways import SIDEWAYS_STIFFNESS
 from optimize.worse import MUCH_LESS, Worse, softened_links
 
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
@@ -215,10 +216,14 @@ def worse_words(found: Sequence[Worse]) -> str:
     return f"worse: {', '.join(parts)}" if parts else ""
 
 
-def sideways(before: Evaluation, after: Evaluation, which: str) -> list[Paragraph]:
-    """What a planar model does not see of a design: how much more it gives across its plane, and by which links."""
+def sideways(before: Evaluation, after: Evaluation, limits: Sequence[str], which: str) -> list[Paragraph]:
+    """What a planar model does not see of a design: how much more it gives across its plane, and by which links.
+
+    Nothing where one of the `limits` is on it, so that somebody thought of it.
+    """
     one, other = before.sideways, after.sideways
-    if one is None or other is None or other.value >= MUCH_LESS * one.value:
+    limited = any(text.split(" ")[0] == SIDEWAYS_STIFFNESS.name for text in limits)
+    if limited or one is None or other is None or other.value >= MUCH_LESS * one.value:
         return []
     softer = figure(one.value / other.value, 3)
     shares = [f"link {link + 1} has {percent(kept)}" for link, kept in softened_links(before, after)]
@@ -226,7 +231,7 @@ def sideways(before: Evaluation, after: Evaluation, which: str) -> list[Paragrap
     return [
         Paragraph(
             f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
-            f"that of the arm as given{weak}; sideways_stiffness limits it",
+            f"that of the arm as given{weak}; {SIDEWAYS_STIFFNESS.name} limits it",
             "warning",
         )
     ]

@@ -47,7 +47,7 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(bound_sentence(result), "under"),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),
-        *design.sideways(result.before, result.after, "new design"),
+        *design.sideways(result.before, result.after, result.limits, "new design"),
         *_not_judged(result),
         *rounding.warnings(result),
         _facts(result),

@@ -45,7 +45,7 @@ def _made(result: OptimizationResult, rounded: Rounded) -> Section:
         Paragraph(compared_words(rounded), "under"),
         _worse_paragraph(result, rounded),
         *design.warnings(rounded.evaluation, "rounded design"),
-        *design.sideways(result.before, rounded.evaluation, "rounded design"),
+        *design.sideways(result.before, rounded.evaluation, result.limits, "rounded design"),
         Picture("rounded"),
         design.links((("", rounded.evaluation),), 6),
         table(headings, limits) if limits else None,

@@ -167,6 +167,7 @@ def test_sideways_stiffness_is_kept_and_priced(tmp_path: Path) -> None:
     assert limit.of(result.after) == pytest.approx(4e4, rel=3e-5)
     (binding,) = [each for each in result.binding if each.name == "sideways_stiffness"]
     assert binding.unit == "N/mm"
+    assert "across its plane" not in markdown(describe(result))  # somebody thought of it
     assert binding.price == pytest.approx(measured_price(problem, binding), rel=0.02)
 
 
