@@ -322,7 +322,8 @@ def idle_effects(arm: Arm) -> list[str]:
     lines: list[str] = []
     for entry in arm.effects:
         requires = EFFECTS[entry.effect].requires  # but for warming: a design has its arm's temperature
-        missing = ["time under load" if name == "loaded_for" else name for name in requires if name != "warming"]
+        told = {"loaded_for": "time under load", "last_moves": "the reading before"}
+        missing = [told.get(name, name) for name in requires if name != "warming"]
         if missing:
             needs = " and ".join(missing)
             lines.append(f"{entry.effect} adds nothing here: it needs what only a recording holds ({needs})")

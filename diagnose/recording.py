@@ -28,8 +28,9 @@ class Recording:
     `q` (N, n) encoder readings in rad (m for slides); `tip` (N, 2 or 3) measured in the base frame, m. What the file
     does not hold is None: `orientation` (N, 3, 3) rotation matrices of the tool; `time` (N,) s from the first reading;
     `sides` (N, n) of +1, -1 (0 where unknown); `payload_mass` (N,) kg; `temperature` (N,) K and `link_temperature`
-    (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `commanded` (N, n) and `joint_side`
-    (N, n) like q; `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
+    (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `last_moves` (N, n) how far each joint
+    had gone since the reading before, be that set aside or not; `commanded` (N, n) and `joint_side` (N, n) like q;
+    `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
     `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
     `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
@@ -49,6 +50,7 @@ class Recording:
     velocity: Array | None = None
     acceleration: Array | None = None
     commanded: Array | None = None
+    last_moves: Array | None = None
     joint_side: Array | None = None
     torque: Array | None = None
     force: Array | None = None
@@ -86,3 +88,8 @@ class Recording:
             return self
         kept = self.kept(np.array([row not in more for row in self.row.tolist()], dtype=bool))
         return replace(kept, rejected=tuple(sorted((*self.rejected, *more.values()), key=lambda each: each.row)))
+
+
+def since_the_reading_before(q: Array) -> Array:
+    """How far each joint had gone (N, n) from the row before; nought at the first, and where either is not known."""
+    return np.nan_to_num(np.diff(q, axis=0, prepend=q[:1]))

@@ -24,7 +24,7 @@ from diagnose.residual.recorded_conditions import conditions_of
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 
-from .recording import Recording
+from .recording import Recording, since_the_reading_before
 
 Sides = Literal["both", "one", "random"]
 
@@ -144,9 +144,11 @@ def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     time = np.arange(rows) * _BETWEEN_READINGS + np.repeat(np.arange(visits), plan.repeats) * _BETWEEN_VISITS
     if plan.hours is not None and rows > 1:
         time = time * (3600.0 * plan.hours / time[-1])
+    read = np.repeat(np.array(q), plan.repeats, axis=0)
     return Recording(
         file="",
-        q=np.repeat(np.array(q), plan.repeats, axis=0),
+        q=read,
+        last_moves=since_the_reading_before(read),
         tip=np.zeros((rows, 2)),
         row=np.arange(1, rows + 1),
         time=np.round(time, 1),

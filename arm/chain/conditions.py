@@ -22,7 +22,8 @@ class Conditions:
     `time` in s since the recording began. `warming` (K above 20 degC), one entry for each link. `sides` +1 where a
     joint last moved towards increasing coordinates, -1 otherwise, one for each joint. `velocities` (rad/s, m/s) and
     `accelerations` (rad/s^2, m/s^2), `commanded` coordinates (rad, m), one for each joint. `loaded_for` is the time (s)
-    since the present payload was taken up.
+    since the present payload was taken up. `last_moves` (rad, m), one for each joint, is how far it had gone since the
+    reading before, nought at the first.
     """
 
     time: Scalar | None = None
@@ -32,6 +33,7 @@ class Conditions:
     accelerations: Scalars | None = None
     commanded: Scalars | None = None
     loaded_for: Scalar | None = None
+    last_moves: Scalars | None = None
 
     def lagged_warming(self, link: int, lag: float) -> Scalar:
         """The warming of `link` (from 0) behind a first-order lag of `lag` s: lag * dT'/dt = warming - dT.

@@ -13,6 +13,7 @@ from arm.effects.angles.gear_transmission_error import GEAR_TRANSMISSION_ERROR
 from arm.effects.angles.joint_coupling import JOINT_COUPLING
 from arm.effects.angles.joint_waviness import JOINT_WAVINESS
 from arm.effects.angles.latency import LATENCY
+from arm.effects.angles.stale_reading import STALE_READING
 from arm.effects.elastic.axial import AXIAL
 from arm.effects.elastic.base_compliance import BASE_COMPLIANCE
 from arm.effects.elastic.creep import CREEP
@@ -84,6 +85,7 @@ EFFECTS.ship(
     INSTRUMENT_SCALE,
     COUNTERBALANCE,
     LATENCY,
+    STALE_READING,
     DYNAMIC_DEFLECTION,
     RAIL_STRAIGHTNESS,
     RAIL_PITCH,

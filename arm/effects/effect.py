@@ -20,7 +20,7 @@ from arm.chain.vectors import ZERO, Scalar, Vector, scale
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""
 
-Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "loaded_for"]
+Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "loaded_for", "last_moves", "commanded"]
 """What an effect may ask of the conditions of a reading; the fields of `arm.chain.conditions.Conditions`."""
 
 Only = Literal["joints that turn", "joints that slide", "joints after the first"]
@@ -73,8 +73,8 @@ class Parameter:
     joint `across` its motion is of the same kind on slides. What is `of_all` is tried only where the effect acts
     everywhere together, and then instead of the other sizes. An `optional` size is tried as nought too.
     A `whole` shape is a whole number and stays on its grid; `default` is what a shape is where an entry does not name
-    it. Above nought a shape `requires` these conditions of a recording, beside those of its effect. A size that leaves
-    the plane of a planar arm is `out_of_plane`.
+    it. Other than nought a size or shape `requires` these conditions of a recording, beside those of its effect. A size
+    that leaves the plane of a planar arm is `out_of_plane`.
     """
 
     name: str

@@ -15,7 +15,7 @@ import numpy as np
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import nuisances
 from diagnose.patterns.library import columns_of
-from diagnose.recording import Recording
+from diagnose.recording import Recording, since_the_reading_before
 from diagnose.residual.observed import Observed, observe
 from diagnose.result import NextPose
 from diagnose.search.aliases import Rival
@@ -118,6 +118,7 @@ def _tried(observed: Observed, seed: int) -> Observed:
         tip=np.zeros((count, observed.components)),
         row=np.arange(1, count + 1),
         time=None if recording.time is None else later,
+        last_moves=since_the_reading_before(q),
         sides=np.repeat(sides[:, None], arm.size, axis=1),
         payload_mass=rng.choice(loads, count),
         temperature=None if temperature is None else np.full(count, float(np.median(temperature))),

@@ -7,7 +7,7 @@ displacements for one unit of each of its sizes. Shapes (a lag, a threshold, an 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal
@@ -18,6 +18,7 @@ from arm.chain.beam import Beam
 from arm.chain.chain import Arm, LoadCase
 from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
+from arm.effects.effect import Condition
 from arm.files.read import acts_on_slides
 from diagnose.residual.observed import Observed
 from sections.numeric import Array
@@ -131,9 +132,10 @@ def kind_of(arm: Arm, candidate: Candidate, name: str) -> str:
 
 
 def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
-    sizes = tuple(parameter.name for parameter in effect.sizes)
-    alone = tuple(parameter.name for parameter in effect.sizes if not parameter.of_all)
-    common = tuple(parameter.name for parameter in effect.sizes if parameter.of_all) or sizes
+    known = [parameter for parameter in effect.sizes if _held(observed, parameter.requires)]
+    sizes = tuple(parameter.name for parameter in known)
+    alone = tuple(parameter.name for parameter in known if not parameter.of_all)
+    common = tuple(parameter.name for parameter in known if parameter.of_all) or sizes
     if effect.automatic and effect.id in observed.arm.leave_out:
         acting = tuple(i for i in _places(observed, effect) if observed.signature(effect.id, Settings((i,))).any())
         yield Candidate(effect.id, acting, ("share",), MappingProxyType({}), share=True)
@@ -157,20 +159,25 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         own = common if shared else alone
         yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
         needed = tuple(name for name in own if not parameter_of(effect, name).optional)
-        if 0 < len(needed) < len(own):
-            yield Candidate(effect.id, at, needed, MappingProxyType(shapes), shared=shared)
+        less = [needed] if needed else [(name,) for name in own]
+        for fewer in (each for each in less if each != own):
+            yield Candidate(effect.id, at, fewer, MappingProxyType(shapes), shared=shared)
 
 
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
     """Whether the recording holds what a variant asks for; else it would move nothing, or repeat another variant."""
-    held = observed.state.conditions
     above = [parameter for parameter in effect.shapes if shapes.get(parameter.name, 0.0) > 0.0]
-    asked = (*effect.requires, *(condition for parameter in above for condition in parameter.requires))
-    if any(getattr(held, condition) is None for condition in asked):
+    asked: list[Condition] = [*effect.requires, *(each for parameter in above for each in parameter.requires)]
+    if not _held(observed, asked):
         return False
     if effect.least_travel > 0.0 and float(np.ptp(observed.recording.q[:, at[0]])) < effect.least_travel:
         return False
     return effect.shown_by(Readings(observed.state, observed.recording.q, observed.recording.time), at, shapes)
+
+
+def _held(observed: Observed, asked: Sequence[Condition]) -> bool:
+    """Whether the recording holds all these conditions."""
+    return all(getattr(observed.state.conditions, condition) is not None for condition in asked)
 
 
 def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.chain.chain import Arm
-from diagnose.recording import Recording
+from diagnose.recording import Recording, since_the_reading_before
 from diagnose.residual.observed import same_pose
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
@@ -88,6 +88,7 @@ def assembled(
         velocity=each_joint("v"),
         acceleration=each_joint("a"),
         commanded=each_joint("c"),
+        last_moves=since_the_reading_before(q),
         joint_side=each_joint("j"),
         torque=each_joint("tau"),
         force=_in_space(columns, ("fx", "fy", "fz"), total),

@@ -27,6 +27,7 @@ def conditions_of(recording: Recording, arm: Arm, *, rules: ResidualRules = RULE
         velocities=_by_joint(recording.velocity),
         accelerations=_by_joint(recording.acceleration),
         commanded=_by_joint(recording.commanded),
+        last_moves=_by_joint(recording.last_moves),
         loaded_for=loaded_for(recording.time, recording.payload_mass, rules=rules),
     )
 

@@ -116,7 +116,7 @@ def test_what_belongs_to_the_instrument_is_not_compensated():
 def test_what_the_instrument_brings_in_is_known():
     """What a corrected arm may carry without moving its tip."""
     found = {effect.id for effect in EFFECTS.values() if effect.of_instrument}
-    assert found == {"frame_misalignment", "frame_drift", "instrument_scale", "latency"}
+    assert found == {"frame_misalignment", "frame_drift", "instrument_scale", "latency", "stale_reading"}
 
 
 def test_default_grid_stays_useful():

@@ -110,5 +110,14 @@ def _chain(arm: Arm, q: NDArray[np.float64], random: np.random.Generator) -> Cha
     )
     sides = tuple(random.choice([-1.0, 1.0], ROWS) for _ in range(arm.size))
     time, loaded_for = np.sort(random.uniform(0.0, 2e4, ROWS)), random.uniform(1.0, 5e3, ROWS)
-    held = Conditions(time, each(-5.0, 20.0), sides, each(-2.0, 2.0), each(-9.0, 9.0), None, loaded_for)
+    held = Conditions(
+        time=time,
+        warming=each(-5.0, 20.0),
+        sides=sides,
+        velocities=each(-2.0, 2.0),
+        accelerations=each(-9.0, 9.0),
+        loaded_for=loaded_for,
+        commanded=each(-1.0, 1.0),
+        last_moves=each(-1.0, 1.0),
+    )
     return Chain(arm, beams, q, held)

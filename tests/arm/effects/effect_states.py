@@ -36,6 +36,8 @@ def conditions(size: int, rows: int = ROWS, seed: int = 5) -> Conditions:
         velocities=each(-2.0, 2.0),
         accelerations=each(-9.0, 9.0),
         loaded_for=rng.uniform(0.0, 5e3, rows),
+        commanded=each(-1.0, 1.0),
+        last_moves=each(-1.5, 1.5),
     )
 
 
@@ -82,13 +84,14 @@ class Posed:
         assert loaded_for is not None
         assert time is not None
         one = Conditions(
-            float(time[number]),
-            at(held.warming),
-            at(held.sides),
-            at(held.velocities),
-            at(held.accelerations),
-            None,
-            float(loaded_for[number]),
+            time=float(time[number]),
+            warming=at(held.warming),
+            sides=at(held.sides),
+            velocities=at(held.velocities),
+            accelerations=at(held.accelerations),
+            loaded_for=float(loaded_for[number]),
+            commanded=at(held.commanded),
+            last_moves=at(held.last_moves),
         )
         return solve(self.arm, self.q[number].tolist(), self.beams, conditions=one)
 

@@ -78,7 +78,7 @@ def test_the_whole_table_is_there() -> None:
     gear_transmission_error joint_coupling link_length payload tool_offset thermal_expansion thermal_bending
     gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale
     axis_misalignment counterbalance
-    latency dynamic_deflection torsion rail_straightness rail_pitch joint_waviness
+    latency stale_reading dynamic_deflection torsion rail_straightness rail_pitch joint_waviness
     screw_expansion"""
     assert set(EFFECTS) == set(table.split())
 

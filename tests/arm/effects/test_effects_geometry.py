@@ -25,6 +25,8 @@ def test_joint_errors_in_the_plane_turn_what_follows() -> None:
     posed = planar()
     plane, q, held = Plane(posed), posed.q, posed.held
     assert held.velocities is not None
+    assert held.last_moves is not None
+    assert held.commanded is not None
     for i in range(3):
         motions: list[tuple[str, dict[str, float], Array]] = [
             ("encoder_offset", {"offset": 2e-4}, np.full(len(q), 2e-4)),
@@ -40,6 +42,11 @@ def test_joint_errors_in_the_plane_turn_what_follows() -> None:
                 1e-4 * np.sin(17.0 * q[:, i]) + 3e-4 * np.cos(17.0 * q[:, i]),
             ),
             ("latency", {"delay": 4e-3}, 4e-3 * held.velocities[i]),
+            (
+                "stale_reading",
+                {"share_of_move": 5e-4, "share_of_command": 0.3},
+                5e-4 * held.last_moves[i] + 0.3 * (held.commanded[i] - q[:, i]),
+            ),
             (
                 "counterbalance",
                 {"sine": 2e-3, "cosine": 1e-3},

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from arm.chain.chain import Arm, Joint, Link
 from diagnose.reading.columns import meaning_of
 from diagnose.reading.read import read_recording
+from diagnose.recording import RejectedRow
 from diagnose.residual.recorded_conditions import conditions_of
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
 from units.quantities import InputError
@@ -205,8 +206,21 @@ def test_everything_that_a_recording_can_hold(tmp_path: Path) -> None:
 
 
 def test_conditions_that_nobody_knows_are_none(tmp_path: Path) -> None:
+    """But for how far each joint had gone since the reading before, which the order of the rows tells."""
     held = conditions_of(read_recording(written(tmp_path / "r.csv", table(Q, TIP)), ARM), ARM)
-    assert all(getattr(held, name) is None for name in vars(held))
+    assert all(getattr(held, name) is None for name in vars(held) if name != "last_moves")
+    assert held.last_moves is not None
+    moves = np.array(held.last_moves).T
+    assert np.all(moves[0] == 0.0)
+    assert moves[1:] == pytest.approx(np.diff(Q, axis=0), abs=1e-6)
+
+
+def test_a_row_set_aside_was_still_the_reading_before(tmp_path: Path) -> None:
+    recording = read_recording(written(tmp_path / "r.csv", table(Q, TIP)), ARM)
+    fewer = recording.without([RejectedRow(4, "a test")])
+    assert fewer.row.tolist()[2:4] == [3, 5]
+    assert fewer.last_moves is not None
+    assert fewer.last_moves[3] == pytest.approx(Q[4] - Q[3], abs=1e-6)
 
 
 def test_a_foreign_file(tmp_path: Path) -> None:

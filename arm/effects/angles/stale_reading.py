@@ -1,0 +1,66 @@
+"""Angles are read before the arm has settled: what is recorded lacks the rest of the move just made.
+
+The rest is a share of the move from the reading before; where commands are logged too, of what a joint still has to go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import plus, times
+from arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, size
+
+_DIFFERENT_MOVES = 0.05
+"""Moves must differ by as much (rad, m): if all are alike, their share is a zero that is off."""
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    moves, commanded = state.conditions.last_moves, state.conditions.commanded
+    if moves is None:
+        return
+    share, rest = settings.values.get("share_of_move", 0.0), settings.values.get("share_of_command", 0.0)
+    for index, joint in enumerate(state.joints):
+        if not settings.acts_at(index):
+            continue
+        amount = times(share, moves[index])
+        if commanded is not None:
+            to_go = plus(commanded[index], times(-1.0, joint.coordinate))
+            amount = plus(amount, times(rest, to_go))
+        yield from drive_motion(state, index, amount)
+
+
+def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
+    del shapes
+    moves = readings.state.conditions.last_moves
+    return moves is not None and any(float(np.ptp(moves[index])) > _DIFFERENT_MOVES for index in at)
+
+
+STALE_READING = Effect(
+    id="stale_reading",
+    title="angles read before the arm had settled",
+    formula="sum J_i (s_i (q_i - q_i of the reading before) + w_i (c_i - q_i))",
+    place="joint",
+    cause="angle errors",
+    needs="readings in the order of measuring, by moves of many sizes; better the commands beside them",
+    aliases=("friction_windup", "backlash"),
+    source="ISO 9283:1998, 7.4, position stabilisation time: how long a robot takes to come to rest at a pose",
+    parameters=(
+        size("share_of_move", "dimensionless", -0.1, 0.1, (1e-4, 1e-3), optional=True).means(
+            "share of the move since the reading before that was still to come when the angle was read",
+            "an exponential settling of 20 to 50 ms, read 0.2 to 0.3 s after the move",
+        ),
+        size("share_of_command", "dimensionless", -1.0, 2.0, (0.1, 1.0), optional=True, requires=("commanded",)).means(
+            "share of what was left to the command that the joint still went before the tip was measured",
+            "1 where the joint stood at its command",
+        ),
+    ),
+    twists=_twists,
+    requires=("last_moves",),
+    shown_by=_shown,
+    rank=305,
+    linear=True,
+    of_instrument=True,
+)
