@@ -214,7 +214,7 @@ def evaluate(
 
 def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:
     """The links' masses, kg."""
-    return tuple(float(beam.mass_per_length * beam.length + beam.lumped_mass) for beam in beams)
+    return tuple(float(beam.mass) for beam in beams)
 
 
 def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float | None:

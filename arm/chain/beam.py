@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .vectors import Scalar, times
+from .vectors import Scalar, plus, times
 
 if TYPE_CHECKING:
     from materials.material import MaterialValues
@@ -110,6 +110,11 @@ class Beam:
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0
     taper: Taper = UNIFORM
+
+    @property
+    def mass(self) -> Scalar:
+        """The whole mass, kg."""
+        return plus(times(self.mass_per_length, self.length), self.lumped_mass)
 
 
 def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialValues, *, shear: bool = True) -> Beam:

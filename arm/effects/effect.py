@@ -6,7 +6,7 @@ dp_tip = dp_i + dphi_i x (p_tip - p_i). Simulation, optimiser and diagnosis all 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal
@@ -14,6 +14,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Scalar, Vector, scale
 
@@ -211,6 +213,8 @@ class Effect:
     `curve` gives a joint's error (rad) at coordinates (rad) by the parameters' values, for what is drawn as a curve.
     `along_the_link` marks what every piece of a link does alike, by the loads on it, so that a link that is cut does
     what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
+    `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
+    (from 0), in its unit: file and finding together are not less than nought (infinite: nobody knows).
     """
 
     id: str
@@ -248,6 +252,7 @@ class Effect:
     curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
     along_the_link: bool = False
     turns_along_the_link: bool = False
+    declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
 
     @property
     def belongs_to_link(self) -> bool:

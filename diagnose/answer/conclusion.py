@@ -246,6 +246,7 @@ class Conclusion(Confirmed):
             f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
             for each in self.unconfirmed
         ]
+        found += [f"Left out again, as it cannot be what it was named: {each}." for each in self.impossible]
         further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
         if further > 0.0:
             found.append(

@@ -10,7 +10,7 @@ import numpy as np
 from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, splits
 from diagnose.fitting.prepare import Prepared, set_up
-from diagnose.fitting.refit import Refit, refit, tether
+from diagnose.fitting.refit import Refit, impossible_term, refit, tether
 from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
@@ -43,12 +43,18 @@ class Confirmed:
         self.noise, self.options, self.tell = noise, options, progress
         self.rules: Rules = namer.prepared.observed.rules
         self.unconfirmed: list[str] = []
+        self.impossible: list[str] = []
         self._take_up(whole)
-        while (refuted := self._refuted()) is not None:
-            self.unconfirmed.append(self._label(self.members[refuted]))
-            self.found, self.members = _less(self.found, refuted), _less(self.members, refuted)
-            self.alternatives, self.p_values = _less(self.alternatives, refuted), _less(self.p_values, refuted)
-            if self.forms or not self._form_instead(whole):
+        while (wrong := self._cannot_be() or self._refuted()) is not None:
+            place, reason = wrong
+            label = self._label(self.members[place])
+            if reason is None:
+                self.unconfirmed.append(label)
+            else:
+                self.impossible.append(f"{label} ({reason})")
+            self.found, self.members = _less(self.found, place), _less(self.members, place)
+            self.alternatives, self.p_values = _less(self.alternatives, place), _less(self.p_values, place)
+            if reason is not None or self.forms or not self._form_instead(whole):
                 self._fit()
         self.scattered = False
         self.left_over = self._left_over()
@@ -88,14 +94,19 @@ class Confirmed:
         self.refit: Refit = refit(self.prepared, self.members, self.outside, self.fitted)
         self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
 
-    def _refuted(self) -> int | None:
+    def _cannot_be(self) -> tuple[int, str] | None:
+        """The place of the finding, if any, whose size in the joint fit cannot be, and why: sizes that the search found
+        possible one step at a time may run off together."""
+        return impossible_term(self.prepared, self.refit)
+
+    def _refuted(self) -> tuple[int, None] | None:
         """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
         was fitted to, and no others. What forms make of readings that they have not seen is no finding's fault."""
         whole = self._rms_held_out(self.members)
         without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
         if not without or min(without) >= (1.0 - self.rules.answer.refuted) * whole:
             return None
-        return int(np.argmin(without))
+        return int(np.argmin(without)), None
 
     def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
         """What the findings are fitted to: all readings where only some were searched (and no form won, whose places

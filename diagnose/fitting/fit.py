@@ -11,6 +11,7 @@ from scipy import stats
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
 from diagnose.patterns.library import Candidate, parameter_of
+from diagnose.residual.observed import Observed
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
@@ -86,22 +87,30 @@ def beyond_nuisances(prepared: Prepared, columns: Array) -> Array:
 
 def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     """Why a fit cannot be physics: the first size that lies beyond its bounds, as a clause; None where all can be."""
-    whole, rules = float(prepared.vector @ prepared.vector), prepared.observed.rules.fitting
     for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
         group = prepared.pool.groups[member]
-        candidate = group.candidate
         moved = np.linalg.pinv(group.back) @ sizes
-        if float(moved @ moved) > rules.cancelling * whole:
-            return "only a displacement far larger than the mismatch would fit, balanced against others"
-        for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
-            low, high = bounds(candidate, name, prepared)
-            width = high - low
-            if value < low - rules.beyond_bounds * error or value < low - width:
-                return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
-            if value > high + rules.beyond_bounds * error or value > high + width:
-                return "only a size beyond what is possible would fit"
-            if _far_fetched(candidate, name, value, error, rules):
-                return "only a size far beyond the usual would fit, balanced against others"
+        reason = why_impossible(prepared, group.candidate, sizes, errors, float(moved @ moved))
+        if reason is not None:
+            return reason
+    return None
+
+
+def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, errors: Array, moved: float) -> str | None:
+    """Why sizes (SI) with these standard errors cannot be physics, as a clause; None where they can. `moved` is the sum
+    of squares of what they move beyond the nuisances, in whitened units."""
+    rules = prepared.observed.rules.fitting
+    if moved > rules.cancelling * float(prepared.vector @ prepared.vector):
+        return "only a displacement far larger than the mismatch would fit, balanced against others"
+    for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
+        low, high = bounds(candidate, name, prepared)
+        width = high - low
+        if value < low - rules.beyond_bounds * error or value < low - width:
+            return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
+        if value > high + rules.beyond_bounds * error or value > high + width:
+            return "only a size beyond what is possible would fit"
+        if _far_fetched(candidate, name, value, error, rules):
+            return "only a size far beyond the usual would fit, balanced against others"
     return None
 
 
@@ -123,7 +132,23 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
             return -np.inf, np.inf
         # Added to what the arm file gives the drive, the whole may not become negative.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
-    return parameter.lower, parameter.upper
+    return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), parameter.upper
+
+
+def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:
+    """What the arm file gives of a size already, the least over the candidate's places; infinite where nobody knows."""
+    effect, arm = EFFECTS[candidate.effect], observed.arm_given
+    if effect.declared is None or name != effect.sizes[0].name:
+        return np.inf
+    beams = [link.beam for link in observed.state.links]
+    entries = [each for each in arm.effects if each.effect == effect.id]
+
+    def whole(index: int) -> float:
+        assert effect.declared is not None
+        own = (each for each in entries if not each.at or index + 1 in each.at)
+        return effect.declared(arm, beams, index) + sum(each.parameters.get(name, 0.0) for each in own)
+
+    return min(whole(index) for index in candidate.at or (0,))
 
 
 def typical(candidate: Candidate, sizes: Array, *, rules: FittingRules = RULES.fitting) -> bool:

@@ -28,13 +28,15 @@ from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
-from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile
+from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, limits
 
 _SWEEPS = 2
 _SCAN = 14
 _NEWTON = 6
 _DIFFERENCE = 1e-4
+_SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,22 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
         for place, (error, sure) in enumerate(zip(errors, told, strict=True))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom)
+
+
+def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
+    """The place of the term that cannot be physics, and why as a clause; of several the one that moves most, as the
+    others may only balance it. None where all can be."""
+    worst: tuple[float, int, str] | None = None
+    factor = t_quantile(found.freedom)
+    for place, (term, parameters) in enumerate(zip(found.terms, found.parameters, strict=True)):
+        reaches = {each.parameter: (each.interval[1] - each.interval[0]) / (2.0 * factor) for each in parameters}
+        errors = np.array([reaches.get(name, np.inf) for name in term.candidate.sizes])
+        white = prepared.pool.projected(prepared.observed.whitened(term.moved))
+        moved = float(white @ white)
+        reason = why_impossible(prepared, term.candidate, term.sizes, errors, moved)
+        if reason is not None and (worst is None or moved > worst[0]):
+            worst = (moved, place, reason)
+    return None if worst is None else worst[1:]
 
 
 def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> tuple[Candidate | None, ...]:
@@ -184,22 +202,41 @@ def _entry(term: Term) -> EffectEntry | None:
 
 
 def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepared, list[Term]]:
-    """Gauss-Newton over all sizes; the recording with the flexibility found in it beside the terms."""
+    """Gauss-Newton over all sizes, with steps halved as long as they make things worse; the recording with the
+    flexibility found in it beside the terms."""
+    prepared, terms = _coupled(prepared, terms)
+    value = _to_be_least(prepared, terms, unit)
     for _ in range(_NEWTON):
-        prepared, terms = _coupled(prepared, terms)
         design, spans = _design(prepared, terms, through=True)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         white = np.concatenate([prepared.observed.whitened(target), wanted])
         step = solved(np.vstack([design, rows]), white)
-        new = [
-            _term(prepared, term.candidate, term.sizes + step[span], term.columns)
-            for term, span in zip(terms, spans, strict=True)
-        ]
-        terms = [replace(one, through=term.through) for one, term in zip(new, terms, strict=True)]
+        for share in _SHARES:
+            new = [
+                _term(prepared, term.candidate, term.sizes + share * step[span], term.columns)
+                for term, span in zip(terms, spans, strict=True)
+            ]
+            trial = _coupled(
+                prepared, [replace(one, through=term.through) for one, term in zip(new, terms, strict=True)]
+            )
+            reached = _to_be_least(*trial, unit)
+            if reached <= value * (1.0 + _ROUNDING):
+                break
+        else:
+            break
+        (prepared, terms), value = trial, reached
         if all(_linear(term.candidate) and term.through is None for term in terms):
             break
-    return _coupled(prepared, terms)
+    return prepared, terms
+
+
+def _to_be_least(prepared: Prepared, terms: Sequence[Term], unit: float) -> float:
+    """The sum of squares, in whitened units, of what terms and nuisances leave, and of what the tethers hold."""
+    left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
+    white = prepared.observed.whitened(beyond_nuisances(prepared, left))
+    _, wanted = _tethers(prepared, terms, unit)
+    return float(white @ white) + float(wanted @ wanted)
 
 
 def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from arm.chain.beam import BendingFactors
+from arm.chain.beam import Beam, BendingFactors
+from arm.chain.chain import Arm
 from arm.chain.statics import LinkState, PoseState
 from arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
 from arm.effects.effect import Effect, Settings, Twist, size
@@ -88,6 +89,13 @@ def _across(link: LinkState, vector: Vector) -> Vector:
     return subtract(vector, scale(dot(link.along, vector), link.along))
 
 
+def _declared(_arm: Arm, beams: Sequence[Beam], link: int) -> float:
+    """The link's 1/EI, of its softer direction."""
+    beam = beams[link]
+    rigidities = (beam.flexural_rigidity_height, beam.flexural_rigidity_width)
+    return max((1.0 / float(each) for each in rigidities if each is not None), default=0.0)
+
+
 LINK_BENDING = Effect(
     id="link_bending",
     title="bending of the links",
@@ -110,4 +118,5 @@ LINK_BENDING = Effect(
     flexible=True,
     in_modes=True,
     along_the_link=True,
+    declared=_declared,
 )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm
 from arm.chain.statics import PoseState
 from arm.effects.effect import Effect, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
@@ -14,6 +17,12 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     if mass != 0.0:
         extra = tuple(mass if settings.acts_at(index) else 0.0 for index in range(len(state.links)))
         yield from elastic_twists(under_other_loads(state, link_masses=extra, weightless=True))
+
+
+def mass_declared(arm: Arm, beams: Sequence[Beam], link: int) -> float:
+    """What an arm file says that a link (from 0) weighs, kg; infinite where it leaves that open."""
+    unknown = arm.links[link].mass is None and not arm.links[link].elastic
+    return math.inf if unknown else float(beams[link].mass)
 
 
 LINK_MASS = Effect(
@@ -36,4 +45,5 @@ LINK_MASS = Effect(
     through_flexibility=True,
     rank=250,
     linear=True,
+    declared=mass_declared,
 )

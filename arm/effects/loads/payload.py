@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm
 from arm.chain.statics import PoseState
 from arm.effects.effect import Effect, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+
+from .link_mass import mass_declared
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     mass = settings.values.get("mass", 0.0)
     if mass != 0.0:
         yield from elastic_twists(under_other_loads(state, payload_mass=mass, weightless=True))
+
+
+def _declared(arm: Arm, beams: Sequence[Beam], _place: int) -> float:
+    """The payload, and the last link with it: what that weighs less than the file says shows at the tip."""
+    return arm.payload.mass + mass_declared(arm, beams, arm.size - 1)
 
 
 PAYLOAD = Effect(
@@ -35,4 +44,5 @@ PAYLOAD = Effect(
     through_flexibility=True,
     rank=50,
     linear=True,
+    declared=_declared,
 )
