@@ -39,7 +39,7 @@ def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float
     `learned` are the least and greatest coordinates (rad, m) of each joint that the arm was learned from; the joint
     ranges by default. Raises `MissingProperty` where the model lacks a figure.
     """
-    bare = replace(recording, orientation=None, joint_side=None, commanded=None, base_target=None)
+    bare = replace(recording, orientation=None, joint_side=None, base_target=None)  # commands say what moves the tip
     residual = observe(arm, bare, rules=RULES).tip_residual()
     length = np.linalg.norm(residual, axis=1)
     lower, upper = np.array(learned or [joint.range for joint in arm.joints]).T

@@ -1,4 +1,4 @@
-"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [--inside] [--out DIR]
+"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [irb120] [--inside] [--out DIR]
 
 Prints, for each machine (all by default), what the tool says of its recordings and how well that predicts what was not
 fitted. `--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps the servo's
@@ -11,10 +11,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.real import motoman, printer, servo, ur10
+from benchmarks.real import irb120, motoman, printer, servo, ur10
 from benchmarks.real.data import NoDataError
 
-_MACHINES = ("motoman", "ur10", "servo", "printer")
+_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120")
 
 
 def main() -> int:
@@ -39,6 +39,9 @@ def main() -> int:
             servo.evaluate(out=asked.out)
         if "printer" in machines:
             printer.evaluate()
+            print()
+        if "irb120" in machines:
+            irb120.evaluate()
     except NoDataError as error:
         print(error, file=sys.stderr)
         return 1

@@ -20,9 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "real"
 VARIABLE = "LINKWRIGHT_DATA"
 
-MOTOMAN, UR10, SERVO, PRINTER = "motoman-ma2010", "ur10", "sts3215-backlash", "voron-thermal"
+MOTOMAN, UR10, SERVO, PRINTER, IRB120 = "motoman-ma2010", "ur10", "sts3215-backlash", "voron-thermal", "irb120-faro"
 """Folders of the recordings."""
-_ARMS = {SERVO: "sts3215", PRINTER: "voron"}
+_ARMS = {SERVO: "sts3215", PRINTER: "voron", IRB120: "irb120"}
 
 
 class NoDataError(FileNotFoundError):
