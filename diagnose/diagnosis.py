@@ -13,7 +13,7 @@ from diagnose.fitting.prepare import prepare
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, visits
 from diagnose.residual.orientation import with_sound_orientation
-from diagnose.search.coupling import coupled
+from diagnose.search.coupling import coupled, through_what_is_named
 from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
@@ -68,6 +68,7 @@ def diagnose(
             if again is not namer:
                 namer = again
                 named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share))
+            namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
         if asked.thorough and named.everything:
             told = "calibrating the whole search"
             p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share))

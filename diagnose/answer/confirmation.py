@@ -17,7 +17,7 @@ from diagnose.recording import Recording
 from diagnose.residual.noise import NoiseFloor
 from diagnose.residual.observed import Observed, kept, looks_quieter, observe, rms_length
 from diagnose.rules.rules import Rules
-from diagnose.search.aliases import Rival, preferred, rivals
+from diagnose.search.aliases import Rival, renamed, rivals
 from diagnose.search.naming import Named, Namer, weighed_again
 
 from .sentences import name_of
@@ -159,12 +159,9 @@ class Confirmed:
         """The members under the name of each class that goes first, with what cannot be told from each."""
         if self.named is None:
             return (), ()
-        members = list(self.named.members)
-        for place, member in enumerate(members):
-            whole = [*members, *self.named.outside]
-            members[place] = preferred(self.namer, whole, member, rivals(self.namer, whole, member))
+        members = renamed(self.namer, self.named)
         whole = [*members, *self.named.outside]
-        return tuple(members), tuple(rivals(self.namer, whole, member) for member in members)
+        return members, tuple(rivals(self.namer, whole, member) for member in members)
 
     def _held_out(self, folds: Folds) -> HeldOut:
         """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one."""

@@ -12,7 +12,7 @@ from arm.effects.effect import LAST_RANK
 from diagnose.fitting.fit import Fit, fit, typical
 from sections.numeric import Array
 
-from .naming import Namer
+from .naming import Named, Namer
 from .subsets import gains, products
 
 
@@ -87,3 +87,12 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
     limit = namer.rules.refuted if order(member)[0] else namer.rules.tied
     tied = [member, *(rival.member for rival in others if rival.worse <= limit)]
     return min(tied, key=order)
+
+
+def renamed(namer: Namer, named: Named) -> tuple[int, ...]:
+    """The members of what was named under the name of each class that goes first."""
+    members = list(named.members)
+    for place, member in enumerate(members):
+        whole = [*members, *named.outside]
+        members[place] = preferred(namer, whole, member, rivals(namer, whole, member))
+    return tuple(members)

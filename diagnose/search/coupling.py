@@ -22,7 +22,8 @@ from diagnose.patterns.flexibility import entry, flexible, through_flexibility
 from diagnose.patterns.forces import forces
 from diagnose.patterns.library import candidates
 
-from .naming import Namer
+from .aliases import renamed
+from .naming import Named, Namer, name_missing
 from .subsets import Subset
 
 
@@ -64,6 +65,40 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
             found, value = trial, criterion
         tell((number + 1.0) / len(starts))
     return found
+
+
+def through_what_is_named(
+    namer: Namer, named: Named, without: frozenset[str], tell: Callable[[float], None]
+) -> tuple[Namer, Named]:
+    """The search made again until loads that are named act through no flexibility but the arm file's and what is named
+    beside them; through the arm file's alone where that does not settle.
+
+    A load that needs what is not there to act through would move nothing in the corrected arm. `tell` hears the share
+    of the work done.
+    """
+    for number in range(namer.rules.coupling_rounds + 1):
+        assumed = namer.prepared.observed.softening
+        if not assumed or not _loads(namer, named.members):
+            break
+        names = renamed(namer, named)
+        entries = _entries(namer, names)
+        if not _loads(namer, names) or _places(assumed) <= _places(entries):
+            break
+        settled = number == namer.rules.coupling_rounds
+        prepared = softened(namer.prepared, () if settled else entries, without)
+        if prepared is namer.prepared:
+            break
+        namer = namer.with_prepared(prepared)
+        named = name_missing(namer, tell)
+    return namer, named
+
+
+def _loads(namer: Namer, members: Sequence[int]) -> bool:
+    return any(through_flexibility(namer.pool.groups[member].candidate) for member in members)
+
+
+def _places(entries: Sequence[EffectEntry]) -> set[tuple[str, tuple[int, ...]]]:
+    return {(each.effect, each.at) for each in entries}
 
 
 def _starts(namer: Namer, best: dict[int, Subset]) -> Iterator[tuple[EffectEntry, ...]]:
@@ -117,7 +152,9 @@ def _consistent(
 
 
 def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
-    """Whether patterns are others than before, by more than matters."""
+    """Whether patterns are others than before, by more than matters, or some are gone: nothing gives under them."""
+    if {candidate.family for candidate, _ in before} - {candidate.family for candidate, _ in after}:
+        return True
     own = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
     for candidate, columns in after:
         was = own.get((candidate.family, tuple(candidate.shapes.items())))
@@ -128,7 +165,7 @@ def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
 
 def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry], same: float) -> bool:
     have = {(each.effect, each.at): each.parameters for each in entries}
-    if set(have) != {(each.effect, each.at) for each in others}:
+    if set(have) != _places(others):
         return False
     pairs = [(have[each.effect, each.at][name], value) for each in others for name, value in each.parameters.items()]
     return all(abs(a - b) <= same * max(abs(a), abs(b)) for a, b in pairs)

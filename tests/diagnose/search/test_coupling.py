@@ -5,10 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Link
-from arm.effects import Settings
+from arm.chain.chain import EffectEntry, Link, LoadCase
+from arm.effects import EFFECTS, Settings
 from diagnose.diagnosis import diagnose
+from diagnose.fitting.prepare import prepare
+from diagnose.options import Options
 from diagnose.residual.observed import observe
+from diagnose.search.coupling import softened, through_what_is_named
+from diagnose.search.naming import Named, Namer
 from tests.diagnose.core_cases import SIGMA, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 
@@ -90,3 +94,30 @@ def test_a_known_load_tells_compliance_where_links_weigh_nobody_knows_what():
     assert abs(compliance.value - truth) < 0.75 * (high - low) < 0.1 * truth
     entries = {(each.effect, each.at): each.parameters for each in found.corrected.effects}
     assert entries["joint_compliance", (2,)]["compliance"] == compliance.value
+
+
+def test_a_load_acts_through_what_is_named_or_is_not_named():
+    """A kilogram through a drive that gives, on an arm whose file gives nothing: where how drives give is left out of
+    the search it would be named alone, and do nothing in the arm file that is written. So it is sought again without
+    what is not named, and is no candidate then."""
+    arm = made_arm()
+    stiff = replace(
+        arm,
+        joints=tuple(replace(joint, stiffness=None) for joint in arm.joints),
+        links=tuple(Link(link.length, mass=3.0) for link in arm.links),
+        payload=LoadCase(),
+    )
+    recording = recorded(with_effects(stiff, SOFT), poses=16, payloads=())
+    entry = EffectEntry(SOFT[0], SOFT[1], SOFT[2])
+    giving = frozenset(effect.id for effect in EFFECTS.values() if effect.cause == "flexibility")
+    without = giving | {"counterbalance"}
+    bare = prepare(observe(stiff, recording), Options(without=without), None)
+    prepared = softened(bare, (entry,), without)
+    namer = Namer(prepared, thorough=False, seed=0)
+    heavy = next(k for k, group in enumerate(namer.pool.groups) if group.candidate.effect == "payload")
+    gate = namer.test(())
+    named = Named((heavy,), (), (0.0,), gate, None)
+    assert namer.prepared.observed.softening == (entry,)
+    namer, _ = through_what_is_named(namer, named, without, lambda _: None)
+    assert namer.prepared.observed.softening == ()
+    assert not any(group.candidate.effect == "payload" for group in namer.pool.groups)
