@@ -17,24 +17,22 @@ from arm.errors.lost_motion import played
 from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from arm.errors.tip import active_effects
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
-from arm.limits.modes import first_frequencies
 from arm.limits.sideways import least_sideways
+from arm.limits.slowest_pose import Frequency, least_frequency
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
 from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance
 from arm.limits.walls import WallsResult, slender_walls, walls_of
 from arm.limits.weakest_poses import weakest_poses
 from arm.worst.coverage import Unreached, unreached
 from arm.worst.growth import GrowthLeftOut, growth_left_out
-from arm.worst.refine import uphill
 from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
-from arm.worst.workspace import Workspace, climbing_bounds, wrapped
+from arm.worst.workspace import Workspace
 from materials.material import MissingProperty
 from sections.numeric import Array
 
 from .effects import EFFECTS
 
 _STRENGTH_POSES = 4096
-_MODE_POSES = 256
 _EXACT_POSES = 128
 _MAPPED_POSES = 100_000
 
@@ -52,15 +50,6 @@ class Compliance:
     matrix: tuple[tuple[float, ...], ...]
     principal: tuple[float, ...]
     directions: tuple[tuple[float, ...], ...]
-
-
-@dataclass(frozen=True)
-class Frequency:
-    """The least first bending frequency over the workspace (Hz), its pose and load case (from 0)."""
-
-    value: float
-    q: tuple[float, ...]
-    load_case: int
 
 
 @dataclass(frozen=True)
@@ -267,36 +256,6 @@ def strength_over(
     if search is not None:
         poses = np.vstack([poses, weakest_poses(search, found, poses, p, values)])
     return worst_strength(found, poses, p, values, yields)
-
-
-def least_frequency(
-    arm: Arm, search: WorstSearch, beams: Sequence[Beam], p: Array, cases: Sequence[LoadCase]
-) -> Frequency | None:
-    """The least first bending frequency over the workspace; None where nothing gives.
-
-    Joint ranges are scanned and the lowest poses refined; boxes and paths are scanned.
-    """
-    poses = search.poses(p, _MODE_POSES)
-    best: Frequency | None = None
-    payloads = {case.mass: number for number, case in reversed(list(enumerate(cases)))}
-    for payload, number in payloads.items():
-        found = first_frequencies(arm, beams, payload, poses)
-        if not np.isfinite(found).any():
-            continue
-        candidates = poses[np.argsort(found)[:3]]
-        if search.workspace.kind == "joints":
-            bounds = climbing_bounds(arm, search.lower, search.upper)
-
-            def slowness(q: Array, carried: float = payload) -> Array:
-                return 1.0 / first_frequencies(arm, beams, carried, q) ** 2
-
-            reached = wrapped(arm, uphill(slowness, candidates, bounds, step=1e-3), search.lower, search.upper)
-            candidates = np.vstack([candidates, reached])
-        values = first_frequencies(arm, beams, payload, candidates)
-        lowest = int(np.argmin(values))
-        if best is None or values[lowest] < best.value:
-            best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
-    return best
 
 
 def compliance_at(arm: Arm, beams: Sequence[Beam], q: Sequence[float], *, planar: bool) -> Compliance:

@@ -140,12 +140,18 @@ def response(
 def compliance_matrices(segments: SegmentedArm, beams: Sequence[Beam], q: Array) -> Array:
     """The compliance (m/N) of the segments' far ends at poses q (N, n): (N, 3 s, 3 s), by unit forces."""
     poses, size = len(q), 3 * len(segments.owner)
-    every_q = [np.repeat(q[:, j], size) for j in range(q.shape[1])]
     unit = np.tile(np.eye(size), (poses, 1))
-    forces: list[Vector] = [(unit[:, 3 * k], unit[:, 3 * k + 1], unit[:, 3 * k + 2]) for k in range(size // 3)]
-    moved = response(segments, every_q, beams, forces)
-    columns = [np.broadcast_to(component, poses * size) for shift in moved for component in shift]
-    return np.stack(columns, axis=1).reshape(poses, size, size).transpose(0, 2, 1)
+    moved = responses(segments, beams, np.repeat(q, size, axis=0), unit)
+    return moved.reshape(poses, size, size).transpose(0, 2, 1)
+
+
+def responses(segments: SegmentedArm, beams: Sequence[Beam], q: Array, forces: Array) -> Array:
+    """The displacements (N, 3 s) in m of the segments' far ends at poses q (N, n) under forces (N, 3 s) there, N."""
+    columns: list[Vector] = [
+        (forces[:, 3 * k], forces[:, 3 * k + 1], forces[:, 3 * k + 2]) for k in range(forces.shape[1] // 3)
+    ]
+    moved = response(segments, [q[:, j] for j in range(q.shape[1])], beams, columns)
+    return np.stack([np.broadcast_to(part, len(q)) for shift in moved for part in shift], axis=1)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ Derivatives = Callable[[Array], tuple[Array, Array, Array]]
 
 _OUTWARD = 1e-12
 _CHUNK = 8192
+_NO_GAIN = 1e-14
+"""A step that promises less than this share more is none."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,10 @@ def climb(at: Derivatives, starts: Array, lower: Array, upper: Array, steps: int
         eigenvalues, vectors = np.linalg.eigh(masked)
         floor = 1e-6 * np.abs(eigenvalues).max(axis=1, initial=1e-300, keepdims=True)
         uphill = np.einsum("nij,ni->nj", vectors, gradient * free) / np.maximum(np.abs(eigenvalues), floor)
-        step = np.clip(np.einsum("nij,nj->ni", vectors, uphill), -0.6, 0.6) * damping[:, None]
+        whole = np.clip(np.einsum("nij,nj->ni", vectors, uphill), -0.6, 0.6)
+        if np.all(np.einsum("ni,ni->n", gradient * free, whole) <= _NO_GAIN * np.abs(value)):
+            break
+        step = whole * damping[:, None]
         trial = np.clip(x + step, lower, upper)
         new_value, new_gradient, new_hessian = at(trial)
         better = new_value > value

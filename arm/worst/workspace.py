@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -29,6 +29,8 @@ PATH_POINTS = 25
 """Points looked at along each segment of a path, ends included, when poses are sampled."""
 
 _ON_PATH = 1e-9
+_BITS = 48
+"""Of the points spread over a box, so that they stay below 1."""
 
 
 @dataclass(frozen=True)
@@ -83,21 +85,34 @@ def wrapped(arm: Arm, q: Array, lower: Array, upper: Array) -> Array:
 
 
 def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
-    """`count` low-discrepancy points in a box (a scrambled Sobol sequence, seeded), and its corners up to 64."""
+    """`count` low-discrepancy points in a box (a scrambled Halton sequence, seeded), and its corners up to 64."""
     inside = lower + (upper - lower) * _spread_in_cube(len(lower), count, seed)
     return np.minimum(inside, upper)  # lower + (upper - lower) may round to more than upper
 
 
 @lru_cache(maxsize=16)
 def _spread_in_cube(size: int, count: int, seed: int) -> Array:
-    from scipy.stats import qmc  # here, for it takes most of a second to import
-
-    power = max(1, math.ceil(math.log2(max(count, 2))))
-    points = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)[:count]
+    columns = [_radical_inverses(base, count, (seed, base)) for base in itertools.islice(_primes(), size)]
+    points = np.stack(columns, axis=1)
     corners = np.array([[(k >> j) & 1 for j in range(size)] for k in range(2 ** min(size, 6))], dtype=float)
     spread_out = np.vstack([points, corners])
     spread_out.setflags(write=False)
     return spread_out
+
+
+def _primes() -> Iterator[int]:
+    return (n for n in itertools.count(2) if all(n % k for k in range(2, math.isqrt(n) + 1)))
+
+
+def _radical_inverses(base: int, count: int, seed: tuple[int, int]) -> Array:
+    """0 to count - 1 with their digits mirrored at the point, each place's digits permuted at random (A. B. Owen, A
+    randomized Halton algorithm in R, arXiv:1706.02808): base^k neighbours meet each base^k-th of 0..1 once."""
+    generator = np.random.default_rng(seed)
+    rest, found = np.arange(count), np.zeros(count)
+    for place in range(1, math.ceil(_BITS / math.log2(base)) + 1):
+        found += generator.permutation(base)[rest % base] * float(base) ** -place
+        rest = rest // base
+    return found
 
 
 def path_points(workspace: Workspace) -> Array:

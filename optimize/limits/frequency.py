@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from arm.errors.model import beams_of
-from arm.evaluation import least_frequency
 from arm.limits.modes import SegmentedArm, first_frequencies, first_modes, inertia_excess, segmented
+from arm.limits.slowest_pose import least_frequency
 from sections.numeric import Array
 
 from .design import DesignExpressions

@@ -17,7 +17,7 @@ from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.chain.kinematics import tip_position
 from arm.errors.model import beam_values, beams_of, error_model
 from arm.worst.search import WorstCase, WorstSearch
-from arm.worst.workspace import Unreachable, Workspace
+from arm.worst.workspace import Unreachable, Workspace, spread
 from materials.catalogue import load_catalogue
 from sections import build
 from sections.numeric import Array
@@ -320,3 +320,13 @@ def test_range_of_several_turns_counts_where_turns_differ(turns: float) -> None:
         grid = np.linspace(-widest, widest, 20_001)[:, None]
         assert worst.error == pytest.approx(search.errors(grid, p, 0).error.max(), rel=1e-4)
         assert search.upper[0] - search.lower[0] == pytest.approx(2.0 * (widest if effects else min(widest, math.pi)))
+
+
+@pytest.mark.parametrize(("joint", "base"), [(0, 2), (2, 5), (6, 17)])
+def test_poses_are_spread_evenly_over_each_joint(joint: int, base: int) -> None:
+    """A scrambled Halton sequence: of base^2 neighbours each base^2-th of a joint's range holds exactly one."""
+    q = spread(np.zeros(7), np.ones(7), 4 * base**2)
+    for run in range(4):
+        column = q[run * base**2 : (run + 1) * base**2, joint]
+        assert sorted(np.floor(column * base**2).astype(int)) == list(range(base**2))
+    assert not np.array_equal(q, spread(np.zeros(7), np.ones(7), 4 * base**2, seed=2))

@@ -1,0 +1,143 @@
+"""The pose at which an arm is slowest: the least first bending frequency over a workspace.
+
+A scan orders poses by the Ritz value of three trial shapes (what the masses' weights along x, y and z bend the arm to,
+improved once: Stodola's method; R. W. Clough & J. Penzien, Dynamics of Structures, ch. 13). From the slowest of them
+climbs go by Newton steps. With the mode v held, the work of its inertia forces, v' F v of unit v, is the largest
+eigenvalue where v was found, and so are its first derivatives (R. B. Nelson, AIAA J. 14 (1976) 1201-1205, for those
+and for the second): each takes one response to given forces instead of a matrix and its eigenvalues.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, LoadCase
+from arm.worst.certificate import climb
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import climbing_bounds, wrapped
+from sections.numeric import Array
+
+from .modes import compliance_matrices, first_frequencies, node_masses, responses, segmented
+
+_POSES = 1024
+_SLOWEST, _APART = 3, 5
+"""Starts of climbs: the slowest poses scanned, and the slowest that lie apart."""
+_DISTANCE = 0.3
+_STEP = 1e-3
+"""Of the differences (rad, m) of a work whose forces are held."""
+_CLOSE = 1e-6
+"""Eigenvalues nearer than this share of the largest count as this far apart: a step needs no more."""
+
+
+@dataclass(frozen=True)
+class Frequency:
+    """The least first bending frequency over the workspace (Hz), its pose and load case (from 0)."""
+
+    value: float
+    q: tuple[float, ...]
+    load_case: int
+
+
+def least_frequency(
+    arm: Arm, search: WorstSearch, beams: Sequence[Beam], p: Array, cases: Sequence[LoadCase]
+) -> Frequency | None:
+    """The least first bending frequency over the workspace; None where nothing gives.
+
+    Joint ranges are scanned and the slowest poses refined; boxes and paths are scanned.
+    """
+    poses = search.poses(p, _POSES)
+    best: Frequency | None = None
+    payloads = {case.mass: number for number, case in reversed(list(enumerate(cases)))}
+    for payload, number in payloads.items():
+        slow = Slowness(arm, beams, payload)
+        scanned = slow.estimates(poses)
+        if not scanned.any():
+            continue
+        candidates = poses[_starts(poses, scanned)]
+        if search.workspace.kind == "joints":
+            reached = climb(slow.derivatives, candidates, *climbing_bounds(arm, search.lower, search.upper))[0]
+            candidates = np.vstack([candidates, wrapped(arm, reached, search.lower, search.upper)])
+        values = first_frequencies(arm, beams, payload, candidates)
+        lowest = int(np.argmin(values))
+        if best is None or values[lowest] < best.value:
+            best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
+    return best
+
+
+def _starts(poses: Array, slowness: Array) -> list[int]:
+    order = np.argsort(-slowness, kind="stable")
+    apart: list[int] = []
+    for index in order.tolist():
+        if all(np.abs(poses[index] - poses[other]).max() > _DISTANCE for other in apart):
+            apart.append(index)
+        if len(apart) == _APART:
+            break
+    return list(dict.fromkeys([*order[:_SLOWEST].tolist(), *apart]))
+
+
+class Slowness:
+    """1/omega^2 (s^2) of an arm's first mode with a payload (kg) at its tip: the largest eigenvalue of F M."""
+
+    def __init__(self, arm: Arm, beams: Sequence[Beam], payload: float) -> None:
+        self._beams, self._segments = beams, segmented(arm)
+        masses = np.array([float(mass) for mass in node_masses(arm, self._segments, beams, payload)])
+        self._masses = np.repeat(masses, 3)
+        self._root = np.sqrt(self._masses)
+        size = arm.size
+        pairs = list(itertools.combinations(range(size), 2))
+        unit = _STEP * np.eye(size)
+        both = np.array([sign * (unit[a] + unit[b]) for sign in (1.0, -1.0) for a, b in pairs]).reshape(-1, size)
+        self._pairs, self._around = pairs, np.vstack([np.zeros((1, size)), unit, -unit, both])
+
+    def _moved(self, q: Array, forces: Array) -> Array:
+        """The displacements (N, 3 s) of the nodes under forces (N, 3 s) at poses q (N, n)."""
+        return responses(self._segments, self._beams, q, forces)
+
+    def estimates(self, q: Array) -> Array:
+        """Lower bounds (N,) at poses q (N, n), near the true values: Ritz's, of three shapes."""
+        count, size = len(q), len(self._masses)
+        every = np.repeat(q, 3, axis=0)
+        weights = np.array([self._masses * (np.arange(size) % 3 == axis) for axis in range(3)])
+        first = self._moved(every, np.tile(weights, (count, 1)))
+        inertia = first * self._masses
+        second = self._moved(every, inertia).reshape(count, 3, size)
+        shapes, forces = first.reshape(count, 3, size), inertia.reshape(count, 3, size)
+        carried, work = shapes @ forces.transpose(0, 2, 1), forces @ second.transpose(0, 2, 1)
+        # Shapes may coincide or be nought (a planar arm does not move sideways): what they span alone counts.
+        values, vectors = np.linalg.eigh(0.5 * (carried + carried.transpose(0, 2, 1)))
+        spanned = values > 1e-9 * values.max(axis=1, initial=1e-300, keepdims=True)
+        basis = vectors * np.where(spanned, 1.0 / np.sqrt(np.where(spanned, values, 1.0)), 0.0)[:, None, :]
+        ritz = basis.transpose(0, 2, 1) @ (0.5 * (work + work.transpose(0, 2, 1))) @ basis
+        return np.maximum(np.linalg.eigvalsh(ritz)[:, -1], 0.0)
+
+    def derivatives(self, q: Array) -> tuple[Array, Array, Array]:
+        """Values (N,), gradients (N, n) and Hessians (N, n, n) at poses q (N, n)."""
+        count, size = q.shape
+        compliance = compliance_matrices(self._segments, self._beams, q)
+        symmetric = 0.5 * (compliance + compliance.transpose(0, 2, 1)) * self._root[:, None] * self._root
+        values, vectors = np.linalg.eigh(symmetric)
+        forces = vectors[:, :, -1] * self._root
+        around = (q[:, None, :] + self._around).reshape(-1, size)
+        held = np.repeat(forces, len(self._around), axis=0)
+        moved = self._moved(around, held).reshape(count, len(self._around), -1)
+        work = np.einsum("nri,ni->nr", moved, forces)
+        ahead, behind = work[:, 1 : size + 1], work[:, size + 1 : 2 * size + 1]
+        hessian = np.empty((count, size, size))
+        diagonal = np.arange(size)
+        hessian[:, diagonal, diagonal] = (ahead + behind - 2.0 * work[:, :1]) / _STEP**2
+        for k, (a, b) in enumerate(self._pairs):
+            corners = work[:, 2 * size + 1 + k] + work[:, 2 * size + 1 + len(self._pairs) + k]
+            sides = ahead[:, a] + behind[:, a] + ahead[:, b] + behind[:, b]
+            hessian[:, a, b] = hessian[:, b, a] = (corners - sides + 2.0 * work[:, 0]) / (2.0 * _STEP**2)
+        # The mode turns towards the others as the pose changes.
+        change = (moved[:, 1 : size + 1] - moved[:, size + 1 : 2 * size + 1]) * self._root / (2.0 * _STEP)
+        largest = values[:, -1:]
+        mixed = change @ vectors[:, :, :-1]
+        apart = np.maximum(largest - values[:, :-1], _CLOSE * largest + 1e-300)
+        hessian += 2.0 * np.einsum("nik,njk,nk->nij", mixed, mixed, 1.0 / apart)
+        return values[:, -1], (ahead - behind) / (2.0 * _STEP), hessian
