@@ -51,6 +51,21 @@ class Coordinates:
                 out[..., j] = 0.5 * (low + high) + 0.5 * (high - low) * out[..., j]
         return out
 
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """The joints whose range has some width."""
+        return tuple(j for j, (low, high) in enumerate(self.ranges) if high > low)
+
+    def of(self, joints: Sequence[int]) -> Coordinates:
+        """Those of some of the joints."""
+        return Coordinates(tuple(self.revolute[j] for j in joints), tuple(self.ranges[j] for j in joints))
+
+    def placed(self, joints: Sequence[int], q: Array) -> Array:
+        """Poses of all joints from coordinates q (N, k) of some; the others stand in the middle of their range."""
+        out = np.tile([0.5 * (low + high) for low, high in self.ranges], (len(q), 1))
+        out[:, list(joints)] = q
+        return out
+
     def nodes(self, joint: int, degree: int) -> Array:
         """Sample points (scaled) that determine a polynomial of `degree` in one joint."""
         count = 2 * degree + 1
@@ -72,6 +87,8 @@ def _along(tensor: ComplexArray, matrix: ComplexArray, axis: int) -> ComplexArra
 def sample_grid(coordinates: Coordinates, degree: int) -> Array:
     """The sample points (unscaled, rows) that determine polynomials of `degree` in every joint."""
     nodes = [coordinates.nodes(j, degree) for j in range(len(coordinates.revolute))]
+    if not nodes:
+        return np.zeros((1, 0))
     mesh = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(nodes))
     return coordinates.unscaled(mesh)
 
@@ -83,28 +100,6 @@ class Coefficients:
     coordinates: Coordinates
     degree: int
     tensor: ComplexArray
-
-    def depends_on(self) -> tuple[bool, ...]:
-        """Whether any of the functions depends on each joint."""
-        scale = np.abs(self.tensor).max(initial=0.0)
-        found: list[bool] = []
-        for j, turns in enumerate(self.coordinates.revolute):
-            constant = self.degree if turns else 0
-            rest = np.delete(self.tensor, constant, axis=j + 1)
-            found.append(bool(np.abs(rest).max(initial=0.0) > 1e-12 * scale))
-        return tuple(found)
-
-    def keep(self, joints: Sequence[bool]) -> Coefficients:
-        """The same functions of fewer joints; those dropped must not matter."""
-        tensor = self.tensor
-        for j in reversed(range(len(joints))):
-            if not joints[j]:
-                tensor = np.take(tensor, self.degree if self.coordinates.revolute[j] else 0, axis=j + 1)
-        kept = [j for j, keep in enumerate(joints) if keep]
-        coordinates = Coordinates(
-            tuple(self.coordinates.revolute[j] for j in kept), tuple(self.coordinates.ranges[j] for j in kept)
-        )
-        return Coefficients(coordinates, self.degree, tensor)
 
     def values_on(self, degree: int) -> ComplexArray:
         """The functions' values on the sample grid of a higher degree: (functions, grid of joint 1, ...)."""
@@ -127,10 +122,8 @@ def fit(
     shape = [len(coordinates.nodes(j, degree)) for j in range(size)]
     coefficients = from_values(coordinates, degree, values.T.reshape(-1, *shape).astype(complex))
     generator = np.random.default_rng(size)
-    trial = coordinates.unscaled(
-        np.stack([generator.uniform(-np.pi, np.pi, check) if turns else generator.uniform(-1.0, 1.0, check)
-                  for turns in coordinates.revolute], axis=1)
-    )  # fmt: skip
+    reach = np.where(coordinates.revolute, np.pi, 1.0)
+    trial = coordinates.unscaled(generator.uniform(-reach, reach, (check, size)))
     expected = function(trial)
     got = evaluate(coefficients, trial)
     scale = max(np.abs(values).max(initial=0.0), 1e-300)

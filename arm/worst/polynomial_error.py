@@ -12,6 +12,7 @@ from arm.errors.lost_motion import played, pushed_discs, sign_vertices
 from arm.errors.model import CaseModel
 from sections.numeric import Array
 
+from .dependence import joints_that_matter
 from .polynomial import (
     Coefficients,
     Coordinates,
@@ -26,7 +27,6 @@ from .polynomial import (
 
 MOST_JOINTS = 4
 """Branch and bound over more joints than this takes too many cells."""
-_MOST_SAMPLED = 6
 _MOST_VERTICES = 256
 
 
@@ -82,17 +82,17 @@ def error_polynomials(
     mode: PlayMode,
     *,
     planar: bool,
-    all_joints: bool,
+    confined: bool,
 ) -> ErrorPolynomials:
-    """The polynomials of load case `number` for a design p; `all_joints` keeps joints that do not matter.
+    """The polynomials of load case `number` for a design p, of the joints that matter; `confined` keeps all that move,
+    for a workspace where they decide what is in it.
 
     Raises `NotPolynomial` where the error is none (loaded clearance in space, statistical play) or has too many joints
     or ways of play.
     """
     count = len(case.error.intervals)
-    size = len(coordinates.revolute)
-    if mode == "statistical" or size > _MOST_SAMPLED or 2**count > _MOST_VERTICES:
-        raise NotPolynomial("statistical play, or too many joints")
+    if mode == "statistical" or 2**count > _MOST_VERTICES:
+        raise NotPolynomial("statistical play, or too much of it")
     loaded = mode == "loaded"
     pushed = _pushed(case, p, coordinates) if loaded else np.zeros(len(case.error.discs), dtype=bool)
     held = bool(pushed.any())
@@ -107,21 +107,25 @@ def error_polynomials(
             )
             vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
         rows = [vector, arrays.intervals.reshape(len(q), -1)]
-        return np.concatenate([*rows, arrays.interval_seating] if loaded else rows, axis=1)
+        # Only the signs of the loads count: in parts of all loads they are pure numbers.
+        loads = arrays.interval_seating / np.maximum(arrays.load_scale, 1e-300)[:, None]
+        return np.concatenate([*rows, loads] if loaded else rows, axis=1)
 
-    whole = fit(columns, coordinates)
-    depends = whole.depends_on() if not all_joints else (True,) * size
-    if sum(depends) > MOST_JOINTS:
+    matter = coordinates.moving if confined else joints_that_matter(columns, 3 + 3 * count, case.state.arm, coordinates)
+    if len(matter) > MOST_JOINTS:
         raise NotPolynomial("the error depends on too many joints")
-    kept = whole.keep(depends)
-    shapes = replace(kept, tensor=kept.tensor[: 3 + 3 * count])
+    kept = coordinates.of(matter)
+    # Vectors and loads are fitted apart, each by the measure of its own size.
+    shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, : 3 + 3 * count], kept)
     signs = sign_vertices(count)
     functions = _squares(shapes, signs)
-    seatings = replace(kept, tensor=kept.tensor[3 + 3 * count :]) if loaded and count else None
+    seatings = None
+    if loaded and count:
+        seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, 3 + 3 * count :], kept)
     radius = float(case.radii[~pushed].sum())
     return ErrorPolynomials(
         number,
-        tuple(j for j, matters in enumerate(depends) if matters),
+        matter,
         functions,
         terms_of(functions),
         signs,

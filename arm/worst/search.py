@@ -7,7 +7,8 @@ certifies the largest; its maximiser is fed back. Otherwise a scan over spread p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from arm.errors.model import BEAM_FIELDS, ErrorModel
 from sections.numeric import Array
 
 from .certificate import Certified, climb, maximise
+from .loose_bound import QUICK, THOROUGH, loose_bound
 from .polynomial import Coordinates, NotPolynomial, fit
 from .polynomial_error import MOST_JOINTS, ErrorPolynomials, error_polynomials
 from .refine import uphill, uphill_in_region, wander_in_region
@@ -114,7 +116,8 @@ class WorstSearch:
         if extra is not None and len(extra) and self.workspace.kind == "joints":
             starts = np.vstack([starts, np.clip(extra, self.lower, self.upper)])
         if polynomials is None:
-            return self._scanned(p, starts)
+            found = self._scanned(p, starts)
+            return self._bounded(p, found) if certify and found.error <= certify_up_to else found
         return self._climbed_and_certified(p, polynomials, starts, certify_up_to if certify else -math.inf)
 
     def poses(self, p: Array, count: int, seed: int = 1) -> Array:
@@ -152,7 +155,7 @@ class WorstSearch:
 
     def _polynomials(self, p: Array) -> list[ErrorPolynomials] | None:
         confined = self.workspace.kind != "joints"
-        if confined and self.arm.size > MOST_JOINTS:
+        if confined and len(self._coordinates.moving) > MOST_JOINTS:
             return None
         try:
             return [
@@ -163,7 +166,7 @@ class WorstSearch:
                     self._coordinates,
                     self.arm.play,
                     planar=self.model.planar,
-                    all_joints=confined,
+                    confined=confined,
                 )
                 for number, case in enumerate(self.model.cases)
             ]
@@ -175,23 +178,51 @@ class WorstSearch:
     ) -> WorstCase:
         cells = None
         if self.workspace.kind != "joints":
-            tips = fit(lambda q: self.tip(q, p), self._coordinates, degree=1)
+            moving = self._coordinates.moving
+            tips = fit(
+                lambda q: self.tip(self._coordinates.placed(moving, q), p), self._coordinates.of(moving), degree=1
+            )
             cells = region_cells(self.workspace, tips)
+        matter = sorted({joint for each in polynomials for joint in each.joints})
         poses = [pose for each in polynomials for pose in self._climbed(p, each, starts)]
         worst = max(poses, key=lambda pose: pose.error)
         if worst.error > certify_up_to:
-            return WorstCase(worst.error, None, False, distinct(poses))
-        bound, closed = worst.error, True
+            return WorstCase(worst.error, None, False, distinct(poses, matter))
+        bound = worst.error
         for each in polynomials:
+            quick = None
+            if cells is None and each.seatings is None:
+                quick = self._loose_bound(p, each.case, worst.error, QUICK if each.exact else THOROUGH)
+            if quick is not None and (self._closed(worst.error, quick) or not each.exact):
+                bound = max(bound, quick)
+                continue
             certified = self._certify(each, worst.error, cells)
             if certified.function >= 0:
                 # The certificate knows a worse pose than the climbs found: it counts.
                 poses += self.worst_poses_at(self._whole(each, certified.point)[None], p, each.case)
                 worst = max(poses, key=lambda pose: pose.error)
-            bound = max(bound, math.sqrt(max(certified.bound, 0.0)) + each.radius)
-            closed = closed and certified.complete and each.exact
-        closed = closed and bound <= worst.error * (1.0 + 2.0 * self.gap) + 1e-15
-        return WorstCase(worst.error, bound, closed, distinct(poses))
+            own = math.sqrt(max(certified.bound, 0.0)) + each.radius
+            if cells is None and not self._closed(worst.error, own):
+                closer = self._loose_bound(p, each.case, worst.error, THOROUGH)
+                own = own if closer is None else min(own, closer)
+            bound = max(bound, own)
+        bound = max(bound, worst.error)
+        return WorstCase(worst.error, bound, self._closed(worst.error, bound), distinct(poses, matter))
+
+    def _closed(self, error: float, bound: float) -> bool:
+        return bound <= error * (1.0 + self.gap) * (1.0 + 1e-9) + 1e-15
+
+    def _bounded(self, p: Array, found: WorstCase) -> WorstCase:
+        """A worst case from a scan with a bound, where one can be had."""
+        if self.workspace.kind != "joints" or self.arm.play == "statistical":
+            return found
+        bounds = [self._loose_bound(p, case, found.error, THOROUGH) for case in range(len(self.model.cases))]
+        bound = None if None in bounds else max([found.error, *(each for each in bounds if each is not None)])
+        return replace(found, upper_bound=bound, certified=bound is not None and self._closed(found.error, bound))
+
+    def _loose_bound(self, p: Array, case: int, known: float, effort: int) -> float | None:
+        model, planar = self.model.cases[case], self.model.planar
+        return loose_bound(model, p, self._coordinates, known, planar=planar, gap=self.gap, effort=effort)
 
     def _climbed(self, p: Array, polynomials: ErrorPolynomials, starts: Array) -> list[WorstPose]:
         functions = len(polynomials.signs)
@@ -204,7 +235,7 @@ class WorstSearch:
         scaled = self._coordinates.scaled
         if self.workspace.kind == "joints":
             lower, upper = scaled(self._climbing[0])[joints], scaled(self._climbing[1])[joints]
-            x = scaled(q)
+            x = scaled(self._coordinates.placed(joints, q[:, joints]))
             x[:, joints], _ = climb(lambda at: polynomials.terms.at(at, which), x[:, joints], lower, upper)
             q = self._in_range(self._coordinates.unscaled(x))
             poses = self.worst_poses_at(q, p, polynomials.case)
@@ -221,7 +252,7 @@ class WorstSearch:
         return poses
 
     def _climb_in_region(self, p: Array, polynomials: ErrorPolynomials, which: int, start: Array) -> Array:
-        index = np.array([which], dtype=np.intp)
+        index, joints = np.array([which], dtype=np.intp), list(polynomials.joints)
         slope = np.array(
             [
                 1.0 if joint.revolute else 2.0 / max(float(high - low), 1e-12)
@@ -230,8 +261,11 @@ class WorstSearch:
         )
 
         def value_and_gradient(q: Array) -> tuple[float, Array]:
-            value, gradient, _ = polynomials.terms.at(self._coordinates.scaled(q[None]), index, order=1)
-            return float(value[0]), gradient[0] * slope
+            x = self._coordinates.scaled(q[None])[:, joints]
+            value, own, _ = polynomials.terms.at(x, index, order=1)
+            gradient = np.zeros(self.arm.size)
+            gradient[joints] = own[0]
+            return float(value[0]), gradient * slope
 
         return uphill_in_region(
             value_and_gradient, start, self.workspace, lambda q: self.tip(q, p), (self.lower, self.upper)
@@ -264,9 +298,8 @@ class WorstSearch:
 
     def _whole(self, polynomials: ErrorPolynomials, point: Array) -> Array:
         """A certificate's point as joint coordinates; joints that do not matter stand mid-range."""
-        x = self._coordinates.scaled(0.5 * (self.lower + self.upper))
-        x[list(polynomials.joints)] = point
-        return self._coordinates.unscaled(x)
+        own = self._coordinates.of(polynomials.joints)
+        return self._coordinates.placed(polynomials.joints, own.unscaled(point[None]))[0]
 
     # ---- scans
 
@@ -307,12 +340,13 @@ def _apart(q: Array, values: Array, count: int) -> NDArray[np.intp]:
     return np.array(chosen, dtype=np.intp)
 
 
-def distinct(poses: list[WorstPose], most: int = 12) -> tuple[WorstPose, ...]:
-    """The worst first, near repeats left out."""
+def distinct(poses: list[WorstPose], joints: Sequence[int] | None = None, most: int = 12) -> tuple[WorstPose, ...]:
+    """The worst first, near repeats left out; `joints` are those (from 0) that count for that, all by default."""
+    own = slice(None) if joints is None else list(joints)
     kept: list[WorstPose] = []
     for pose in sorted(poses, key=lambda pose: -pose.error):
-        turns = [np.array(pose.q) - np.array(other.q) for other in kept if other.load_case == pose.load_case]
-        if all(np.abs(turn).max() > _DISTINCT for turn in turns):
+        turns = [np.subtract(pose.q, other.q)[own] for other in kept if other.load_case == pose.load_case]
+        if all(np.abs(turn).max(initial=0.0) > _DISTINCT for turn in turns):
             kept.append(pose)
         if len(kept) == most:
             break

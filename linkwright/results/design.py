@@ -43,6 +43,8 @@ def bound_words(evaluation: Evaluation) -> str:
     if evaluation.unreached is not None:
         part = percent(1.0 - evaluation.unreached.share)
         bound += f", of the {part} of the {evaluation.workspace.kind} that is reached"
+    gap = percent(known / evaluation.max_error - 1.0) if evaluation.max_error else ""
+    bound = bound if evaluation.worst.certified else f"{bound}, {gap} above it"
     if evaluation.growth is not None:
         bound += ", thermal expansion left out"
     return f"certified: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"

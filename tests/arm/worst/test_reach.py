@@ -11,7 +11,7 @@ from arm.chain.chain import Arm, Joint, Link
 from arm.chain.kinematics import tip_position
 from arm.worst.reach import Reach, Ring, free_ring, ring_of
 from arm.worst.seam import check_seam
-from tests.arm.test_inverse import LENGTHS, planar_arm
+from tests.arm.worst.test_inverse import LENGTHS, planar_arm
 
 LIMITED = tuple((math.radians(low), math.radians(high)) for low, high in ((-30, 90), (10, 150), (10, 120)))
 point = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))

@@ -1,0 +1,238 @@
+"""A bound on the length of a vector over boxes of coordinates, from the control points that hold it in their hull.
+
+Over an interval shorter than half a turn a trigonometric polynomial is a mean of control points, with weights that are
+nowhere negative (J. Sanchez-Reyes, Harmonic rational Bezier curves, p-Bezier curves and trigonometric polynomials,
+Computer Aided Geometric Design 15 (1998) 909-923), as a polynomial is with Bernstein's. A mean of vectors is no longer
+than the longest, so no pose of a cell has a longer error than the longest control point. That needs neither squares nor
+derivatives, and so serves where coordinates are too many for `arm.worst.certificate`; it converges more slowly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.errors.lost_motion import sign_vertices
+from sections.numeric import Array
+
+from .polynomial import Coefficients, ComplexArray
+
+_WIDEST = 1.1
+"""Half width of the first cells of an angle, rad: below a quarter of a turn."""
+_OUTWARD = 1e-11
+"""Of the coefficients' sum: rounding."""
+_MOST_ENUMERATED = 4
+_BLOCK = 400_000
+"""Control points worked on at once."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A coordinate: an angle, in which functions are trigonometric polynomials of `degree`, or a length scaled to
+    -1..1 (quadratic). It runs from `lower` to `upper`."""
+
+    turns: bool
+    degree: int
+    lower: float
+    upper: float
+
+    def control(self, center: Array, half: Array) -> Array:
+        """The matrices (N, points, basis) from coefficients to control points over center +- half (N,).
+
+        The basis is 1, cos q, sin q, cos 2q, sin 2q, or 1, x, x^2.
+        """
+        if not self.turns:
+            low, high, one = center - half, center + half, np.ones_like(center)
+            rows = [[one, low, low * low], [one, center, low * high], [one, high, high * high]]
+            return np.array(rows).transpose(2, 0, 1)
+        even, odd = _about_zero(self.degree, half)
+        columns = [np.ones((len(center), 2 * self.degree + 1))]
+        for k in range(1, self.degree + 1):
+            cosine, sine = np.cos(k * center)[:, None], np.sin(k * center)[:, None]
+            columns += [cosine * even[k - 1] - sine * odd[k - 1], sine * even[k - 1] + cosine * odd[k - 1]]
+        return np.stack(columns, axis=2)
+
+
+def _about_zero(degree: int, half: Array) -> tuple[list[Array], list[Array]]:
+    """Control points (N, points) of cos kt and of sin kt over -half..half, k from 1 to the degree (1 or 2).
+
+    With u = sin((half - t)/2) and w = sin((half + t)/2) all are homogeneous in u and w: sin(half)^2 is u^2 +
+    2 cos(half) u w + w^2, sin(half)^2 cos t is cos(half) u^2 + 2 u w + cos(half) w^2, and sin(half) sin t is w^2 - u^2.
+    A control point is the ratio of the coefficients of a function and of 1.
+    """
+    c, s, o = np.cos(half), np.sin(half), np.zeros_like(half)
+    if degree == 1:
+        return [np.stack([c, 1.0 / c, c], axis=1)], [np.stack([-s, o, s], axis=1)]
+    near, middle = (1.0 + c * c) / (2.0 * c), 1.0 + 2.0 * c * c
+    even = [[c, near, 3.0 * c / middle, near, c], [2 * c * c - 1.0, o + 1.0, 3.0 / middle, o + 1.0, 2 * c * c - 1.0]]
+    odd = [[-s, -0.5 * s, o, 0.5 * s, s], [-2.0 * s * c, -s / c, o, s / c, 2.0 * s * c]]
+    return [np.stack(row, axis=1) for row in even], [np.stack(row, axis=1) for row in odd]
+
+
+def in_real_basis(coefficients: Coefficients) -> Array:
+    """The coefficients (functions, basis of joint 1, ...) of 1, cos q, sin q, cos 2q, sin 2q, or 1, x, x^2."""
+    tensor: Array | ComplexArray = coefficients.tensor
+    degree = coefficients.degree
+    for j, turns in enumerate(coefficients.coordinates.revolute):
+        if turns:
+            matrix = np.zeros((2 * degree + 1, 2 * degree + 1), dtype=complex)
+            matrix[0, degree] = 1.0
+            for k in range(1, degree + 1):
+                matrix[2 * k - 1, [degree - k, degree + k]] = 1.0
+                matrix[2 * k, [degree - k, degree + k]] = (-1j, 1j)
+            tensor = np.moveaxis(np.tensordot(matrix, tensor, axes=(1, j + 1)), 0, j + 1)
+    return np.ascontiguousarray(np.real(tensor))
+
+
+@dataclass(frozen=True)
+class PlayedVector:
+    """vector + sum_j s_j interval_j with any -1 <= s_j <= 1: coefficients (3, basis of axis 1, ...) of the vector, and
+    (k, 3, basis of axis 1, ...) of the intervals in the first axes alone."""
+
+    axes: tuple[Axis, ...]
+    vector: Array
+    intervals: Array
+    neglected: float = 0.0
+    """What left-out coefficients and rounding may add, m."""
+
+    @property
+    def points(self) -> int:
+        """The control points of a cell."""
+        return int(np.prod(self.vector.shape[1:]))
+
+    @property
+    def curvature(self) -> Array:
+        """A measure of how the vector curves along each axis."""
+        found: list[float] = []
+        for j, axis in enumerate(self.axes):
+            order = np.array([0.0, 1.0, 1.0, 4.0, 4.0] if axis.turns else [0.0, 0.5, 2.0])[: self.vector.shape[j + 1]]
+            weights = order.reshape(-1, *[1] * (len(self.axes) - 1 - j))
+            found.append(float(np.sqrt(((self.vector * weights) ** 2).sum())))
+        return np.array(found)
+
+    @property
+    def looseness(self) -> float:
+        """A measure of how far control points of the whole box lie from it."""
+        spans = np.array([min(axis.upper - axis.lower, 2.0 * _WIDEST) for axis in self.axes])
+        return float(self.curvature @ spans**2)
+
+    def longest(self, centers: Array, half: Array) -> Array:
+        """The length (N,) that the vector does not exceed in each cell (N, n)."""
+        found = [
+            self._longest(centers[start : start + self.block], half[start : start + self.block])
+            for start in range(0, len(centers), self.block)
+        ]
+        return np.concatenate(found) if found else np.zeros(0)
+
+    @property
+    def block(self) -> int:
+        """How many cells are worked on at once."""
+        return max(8, _BLOCK // self.points)
+
+    def _longest(self, centers: Array, half: Array) -> Array:
+        matrices = [axis.control(centers[:, j], half[:, j]) for j, axis in enumerate(self.axes)]
+        first = len(self.intervals.shape) - 2
+        count = len(centers)
+        vector = _controlled(self.vector, matrices).reshape(count, 3, -1, int(np.prod(self.vector.shape[1 + first :])))
+        plays = len(self.intervals)
+        if not plays:
+            return np.sqrt((vector * vector).sum(axis=1).max(axis=(1, 2))) + self.neglected
+        flat = self.intervals.reshape(3 * plays, *self.intervals.shape[2:])
+        intervals = _controlled(flat, matrices[:first]).reshape(count, plays, 3, -1, 1)
+        return np.sqrt(_farthest(vector, intervals).max(axis=(1, 2))) + self.neglected
+
+
+def played_vector(axes: Sequence[Axis], vector: Array, intervals: Array) -> PlayedVector:
+    """A `PlayedVector` of no higher degree than it takes: what no angle turns twice as fast has fewer control points.
+    The intervals' axes are the first."""
+    size = float(np.abs(vector).sum() + np.abs(intervals).sum())
+    neglected = _OUTWARD * size
+    kept = list(axes)
+    for j, axis in enumerate(axes):
+        if not axis.turns or axis.degree != 2:
+            continue
+        rests = [np.abs(np.take(vector, (3, 4), axis=j + 1)).sum()]
+        if j + 2 < intervals.ndim:
+            rests.append(np.abs(np.take(intervals, (3, 4), axis=j + 2)).sum())
+        if sum(rests) <= _OUTWARD * size:
+            neglected += float(sum(rests))
+            kept[j] = replace(axis, degree=1)
+            vector = np.take(vector, (0, 1, 2), axis=j + 1)
+            if len(rests) == 2:
+                intervals = np.take(intervals, (0, 1, 2), axis=j + 2)
+    return PlayedVector(tuple(kept), vector, intervals, neglected)
+
+
+def _controlled(tensor: Array, matrices: Sequence[Array]) -> Array:
+    """Control points (N, rows, points of axis 1, ...) of functions (rows, basis of axis 1, ...)."""
+    out = tensor[None]
+    before, rest = len(tensor), list(matrices)
+    if len(rest) % 2:
+        out = np.matmul(rest[0][:, None], out.reshape(len(out), before, rest[0].shape[2], -1))
+        before, rest = before * rest[0].shape[1], rest[1:]
+    for one, two in zip(rest[::2], rest[1::2], strict=True):
+        # Two axes at once: larger products of matrices.
+        both = np.einsum("nab,ncd->nacbd", one, two)
+        both = both.reshape(len(both), one.shape[1] * two.shape[1], -1)
+        out = np.matmul(both[:, None], out.reshape(len(out), before, both.shape[2], -1))
+        before *= both.shape[1]
+    return out
+
+
+def _farthest(vector: Array, intervals: Array) -> Array:
+    """Upper bounds (N, points, points) on |vector + sum_j s_j interval_j|^2: exact for few intervals."""
+    plays = intervals.shape[1]
+    if plays <= _MOST_ENUMERATED:
+        best = np.zeros_like(vector[:, 0])
+        for signs in sign_vertices(plays):
+            whole = vector + np.einsum("k,nkipq->nipq", signs, intervals)
+            best = np.maximum(best, (whole * whole).sum(axis=1))
+        return best
+    found = (vector * vector).sum(axis=1)
+    for j in range(plays):
+        found = found + 2.0 * np.abs((vector * intervals[:, j]).sum(axis=1))
+        for k in range(j + 1):
+            share = 1.0 if k == j else 2.0
+            found = found + share * np.abs((intervals[:, j] * intervals[:, k]).sum(axis=1))
+    return found
+
+
+def bound(played: PlayedVector, known: float, *, gap: float, most_points: int) -> float:
+    """A length that the vector exceeds nowhere: the longest within a relative `gap` where `most_points` control points
+    are enough for that, else the best bound so far. `known` is a length that is reached.
+    """
+    lower, upper = np.array([axis.lower for axis in played.axes]), np.array([axis.upper for axis in played.axes])
+    parts = [max(1, math.ceil((axis.upper - axis.lower) / (2.0 * _WIDEST))) for axis in played.axes]
+    span = (upper - lower) / parts
+    ends = [lower[j] + span[j] * (np.arange(parts[j]) + 0.5) for j in range(len(parts))]
+    centers = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(parts))
+    half = np.broadcast_to(0.5 * span, centers.shape).copy()
+    tops, closed, curvature = played.longest(centers, half), known, played.curvature
+    enough, spent = known * (1.0 + gap), len(centers) * played.points
+    while True:
+        still = tops > enough
+        closed = max(closed, float(tops[~still].max(initial=0.0)))
+        centers, half, tops = centers[still], half[still], tops[still]
+        if not len(tops) or spent > most_points:
+            return max(closed, float(tops.max(initial=0.0)))
+        order = np.argsort(-tops, kind="stable")
+        chosen, rest = order[: played.block], order[played.block :]
+        halved, smaller = _halves(centers[chosen], half[chosen], curvature)
+        # A part is no worse than the whole, whatever rounding says.
+        found = np.minimum(played.longest(halved, smaller), np.repeat(tops[chosen], 2))
+        spent += len(halved) * played.points
+        centers, half = np.concatenate([centers[rest], halved]), np.concatenate([half[rest], smaller])
+        tops = np.concatenate([tops[rest], found])
+
+
+def _halves(centers: Array, half: Array, curvature: Array) -> tuple[Array, Array]:
+    rows = np.arange(len(centers))
+    split = np.argmax(half * half * curvature, axis=1)
+    smaller, step = half.copy(), np.zeros_like(half)
+    smaller[rows, split] *= 0.5
+    step[rows, split] = smaller[rows, split]
+    both = np.stack([centers - step, centers + step], axis=1).reshape(-1, centers.shape[1])
+    return both, np.repeat(smaller, 2, axis=0)
