@@ -92,7 +92,7 @@ def spread(lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
 
 @lru_cache(maxsize=16)
 def _spread_in_cube(size: int, count: int, seed: int) -> Array:
-    columns = [_radical_inverses(base, count, (seed, base)) for base in itertools.islice(_primes(), size)]
+    columns = [_radical_inverses(base, count, (base, seed)) for base in itertools.islice(_primes(), size)]
     points = np.stack(columns, axis=1)
     corners = np.array([[(k >> j) & 1 for j in range(size)] for k in range(2 ** min(size, 6))], dtype=float)
     spread_out = np.vstack([points, corners])
