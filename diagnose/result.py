@@ -144,6 +144,26 @@ class Unknown:
 
 
 @dataclass(frozen=True)
+class LackOfFit:
+    """Whether readings of one pose refute what was named: `ratio` is the F ratio of what visits are off by against pure
+    error, `freedom` its degrees of freedom, `p_value` its p-value.
+
+    `against` says what pure error is: `repeats` of a visit, or `returns` where visits of one pose differ by more than
+    their readings do. `times` is the RMS of what is left over that of the pure error, `held_out_times` the RMS on parts
+    of the workspace held out over what noise alone leaves there (1 with the right model, however many sizes are
+    fitted), and `held_out_p` how often noise leaves as much.
+    """
+
+    ratio: float
+    freedom: tuple[float, float]
+    p_value: float
+    against: Literal["repeats", "returns"]
+    times: float
+    held_out_times: float
+    held_out_p: float
+
+
+@dataclass(frozen=True)
 class Detectable:
     """The smallest size of an effect at a place that this recording would have shown (power 0.9): the RMS displacement
     of the tip (m), and the value of its parameter in the SI unit of `kind`.
@@ -190,7 +210,9 @@ class Diagnosis:
     `rms` figures are of the length of the error vector, m. `noise_floor` is None where nothing tells it; `noise_source`
     says where it comes from. `null_vectors` are sentences on what the nuisances cannot tell apart among themselves.
     `gate_p` is the p-value that there is any mismatch at all; `split` names how rows were held out; `corrected` is the
-    arm file with the findings in it. `sentence` is the plain answer.
+    arm file with the findings in it. `sentence` is the plain answer. `lack_of_fit` is None where too few poses were
+    read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
+    more than noise and nothing explains it (None elsewhere).
     """
 
     arm: Arm
@@ -221,3 +243,10 @@ class Diagnosis:
     corrected: Arm
     notes: tuple[str, ...]
     seconds: float
+    lack_of_fit: LackOfFit | None = None
+    scatter: float | None = None
+
+    @property
+    def describes_part(self) -> bool:
+        """Whether what was found only describes part of the mismatch: the verdict is `unknown`."""
+        return self.verdict == "unknown" and bool(self.findings)

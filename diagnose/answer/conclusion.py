@@ -17,14 +17,13 @@ from diagnose.recording import Recording
 from diagnose.residual.observed import beyond_first_order, rms_length
 from diagnose.result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from diagnose.search.aliases import Rival
-from sections.numeric import Array
 
 from .confirmation import Confirmed
 from .detectable import detectable
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .next_poses import next_poses
-from .sentences import null_vectors, reading_of, verdict_sentence
+from .sentences import mm, null_vectors, reading_of, refutation, verdict_sentence
 from .unknown import describe, largest_first, rejected_forms
 
 
@@ -94,6 +93,8 @@ class Conclusion(Confirmed):
             corrected=corrected,
             notes=(*recording.warnings, *self.noise.warnings, *notes, *self._notes()),
             seconds=time.perf_counter() - began,
+            lack_of_fit=self.lack_of_fit,
+            scatter=self._scatter(),
         )
 
     @property
@@ -115,12 +116,6 @@ class Conclusion(Confirmed):
         if self.named.whole_p is not None:
             return self.named.whole_p
         return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
-
-    def _after(self) -> Array:
-        width = self.observed.components
-        if self.outside:
-            return remaining(self.prepared, self.fitted)[:, :width]
-        return self.refit.residual[:, :width]
 
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components
@@ -230,9 +225,15 @@ class Conclusion(Confirmed):
     ) -> str:
         if self.named is None:
             return "Too few readings: nothing can be told from this recording."
-        floor = self.noise.rms_m
         return verdict_sentence(
-            findings, unknown, rms_before, rms_after, floor, p_value, self._causes(), rules=self.rules.fitting
+            findings,
+            unknown,
+            (rms_before, rms_after),
+            self.noise.rms_m,
+            p_value,
+            self._causes(),
+            scatter=self._scatter(),
+            rules=self.rules.fitting,
         )
 
     def _notes(self) -> tuple[str, ...]:
@@ -242,6 +243,8 @@ class Conclusion(Confirmed):
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
+        if self.left_over and self.members and self.lack_of_fit is not None and self._does_not_fit():
+            found.append(refutation(self.lack_of_fit))
         found += [
             f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
             for each in self.unconfirmed
@@ -254,7 +257,7 @@ class Conclusion(Confirmed):
                 "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
                 "by how much that is off; put such a zero, length or tool into the arm file itself."
             )
-        if self.scattered:
+        if self._scatter() is not None:
             found.append(
                 "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
                 "visited again, or nothing recorded predicts it from pose to pose: the arm does not return more "
@@ -264,7 +267,7 @@ class Conclusion(Confirmed):
         if self.named is not None and self.named.left is not None and not self.outside:
             p = min(test.p_value for test in self.named.left)
             if p <= self.rules.search.false_alarm:
-                found.append(f"A remainder is more than chance (p = {p:.2g}), but small beside what was found.")
+                found.append(f"What remains, {mm(rms_length(self._after()))} RMS, is more than chance (p = {p:.2g}).")
         return tuple(found)
 
 

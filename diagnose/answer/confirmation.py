@@ -16,10 +16,13 @@ from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
 from diagnose.residual.noise import NoiseFloor
 from diagnose.residual.observed import Observed, kept, looks_quieter, observe, rms_length
+from diagnose.result import LackOfFit
 from diagnose.rules.rules import Rules
 from diagnose.search.aliases import Rival, renamed, rivals
 from diagnose.search.naming import Named, Namer, weighed_again
+from sections.numeric import Array
 
+from .lack_of_fit import refuted_by
 from .sentences import name_of
 from .unknown import predictable
 
@@ -57,7 +60,8 @@ class Confirmed:
             if reason is not None or self.forms or not self._form_instead(whole):
                 self._fit()
         self.scattered = False
-        self.left_over = self._left_over()
+        self.lack_of_fit = self._lack_of_fit()
+        self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
 
     def _take_up(self, whole: Recording | None) -> None:
         """Take up what was named under the names that go first, and fit it to what it is to be confirmed by."""
@@ -154,6 +158,49 @@ class Confirmed:
             lasting = local or unexplained or predictable(self.namer, self.found, folds) > rules.lasting
         self.scattered = not lasting
         return lasting
+
+    def _lack_of_fit(self) -> LackOfFit | None:
+        """What readings of one pose say of the fit; None where nothing was searched or too few were repeated."""
+        if self.named is None:
+            return None
+        shapes = sum(len(term.candidate.free_shapes) for term in self.refit.terms)
+        sizes = sum(term.columns.shape[2] for term in self.refit.terms)
+        forms = sum(self.prepared.columns[m].shape[2] for m in self.outside)
+        return refuted_by(
+            self.observed,
+            self._after(),
+            hardest(self.held_out),
+            self.prepared.pool.nuisance.shape[1] + shapes + sizes + forms,
+            seed=self.options.seed,
+            rules=self.rules.answer,
+        )
+
+    def _does_not_fit(self) -> bool:
+        """Whether readings of one pose refute what was found, or readings held out do; where there are no repeats,
+        whether far more is left than the declared noise, and not by chance."""
+        rules, found = self.rules.answer, self.lack_of_fit
+        if found is not None:
+            misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
+            return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond)
+        if self.named is None or self.named.left is None or self.noise.rms_m is None:
+            return False
+        by_chance = min(test.p_value for test in self.named.left) > self.rules.search.false_alarm
+        return not by_chance and rms_length(self._after()) > rules.farther * self.noise.rms_m
+
+    def _scatter(self) -> float | None:
+        """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the
+        model that could be found; else None."""
+        if self.named is None or self.noise.rms_m is None or self.outside or self.left_over:
+            return None
+        times = rms_length(self._after()) / (self.noise.rms_m * looks_quieter(self.observed))
+        return times if self.scattered or (not self.members and self._does_not_fit()) else None
+
+    def _after(self) -> Array:
+        """What is left of the tip (N, D), m."""
+        width = self.observed.components
+        if self.outside:
+            return remaining(self.prepared, self.fitted)[:, :width]
+        return self.refit.residual[:, :width]
 
     def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...]]:
         """The members under the name of each class that goes first, with what cannot be told from each."""

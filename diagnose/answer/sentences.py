@@ -8,7 +8,7 @@ import numpy as np
 
 from arm.effects import EFFECTS
 from diagnose.fitting.prepare import Prepared
-from diagnose.result import Alternative, Finding, FittedParameter, Unknown
+from diagnose.result import Alternative, Finding, FittedParameter, LackOfFit, Unknown
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from units.quantities import format_quantity
@@ -79,43 +79,58 @@ def reading_of(
 def verdict_sentence(
     findings: Sequence[Finding],
     unknown: Unknown | None,
-    rms_before: float,
-    rms_after: float,
+    rms: tuple[float, float],
     noise_floor: float | None,
     p_value: float,
     causes: Sequence[tuple[str, float]] = (),
     *,
+    scatter: float | None = None,
     rules: FittingRules = RULES.fitting,
 ) -> str:
-    """The plain answer. `causes` are the kinds of physics found and the RMS length (m) of what each moves beyond the
-    nuisances, the largest first."""
+    """The plain answer. `rms` (m) are those of the mismatch and of what remains, `scatter` how many times the noise
+    floor scatter is that nothing explains (None: it is not more), `causes` the kinds of physics found and the RMS
+    length (m) of what each moves beyond the nuisances, the largest first."""
+    rms_before, rms_after = rms
     if not findings and unknown is None:
-        if noise_floor is not None and rms_before > rules.far_above * noise_floor:
+        above = scatter is not None or rms_before > rules.far_above * (noise_floor or np.inf)
+        if noise_floor is not None and above:
             return (
-                f"Nothing explains the mismatch beyond chance (p = {p_value:.2g} for the best of all explanations), "
-                f"yet {_mm(rms_before)} RMS are {rms_before / noise_floor:.1f} times the noise floor: either that is "
-                "wrong, or readings scatter in a way that repeats of a pose do not show."
+                f"More than noise, yet nothing explains it beyond chance (p = {p_value:.2g} for the best of all "
+                f"explanations): {mm(rms_before)} RMS are {rms_before / noise_floor:.1f} times the noise floor. Either "
+                "that is wrong, or sides, payloads or angles were logged wrongly, or the arm does not return to a pose "
+                "as exactly as it stays there."
             )
         level = "the noise floor" if noise_floor is not None else "scatter"
         return (
-            f"No mismatch beyond {level}: what remains, {_mm(rms_before)} RMS, is what chance leaves "
+            f"No mismatch beyond {level}: what remains, {mm(rms_before)} RMS, is what chance leaves "
             f"(p = {p_value:.2g} for the best of all explanations)."
         )
     named = _summed_up(findings, causes) if len(findings) > _MANY_FINDINGS else "; ".join(_named(f) for f in findings)
     share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
     after = _remains(rms_after, noise_floor, rules)
     if unknown is None:
-        text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({_mm(rms_before)} RMS); {after}."
+        text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({mm(rms_before)} RMS); {after}."
         doubtful = [f for f in findings if f.alternatives] if len(findings) <= _MANY_FINDINGS else []
         if doubtful:
             text += " " + " ".join(_undecided(f) for f in doubtful)
         return text
     on = ", ".join(unknown.depends_on) or "nothing that was recorded"
-    text = f"Unknown: {unknown.shape}, {_mm(unknown.amplitude)} RMS, depending on {on}"
+    text = f"Unknown: {unknown.shape}, {mm(unknown.amplitude)} RMS, depending on {on}"
     if unknown.since is not None:
         text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
     text += "; nothing in the library explains it."
-    return text + (f" Beside it: {named}." if named else "")
+    return text + (f" What describes part of it: {named}." if named else "")
+
+
+def refutation(found: LackOfFit) -> str:
+    """Why what was named is not the whole answer, by readings of one pose."""
+    what = "visits of one pose" if found.against == "returns" else "repeats of a visit"
+    return (
+        f"Readings of one pose refute what was found as the whole answer: {found.times:.1f} times what {what} differ "
+        f"by is left (F = {found.ratio:.2g}, p = {found.p_value:.2g}), {found.held_out_times:.1f} times what noise "
+        "alone leaves where readings were held out. What is named describes part of it, and may stand for something "
+        "else."
+    )
 
 
 def _named(finding: Finding) -> str:
@@ -132,7 +147,7 @@ def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]])
             if EFFECTS[finding.effect].cause == cause:
                 places.setdefault(finding.effect, []).extend(finding.at)
         names = [name_of(effect, sorted(set(at))) for effect, at in places.items()]
-        parts.append(f"{cause}, {_mm(rms)} RMS ({'; '.join(names)})")
+        parts.append(f"{cause}, {mm(rms)} RMS ({'; '.join(names)})")
     return "; ".join(parts)
 
 
@@ -144,13 +159,14 @@ def _undecided(finding: Finding) -> str:
 
 def _remains(rms_after: float, noise_floor: float | None, rules: FittingRules) -> str:
     if noise_floor is None:
-        return f"{_mm(rms_after)} RMS remain, and no repeats say how much of that is noise"
+        return f"{mm(rms_after)} RMS remain, and no repeats say how much of that is noise"
     if rms_after <= rules.at_the_floor * noise_floor:
-        return f"what remains, {_mm(rms_after)}, is the noise floor"
-    return f"{_mm(rms_after)} RMS remain, {rms_after / noise_floor:.1f} times the noise floor"
+        return f"what remains, {mm(rms_after)}, is the noise floor"
+    return f"{mm(rms_after)} RMS remain, {rms_after / noise_floor:.1f} times the noise floor"
 
 
-def _mm(value: float) -> str:
+def mm(value: float) -> str:
+    """A length (m) in mm."""
     return f"{1e3 * value:.3g} mm"
 
 

@@ -115,6 +115,24 @@ class HeldOut:
             left[out] -= self._design[out][:, :width][:, :, taken] @ (values / self._size[taken])
         return left
 
+    def rms_of(self, drawn: Array) -> Array:
+        """The RMS lengths (m, k) that fits of all parts leave held out of other residuals (N, C, k), m and rad."""
+        width = self._observed.components
+        left = drawn[:, :width].copy()
+        if self._design.shape[2] == 0 or len(self._products) == 1:
+            return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
+        target = drawn / self._observed.scale[:, None]
+        against = [
+            np.tensordot(self._scaled[self._folds == fold], target[self._folds == fold], ((0, 1), (0, 1)))
+            for fold in self._each
+        ]
+        whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
+        for fold, (gram, _), wanted in zip(self._each, self._products, against, strict=True):
+            out = self._folds == fold
+            values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
+            left[out] -= np.tensordot(self._design[out][:, :width], values, 1)
+        return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
+
     def rms(self, which: Sequence[int] | None = None) -> float:
         """The RMS length (m) of `residual`."""
         return rms_length(self.residual(which))

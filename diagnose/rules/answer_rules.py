@@ -50,6 +50,39 @@ class AnswerRules:
         "A finding without which held-out readings are better by as much is dropped.",
         PROOF,
     )
+    lack_of_fit: float = rule(
+        0.001,
+        "p-value",
+        "Of the lack-of-fit test: below it readings of one pose refute what was named.",
+        JUDGED,
+    )
+    beyond_floor: float = rule(
+        1.1,
+        "times the pure error",
+        "What is left must be more for a refusal: of thousands of readings the least blemish is beyond chance.",
+        JUDGED,
+    )
+    held_out_beyond: float = rule(
+        1.2,
+        "times what noise leaves held out",
+        "More on parts of the workspace held out, and more than any draw of noise leaves there, refutes a fit too.",
+        JUDGED,
+    )
+    held_out_draws: int = rule(
+        99, "draws", "Of noise, for what the fit would leave of it on parts of the workspace held out.", TIME
+    )
+    return_worse: float = rule(
+        0.01, "p-value", "Below it visits of one pose differ by more than their readings do.", JUDGED
+    )
+    most_memory: float = rule(
+        0.8, "correlation", "No more is granted to noise before a fit is held to its repeats.", JUDGED
+    )
+    memory_beyond: float = rule(
+        1.64,
+        "standard errors",
+        "So much more than was found the noise may remember, by either of two signs; the lesser counts.",
+        "one-sided 95 %",
+    )
     local: float = rule(0.25, "median over RMS", "A remainder below this sits at a few visits.", PROOF)
     power: float = rule(0.9, "probability", "With which an effect of the size shown would have been found.", "usual")
     smooth_rows: int = rule(

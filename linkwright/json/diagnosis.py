@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from arm.chain.chain import Arm
-from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, RejectedForm, Unknown
+from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, LackOfFit, RejectedForm, Unknown
 from linkwright.version import program_version
 from units.quantities import format_quantity, kind_of
 
@@ -66,6 +66,10 @@ def _finding(finding: Finding) -> dict[str, Any]:
     }
 
 
+def _lack_of_fit(found: LackOfFit) -> dict[str, Any]:
+    return fields(found, "against", "ratio", "freedom", "p_value", "times", "held_out_times", "held_out_p")
+
+
 def _rejected(forms: Sequence[RejectedForm]) -> list[dict[str, Any]]:
     return [fields(each, "effect", "at", "share", "reason") for each in forms]
 
@@ -119,6 +123,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "recording": PurePath(recording.file).name,
         "rows": recording.size,
         **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
+        "lack_of_fit_p": None if diagnosis.lack_of_fit is None else diagnosis.lack_of_fit.p_value,
+        "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
+        "scatter_over_floor": diagnosis.scatter,
+        "describes_part": diagnosis.describes_part,
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],

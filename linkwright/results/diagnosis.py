@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import PurePath
 
-from diagnose.result import Diagnosis, Finding, FittedParameter, Unknown
+from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from linkwright.redesigning import Redesign
 
 from .design import settings
@@ -53,7 +53,7 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import mm
+from .figures_in_words import figure, mm
 from .redesign import redesign_section
 
 
@@ -85,6 +85,8 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
 
 
 def _brief(diagnosis: Diagnosis) -> str:
+    if not diagnosis.findings and diagnosis.scatter is not None:
+        return f"scatter of {figure(diagnosis.scatter, 2)} times the noise floor that nothing explains"
     if not diagnosis.findings:
         return f"{verdict_words(diagnosis.verdict)}, mismatch {mm(diagnosis.rms_before, 3)}"
     places = [place_words(each.effect, each.at) for each in diagnosis.findings]
@@ -99,8 +101,10 @@ def _brief(diagnosis: Diagnosis) -> str:
 def _facts(diagnosis: Diagnosis) -> Facts:
     """The verdict and the sizes of mismatch and noise."""
     gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
+    scattered = diagnosis.verdict == "none" and diagnosis.scatter is not None
+    verdict = "scatter, not explained" if scattered else verdict_words(diagnosis.verdict, short=True)
     facts = [
-        Fact("verdict", verdict_words(diagnosis.verdict, short=True), gate),
+        Fact("verdict", verdict, gate),
         Fact("noise floor", length(diagnosis.noise_floor, 3), "what repeats scatter by"),
         Fact("RMS of the mismatch", length(diagnosis.rms_before, 3), f"{diagnosis.recording.size} readings"),
     ]
@@ -111,7 +115,20 @@ def _facts(diagnosis: Diagnosis) -> Facts:
         splits = "; ".join(f"{name} {mm(x, 3)}" for name, x in diagnosis.splits.items())
         facts.append(Fact("with what was found", length(diagnosis.rms_after, 3), note))
         facts.append(Fact("on readings not fitted", length(diagnosis.rms_after_held_out, 3), splits))
+    if diagnosis.scatter is not None:
+        said = "what visits differ by, which nothing explains"
+        facts.append(Fact("scatter", Value(f"{figure(diagnosis.scatter, 2)} times the noise floor"), said))
+    if diagnosis.lack_of_fit is not None:
+        facts.append(Fact("lack of fit", *_lack_of_fit(diagnosis.lack_of_fit)))
     return Facts(tuple(facts), headed=False)
+
+
+def _lack_of_fit(found: LackOfFit) -> tuple[Value, str]:
+    """The test of what is left against readings of one pose, with what stands behind it."""
+    pure = {"repeats": "repeats of a visit", "returns": "visits of one pose"}[found.against]
+    left = f"{figure(found.times, 3)} times what {pure} differ by is left"
+    held = f"{figure(found.held_out_times, 3)} times what noise leaves on readings not fitted"
+    return Value(f"p {probability(found.p_value).text}"), f"{left}; {held}"
 
 
 def _findings(diagnosis: Diagnosis) -> Section:
@@ -141,7 +158,7 @@ def _findings(diagnosis: Diagnosis) -> Section:
     columns = ("named", "may as well be", "likeness of the patterns", "criterion (BIC) worse by")
     title = "What the data cannot tell apart"
     return section(
-        "What is missing",
+        "What describes part of it" if diagnosis.describes_part else "What is missing",
         *readings,
         table(headings, rows),
         *(Paragraph(said) for each in diagnosis.findings if (said := alias_sentence(each))),

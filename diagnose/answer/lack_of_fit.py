@@ -1,0 +1,189 @@
+"""Whether readings of one pose refute a fit: the lack-of-fit test against pure error, and what noise leaves held out.
+
+What is left splits into what readings of one visit differ by (pure error, no model changes it) and what their mean is
+off by. With the right model both tell the same noise, and their ratio is F distributed (N. R. Draper & H. Smith,
+Applied Regression Analysis, 3rd ed., Wiley 1998, 2.1). Noise with a memory makes readings of a visit look quieter than
+they are and their mean noisier; both expectations are known then, and so are the degrees of freedom that count
+(F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110, doi:10.2307/3002019; M. S. Bartlett, J. R. Statist. Soc. 98
+(1935) 536, doi:10.2307/2342284). Where an arm comes back to poses less exactly than it stays there, visits of one pose
+are the pure error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+from scipy.stats import f as f_distribution
+
+from diagnose.fitting.held_out import HeldOut
+from diagnose.residual.observed import Observed, poses, rms_length
+from diagnose.result import LackOfFit
+from diagnose.rules.answer_rules import AnswerRules
+from sections.numeric import Array
+
+Groups = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Split:
+    """Sums of squares of (N, D) values about the means of their groups (`within`) and of those means (`between`), each
+    with the degrees of freedom of one component, and with what it is expected to be for unit variance."""
+
+    within: Array
+    between: Array
+    freedom: tuple[float, float]
+    expected: tuple[float, float]
+
+
+def split(values: Array, group: Groups, memory: float = 0.0) -> Split:
+    """Split values, of which each is correlated by `memory` with the one before within its group."""
+    count = np.bincount(group)
+    means = np.stack([np.bincount(group, weights=column) / count for column in values.T], axis=1)
+    within = np.sum((values - means[group]) ** 2, axis=0)
+    between = np.sum(count[:, None] * means**2, axis=0)
+    told, expected = _of_memory(count, memory)
+    return Split(within, between, told, expected)
+
+
+def _of_memory(count: Groups, memory: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Degrees of freedom within and between groups of so many values, and what the sums of squares are expected to be.
+
+    Means of neighbouring groups are correlated too, which leaves fewer degrees of freedom (Bartlett)."""
+    if memory <= 0.0:
+        plain = (float(np.sum(count - 1)), float(len(count)))
+        return plain, plain
+    within, squared, between, kept = 0.0, 0.0, 0.0, 0.0
+    for size, times in zip(*np.unique(count, return_counts=True), strict=True):
+        lag = np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
+        shared = memory**lag
+        own = shared - shared.mean(axis=0)
+        mean = float(shared.sum()) / size
+        within += times * (size - mean)
+        squared += times * float(np.sum(own * own.T))
+        between += times * mean
+        beside = float(np.sum(memory ** (1.0 + np.add.outer(np.arange(size), np.arange(size))))) / size / mean
+        kept += times * (1.0 - beside**2) / (1.0 + beside**2)
+    return (within**2 / squared if squared > 0.0 else 0.0, kept), (within, between)
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """An F ratio, memory allowed for, its degrees of freedom and its p-value."""
+
+    value: float
+    freedom: tuple[float, float]
+    p_value: float
+
+
+def lack_of_fit(parts: Split, parameters: float) -> Ratio:
+    """F of what a fit of so many parameters leaves, means against pure error.
+
+    Components of different scatter count by their variances (G. E. P. Box, Ann. Math. Statist. 25 (1954) 290)."""
+    width = len(parts.within)
+    sigma2 = parts.within / max(parts.expected[0], 1e-300)
+    equal = float(np.mean(sigma2) ** 2 / np.mean(sigma2**2)) if (sigma2 > 0.0).any() else 1.0
+    fitted = 1.0 - parameters / (width * parts.expected[1]) if parts.expected[1] else 0.0
+    below = float(np.sum(sigma2))
+    if fitted <= 0.0 or below <= 0.0:
+        return Ratio(float("nan"), (0.0, 0.0), 1.0)
+    above = float(np.sum(parts.between)) / (parts.expected[1] * fitted)
+    freedom = (width * equal * parts.freedom[1] * fitted, width * equal * parts.freedom[0])
+    value = above / below
+    return Ratio(value, freedom, float(f_distribution.sf(value, *freedom)))
+
+
+def refuted_by(
+    observed: Observed, left: Array, held_out: HeldOut, parameters: int, *, seed: int, rules: AnswerRules
+) -> LackOfFit | None:
+    """Whether readings of one pose refute what a fit of so many parameters leaves of the tip (N, D), m; None where too
+    few were repeated or come back to.
+
+    `held_out` are the same fit's parts of the workspace held out.
+    """
+    visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    memory = memory_at_most(left, visit, rules=rules)
+    repeats = split(left, visit, memory)
+    enough = repeats.freedom[0] >= rules.enough_repeats
+    means = np.stack([np.bincount(visit, weights=column) / np.bincount(visit) for column in left.T], axis=1)
+    returns = split(means, _conditions(observed)[_first(visit)])
+    come_back = returns.freedom[0] >= rules.enough_returns
+    if not (enough or come_back) or not (repeats.within if enough else returns.within).any():
+        return None
+    again = come_back and (not enough or _returns_worse(returns, repeats, visit, rules))
+    ratio = lack_of_fit(returns if again else repeats, float(parameters))
+    reading = np.sqrt(repeats.within / repeats.expected[0]) if enough else np.zeros(left.shape[1])
+    # How far visits differ holds their readings' own noise as well.
+    apart = np.sqrt(returns.within / returns.expected[0]) if again else np.zeros(left.shape[1])
+    floor = float(np.sqrt(np.sum(reading**2 if not again else np.maximum(reading, apart) ** 2)))
+    rng = np.random.default_rng(seed)
+    shape = (observed.rows, left.shape[1], rules.held_out_draws)
+    noise = np.zeros((observed.rows, observed.residual.shape[1], rules.held_out_draws))
+    noise[:, : left.shape[1]] = reading[:, None] * remembering(rng, shape, memory)
+    noise[:, : left.shape[1]] += (apart[:, None] * rng.standard_normal((visit[-1] + 1, *shape[1:])))[visit]
+    drawn = held_out.rms_of(noise)
+    return LackOfFit(
+        ratio=ratio.value,
+        freedom=ratio.freedom,
+        p_value=ratio.p_value,
+        against="returns" if again else "repeats",
+        times=rms_length(left) / floor,
+        held_out_times=held_out.rms() / float(np.median(drawn)),
+        held_out_p=float(np.mean(drawn >= held_out.rms())),
+    )
+
+
+def memory_at_most(left: Array, visit: Groups, *, rules: AnswerRules) -> float:
+    """The greatest correlation of each reading's noise with the one before that what is left (N, D) allows.
+
+    Two signs must agree: readings next to each other of different visits, and, where visits are of three readings or
+    more, by how much more readings two apart differ than neighbours. What is left by wrong physics is alike at
+    neighbouring poses, yet readings of one visit do not know of it.
+    """
+    scaled = left / np.maximum(np.sqrt(np.mean(left**2, axis=0)), 1e-300)
+    across = np.flatnonzero(np.diff(visit) != 0)
+    before, after = scaled[across], scaled[across + 1]
+    size = float(np.sqrt(np.sum(before**2) * np.sum(after**2)))
+    found = float(np.sum(before * after)) / size + rules.memory_beyond / np.sqrt(before.size) if size > 0.0 else 0.0
+    near, far = (np.flatnonzero(visit[lag:] == visit[:-lag]) for lag in (1, 2))
+    if left.shape[1] * len(far) >= rules.enough_repeats:
+        one, two = (float(np.mean((scaled[at + lag] - scaled[at]) ** 2)) for lag, at in ((1, near), (2, far)))
+        error = np.sqrt(2.0 / (left.shape[1] * len(far)))
+        found = min(found, two / max(one, 1e-300) * (1.0 + rules.memory_beyond * error) - 1.0)
+    return min(max(found, 0.0), rules.most_memory)
+
+
+def _conditions(observed: Observed) -> Groups:
+    """Which pose, payload, side and force (from 0) each reading is of."""
+    recording = observed.recording
+    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    told = [np.round(each.reshape(recording.size, -1) / 1e-3) for each in held]
+    return (
+        np.unique(np.column_stack([poses(observed), *told]), axis=0, return_inverse=True)[1]
+        .reshape(-1)
+        .astype(np.int64)
+    )
+
+
+def _first(visit: Groups) -> NDArray[np.int64]:
+    return np.unique(visit, return_index=True)[1].astype(np.int64)
+
+
+def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: AnswerRules) -> bool:
+    """Whether visits of one pose differ by more than their readings' own noise explains."""
+    means = float(np.mean(1.0 / np.bincount(visit))) * repeats.expected[1] / repeats.freedom[1]
+    noise = float(np.sum(repeats.within)) / repeats.expected[0] * means
+    width = len(repeats.within)
+    ratio = float(np.sum(returns.within)) / returns.expected[0] / max(noise, 1e-300)
+    return float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.return_worse
+
+
+def remembering(rng: np.random.Generator, shape: tuple[int, ...], memory: float) -> Array:
+    """Noise of unit variance (N, ...) of which each reading keeps a share `memory` of the one before."""
+    white = rng.standard_normal(shape)
+    if memory <= 0.0:
+        return white
+    white[1:] *= np.sqrt(1.0 - memory * memory)
+    return np.asarray(lfilter([1.0], [1.0, -memory], white, axis=0), dtype=np.float64)
