@@ -18,10 +18,22 @@ _HAIR = 1e-8
 
 
 @dataclass(frozen=True)
+class Leaving:
+    """A joint (from 1) that leaves `span`, the least and greatest coordinate (rad, m) that the arm was `learned` from
+    (else its range), in some rows of the file."""
+
+    joint: int
+    span: tuple[float, float]
+    rows: tuple[int, ...]
+    learned: bool
+
+
+@dataclass(frozen=True)
 class Prediction:
     """`residual` (N, 2 or 3) m is measured less modelled, in the base frame's directions; `rms`, `mean` and `largest`
     (m) are of its length, `nominal_rms` the RMS of the arm's geometry alone, frame and tool fitted alike. `outside`
-    are the rows of the file whose joints leave the coordinates that the arm was learned from."""
+    are the rows of the file whose joints leave the coordinates that the arm was learned from, `left` the same by
+    joint."""
 
     arm: Arm
     recording: Recording
@@ -31,6 +43,7 @@ class Prediction:
     largest: float
     nominal_rms: float
     outside: tuple[int, ...]
+    left: tuple[Leaving, ...] = ()
 
 
 def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float]] | None = None) -> Prediction:
@@ -39,11 +52,11 @@ def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float
     `learned` are the least and greatest coordinates (rad, m) of each joint that the arm was learned from; the joint
     ranges by default. Raises `MissingProperty` where the model lacks a figure.
     """
-    bare = replace(recording, orientation=None, joint_side=None, base_target=None)  # commands say what moves the tip
-    residual = observe(arm, bare, rules=RULES).tip_residual()
+    residual = residual_under(arm, recording)
     length = np.linalg.norm(residual, axis=1)
-    lower, upper = np.array(learned or [joint.range for joint in arm.joints]).T
-    outside = ((recording.q < lower - _HAIR) | (recording.q > upper + _HAIR)).any(axis=1)
+    spans = learned or [joint.range for joint in arm.joints]
+    lower, upper = np.array(spans).T
+    beyond = (recording.q < lower - _HAIR) | (recording.q > upper + _HAIR)
     return Prediction(
         arm=arm,
         recording=recording,
@@ -51,9 +64,20 @@ def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float
         rms=rms_length(residual),
         mean=float(length.mean()),
         largest=float(length.max()),
-        nominal_rms=rms_length(observe(nominal(arm), bare, rules=RULES).tip_residual()),
-        outside=tuple(recording.row[outside].tolist()),
+        nominal_rms=rms_length(residual_under(nominal(arm), recording)),
+        outside=tuple(recording.row[beyond.any(axis=1)].tolist()),
+        left=tuple(
+            Leaving(number, (float(span[0]), float(span[1])), tuple(recording.row[rows].tolist()), learned is not None)
+            for number, (span, rows) in enumerate(zip(spans, beyond.T, strict=True), start=1)
+            if rows.any()
+        ),
     )
+
+
+def residual_under(arm: Arm, recording: Recording) -> Array:
+    """The tip's residual (N, D), m, measured less modelled, nothing fitted but what the recording leaves free."""
+    bare = replace(recording, orientation=None, joint_side=None, base_target=None)  # commands say what moves the tip
+    return observe(arm, bare, rules=RULES).tip_residual()
 
 
 def nominal(arm: Arm) -> Arm:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -164,6 +165,20 @@ class LackOfFit:
 
 
 @dataclass(frozen=True)
+class WrittenArm:
+    """The corrected arm as its file says it, read back and applied to the recording it stems from: the RMS (m) that it
+    leaves, what the fit `promised` (m), and in words what of the findings the file lacks."""
+
+    rms: float
+    promised: float
+    lacks: tuple[str, ...]
+
+    def keeps(self, tolerance: float) -> bool:
+        """Whether it leaves what was promised, to within a share of it."""
+        return abs(self.rms - self.promised) <= tolerance * self.promised
+
+
+@dataclass(frozen=True)
 class Detectable:
     """The smallest size of an effect at a place that this recording would have shown (power 0.9): the RMS displacement
     of the tip (m), and the value of its parameter in the SI unit of `kind`.
@@ -212,7 +227,8 @@ class Diagnosis:
     `gate_p` is the p-value that there is any mismatch at all; `split` names how rows were held out; `corrected` is the
     arm file with the findings in it. `sentence` is the plain answer. `lack_of_fit` is None where too few poses were
     read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
-    more than noise and nothing explains it (None elsewhere).
+    more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
+    findings alone leave, `written` what the corrected arm's file leaves (None: not tried).
     """
 
     arm: Arm
@@ -245,6 +261,8 @@ class Diagnosis:
     seconds: float
     lack_of_fit: LackOfFit | None = None
     scatter: float | None = None
+    rms_promised: float = math.nan
+    written: WrittenArm | None = None
 
     @property
     def describes_part(self) -> bool:

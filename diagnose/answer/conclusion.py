@@ -11,12 +11,13 @@ import numpy as np
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.fitting.corrected_arm import corrected_arm
-from diagnose.fitting.fit import displacement, fit, remaining
+from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
 from diagnose.fitting.held_out import hardest, splits
 from diagnose.recording import Recording
 from diagnose.residual.observed import beyond_first_order, rms_length
 from diagnose.result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from diagnose.search.aliases import Rival
+from sections.numeric import Array
 
 from .confirmation import Confirmed
 from .detectable import detectable
@@ -95,6 +96,7 @@ class Conclusion(Confirmed):
             seconds=time.perf_counter() - began,
             lack_of_fit=self.lack_of_fit,
             scatter=self._scatter(),
+            rms_promised=rms_length(self._left_by_names()),
         )
 
     @property
@@ -116,6 +118,14 @@ class Conclusion(Confirmed):
         if self.named.whole_p is not None:
             return self.named.whole_p
         return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
+
+    def _left_by_names(self) -> Array:
+        """What is left (N, D), m, where the forms' part is not taken off: no arm file can hold that."""
+        width = self.observed.components
+        if not self.outside:
+            return self._after()
+        moved = displacement(self.prepared, self.fitted, self.outside)
+        return self._after() + beyond_nuisances(self.prepared, moved)[:, :width]
 
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components

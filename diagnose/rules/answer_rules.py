@@ -62,6 +62,12 @@ class AnswerRules:
         "What is left must be more for a refusal: of thousands of readings the least blemish is beyond chance.",
         JUDGED,
     )
+    promise: float = rule(
+        0.02,
+        "share of the promised RMS",
+        "The written arm file may leave so much more or less of its own recording; beyond that it is said.",
+        JUDGED,
+    )
     held_out_beyond: float = rule(
         1.2,
         "times what noise leaves held out",

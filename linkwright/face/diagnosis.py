@@ -17,6 +17,7 @@ from diagnose.result import Diagnosis as Found
 from diagnose.result import FittedParameter
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
+from linkwright.output.written_arm import with_written
 from linkwright.redesigning import redesign as redesigned
 from linkwright.report.pages.diagnosis import diagnosis_page
 from linkwright.report.pictures.residual_map import hover_maps
@@ -26,7 +27,7 @@ from linkwright.results.redesign import redesign_json
 from units.quantities import InputError
 from units.reading import nearest
 
-from .arm import Arm, arm_of
+from .arm import Arm, arm_of, catalogue_of
 from .design import Redesign
 from .given import File
 from .problem import Problem, problem_of
@@ -159,7 +160,8 @@ def diagnose(
     read = recording_of(recording, given, settings)
     options = Options(thorough=thorough, without=_known(without))
     with told(progress) as tell:
-        return Diagnosis(given, read, diagnosed(given.model, read.found, options, tell))
+        found = diagnosed(given.model, read.found, options, tell)
+        return Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
 
 
 def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:

@@ -127,6 +127,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
         "scatter_over_floor": diagnosis.scatter,
         "describes_part": diagnosis.describes_part,
+        "written_arm_rms_mm": None if diagnosis.written is None else in_mm(diagnosis.written.rms),
+        "written_arm": None
+        if diagnosis.written is None
+        else fields(diagnosis.written, "rms_mm", "promised_mm", "lacks"),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.predict import Prediction
+from diagnose.predict import Leaving, Prediction
 from linkwright.version import program_version
 
 from .fields import fields
@@ -21,4 +22,16 @@ def prediction_json(found: Prediction) -> dict[str, Any]:
         "rows": recording.size,
         **fields(found, "rms_mm", "mean_mm", "max_mm=largest", "nominal_rms_mm", "outside"),
         **fields(recording, "frame", "tool"),
+        "outside_by_joint": [
+            {
+                **fields(each, "joint", "rows", "learned"),
+                "span_deg" if found.arm.joints[each.joint - 1].revolute else "span_mm": _span(found, each),
+            }
+            for each in found.left
+        ],
     }
+
+
+def _span(found: Prediction, each: Leaving) -> list[float]:
+    revolute = found.arm.joints[each.joint - 1].revolute
+    return [math.degrees(end) if revolute else 1e3 * end for end in each.span]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import PurePath
 
 from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
+from diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
 
 from .design import settings
@@ -24,6 +25,7 @@ from .diagnosis_words import (
     effect_words,
     explained_share,
     interval,
+    listed,
     main_parameters,
     parameter_title,
     place_words,
@@ -64,6 +66,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     items: list[Item | None] = [
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),
+        _broken_promise(diagnosis),
         _findings(diagnosis) if diagnosis.findings else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
@@ -120,7 +123,22 @@ def _facts(diagnosis: Diagnosis) -> Facts:
         facts.append(Fact("scatter", Value(f"{figure(diagnosis.scatter, 2)} times the noise floor"), said))
     if diagnosis.lack_of_fit is not None:
         facts.append(Fact("lack of fit", *_lack_of_fit(diagnosis.lack_of_fit)))
+    if diagnosis.written is not None and diagnosis.findings:
+        promised = f"read back and applied to this recording; the fit promises {mm(diagnosis.written.promised, 3)}"
+        facts.append(Fact("the written arm.yaml", length(diagnosis.written.rms, 3), promised))
     return Facts(tuple(facts), headed=False)
+
+
+def _broken_promise(diagnosis: Diagnosis) -> Paragraph | None:
+    """A warning where the written file is not what the fit promises, with what it lacks."""
+    written = diagnosis.written
+    if written is None or not diagnosis.findings or written.keeps(RULES.answer.promise):
+        return None
+    lacks = f": the file lacks {listed(written.lacks)}" if written.lacks else ""
+    return Paragraph(
+        f"Warning: arm.yaml, read back and applied to this recording, leaves {mm(written.rms, 3)} RMS where the fit "
+        f"promises {mm(written.promised, 3)}{lacks}."
+    )
 
 
 def _lack_of_fit(found: LackOfFit) -> tuple[Value, str]:

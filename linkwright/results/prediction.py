@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import PurePath
 
 from diagnose.mistakes.row_lists import rows_text
-from diagnose.predict import Prediction
+from diagnose.predict import Leaving, Prediction
 
-from .document import Description, Item, Paragraph, length, table
+from .document import Description, Item, Lines, length, table
 from .figures_in_words import mm
 
 
@@ -21,9 +22,19 @@ def describe(found: Prediction) -> Description:
         ("its geometry alone", length(found.nominal_rms, 3), "", ""),
     ]
     items: list[Item] = [table(("residual", "RMS", "mean", "largest"), rows)]
-    if found.outside:
-        where = "Beyond the coordinates that the arm was learned from (or its ranges)"
-        items.append(Paragraph(f"{where}: {rows_text(found.outside)}."))
+    if found.left:
+        lead = "Beyond what the arm was learned from nothing promises that its findings hold."
+        items.append(Lines((*(_leaving(found, each) for each in found.left), lead)))
     name = PurePath(recording.file).name
     headline = f"{mm(found.rms, 3)} RMS over {recording.size} readings, {how}"
     return Description(f"{found.arm.name} on {name}", headline, tuple(items), headline, f"{found.arm.name}: ")
+
+
+def _leaving(found: Prediction, each: Leaving) -> str:
+    """Where a joint leaves the coordinates that the arm was learned from, as a warning."""
+    revolute = found.arm.joints[each.joint - 1].revolute
+    low, high = (math.degrees(end) if revolute else 1e3 * end for end in each.span)
+    what = "the coordinates that were learned" if each.learned else "its range"
+    return f"Warning: joint {each.joint} leaves {what} ({low:.4g} to {high:.4g} {'deg' if revolute else 'mm'}) in " + (
+        f"{rows_text(each.rows)}."
+    )

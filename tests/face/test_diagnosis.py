@@ -63,6 +63,9 @@ def test_corrected_arm_predicts(dia, arm):
     q = lw.read_recording(BACKLASH / "after-service.csv", arm).found.q
     beyond = (q < dia.recording.found.q.min(axis=0)) | (q > dia.recording.found.q.max(axis=0))
     assert len(other.outside) == int(beyond.any(axis=1).sum()) > 0
+    assert {each.joint: len(each.rows) for each in other.found.left} == {
+        number: count for number, count in enumerate(beyond.sum(axis=0).tolist(), start=1) if count
+    }
     free = lw.predict(dia.corrected, dia.recording, frame="free", tool="free")
     assert free.rms_mm < own.rms_mm
     assert (free.frame, free.tool, own.frame) == ("free", "free", "known")
@@ -79,7 +82,7 @@ def test_a_moved_frame_is_fitted_and_nothing_else(dia, arm):
     assert there == pytest.approx(here, rel=1e-6)
 
 
-def test_predict_command(dia, tmp_path):
+def test_predict_command(dia, tmp_path, capsys):
     """An arm file from a diagnosis knows what it was learned from; the JSON holds what is promised."""
     dia.save(tmp_path / "out")
     arm, recording = tmp_path / "out" / "arm.yaml", BACKLASH / "after-service.csv"
@@ -90,6 +93,16 @@ def test_predict_command(dia, tmp_path):
     promised = {"rms_mm", "mean_mm", "max_mm", "rows", "nominal_rms_mm", "outside", "frame", "tool"}
     assert promised <= set(told)
     assert told["outside"] == list(lw.predict(dia.corrected, recording).outside)
+    q = np.degrees(dia.recording.found.q)
+    for each in told["outside_by_joint"]:
+        column = q[:, each["joint"] - 1]
+        assert each["span_deg"] == pytest.approx([column.min(), column.max()], abs=1e-5)
+        assert each["learned"]
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"Warning: joint {told['outside_by_joint'][0]['joint']} leaves the coordinates that were learned" in shown
+    own = lw.predict(arm, dia.recording)
+    assert dia.found.written.rms == pytest.approx(own.found.rms, rel=1e-6)
+    assert dia.found.written.keeps(0.02)
 
 
 def test_a_list_is_no_recording(arm):
