@@ -23,7 +23,7 @@ DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
 NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
-    "fitting/refit.py": {"_SWEEPS", "_SCAN", "_NEWTON", "_DIFFERENCE"},
+    "fitting/refit.py": {"_SWEEPS", "_SCAN", "_NEWTON", "_DIFFERENCE", "_SHARES", "_ROUNDING"},
     "mistakes/conventions.py": {"_QUARTER"},
     "mistakes/row_lists.py": {"_MOST"},
     "mistakes/units.py": {"_LENGTHS", "_LENGTH_SIZES", "_ANGLE_SIZES", "IN_A_ROW"},

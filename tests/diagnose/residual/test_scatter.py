@@ -7,6 +7,7 @@ import pytest
 
 from arm.effects import Settings
 from diagnose.diagnosis import diagnose
+from diagnose.recording import since_the_reading_before
 from diagnose.residual.observed import looks_quieter, observe
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm
@@ -32,9 +33,11 @@ def test_an_arm_that_does_not_return_lacks_no_physics(visits):
     once = [recorded(arm, **{**plan, "seed": 5}) for _ in range(visits)]
     rng = np.random.default_rng(7)
     parts = [replace(each, tip=each.tip + SIGMA * rng.standard_normal(each.tip.shape)) for each in once]
+    q = np.concatenate([each.q for each in parts])
     whole = replace(
         parts[0],
-        q=np.concatenate([each.q for each in parts]),
+        q=q,
+        last_moves=since_the_reading_before(q),
         tip=np.concatenate([each.tip for each in parts]),
         sides=np.concatenate([each.sides for each in parts]),
         row=np.arange(1, 1 + sum(each.size for each in parts)),
