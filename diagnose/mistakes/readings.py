@@ -198,6 +198,7 @@ def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> 
     """Angles that count from 0 to 360 deg brought into the declared range, and what was read beside them to them:
     what grows with an angle (the scale of an encoder) must not jump by a turn."""
     q, turn, said = recording.q.copy(), 2.0 * math.pi, list[str]()
+    taken = np.zeros_like(q)
     for index, joint in enumerate(arm.joints):
         low, high = joint.range
         if not joint.revolute or high - low > turn + 1e-9:
@@ -207,11 +208,13 @@ def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> 
         moved = values - turn * turns
         inside = (moved >= low - slack) & (moved <= high + slack)
         if turns.any() and inside.all() and np.ptp(moved) < np.ptp(values):
-            q[:, index] = moved
+            q[:, index], taken[:, index] = moved, turns
             name = headers.get(f"q{index + 1}", f"q{index + 1}")
             rows = rows_text(recording.row[turns != 0.0])
             said.append(f"{name} is taken a whole turn back into the declared range in {rows}.")
     changed: dict[str, Array] = {"q": q}
+    if recording.last_moves is not None:
+        changed["last_moves"] = recording.last_moves - turn * np.diff(taken, axis=0, prepend=taken[:1])
     revolute = np.array([joint.revolute for joint in arm.joints])
     for name, values in (("commanded", recording.commanded), ("joint_side", recording.joint_side)):
         if values is not None:

@@ -137,6 +137,8 @@ def test_angles_from_0_to_360_come_back_into_the_range(tmp_path: Path) -> None:
     found = read_recording(path, ARM)
     assert found.q == pytest.approx(q, abs=1e-6)
     assert sum("whole turn" in said for said in found.warnings) == 2
+    assert found.last_moves is not None
+    assert found.last_moves[1:] == pytest.approx(np.diff(q, axis=0), abs=1e-6)
 
 
 def test_an_angle_that_goes_on_beyond_half_a_turn_is_left(tmp_path: Path) -> None:
