@@ -68,18 +68,25 @@ class _Shape:
 def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int) -> Deformed:
     """The arm of `state` (numbers or arrays of `rows`, at its undeformed pose) with `effects` as finite motions.
 
-    Effects of the instrument move nothing of the arm; they are added to first order in what it has moved.
+    Effects of the instrument move nothing of the arm; they are added to first order in what it has moved. Where play
+    that the load seats one way makes it seat the other way (a link that hangs nearly plumb), passes go to and fro
+    between two shapes for ever: the arm stands between them, and the middle is taken.
     """
     chain = _Chain(state, rows, _carries_slopes(effects))
     shape, now = chain.straight(), state
-    settled = np.zeros(rows, dtype=bool)
+    last = earlier = shape
+    settled = swinging = np.zeros(rows, dtype=bool)
     for _ in range(MOST_PASSES):
-        before = shape.tip
+        earlier, last = last, shape
         shape, now = chain.bent(shape, now, effects)
-        settled = np.linalg.norm(shape.tip - before, axis=1) <= SETTLED
-        if settled.all():
+        settled = np.linalg.norm(shape.tip - last.tip, axis=1) <= SETTLED
+        swinging = ~settled & (np.linalg.norm(shape.tip - earlier.tip, axis=1) <= SETTLED)
+        if (settled | swinging).all():
             break
-    return Deformed(now, shape.tip, shape.turn, settled)
+    between = swinging[:, None]
+    tip = np.where(between, 0.5 * (shape.tip + last.tip), shape.tip)
+    turn = np.where(between, 0.5 * (shape.turn + last.turn), shape.turn)
+    return Deformed(now, tip, turn, settled | swinging)
 
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:

@@ -8,7 +8,11 @@ import pytest
 from scipy.optimize import brentq
 
 from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.statics import solve
 from arm.compensation import model_error
+from arm.errors.exact import deformed
+from arm.errors.model import beams_of
+from arm.errors.tip import active_effects
 from arm.evaluation import evaluate
 from linkwright.results.design import bound_words, first_order_words
 from materials.catalogue import load_catalogue
@@ -79,3 +83,28 @@ def test_only_what_a_certificate_covers_is_called_certified():
     assert words == f"certified: no pose is worse than {1e3 * found.worst.upper_bound:.6g} mm to first order"
     assert f"{1e3 * found.upper_bound:.6g} mm" in first_order_words(found)
     assert "samples" in first_order_words(found)
+
+
+def plumb(backlash):
+    """A link of 1 m and 10 kg that hangs, on a joint with play that its weight seats."""
+    joint = Joint(range=(-math.pi / 2 - 0.4, -math.pi / 2 + 0.4), backlash=backlash)
+    return Arm("plumb", (joint,), (Link(1.0, mass=10.0),))
+
+
+def test_a_link_that_hangs_within_its_play_stands_between_both_ends_of_it():
+    """Seated one way it hangs past the plumb line, where its weight seats it the other way: neither end holds."""
+    arm, half = plumb(2e-3), 1e-3
+    aside = np.array([0.2 * half, -0.7 * half, 30.0 * half])
+    state = solve(arm, [-math.pi / 2 + aside], beams_of(arm))
+    found = deformed(state, active_effects(arm), 3)
+    assert found.settled.all()
+    assert np.linalg.norm(found.tip[:2], axis=1) == pytest.approx([0.0, 0.0], abs=half**2)
+    # Further out the weight seats it for good, at the end of the play nearer to the plumb line.
+    assert np.linalg.norm(found.tip[2]) == pytest.approx(2.0 * math.sin(half / 2.0), rel=1e-9)
+
+
+def test_an_arm_with_such_a_pose_keeps_its_bound():
+    """With play so wide that most poses are such."""
+    found = evaluate(plumb(0.5))
+    assert found.upper_bound is not None
+    assert not any("finds no shape" in warning for warning in found.warnings)
