@@ -32,7 +32,7 @@ def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules
     `headers` gives the header of each column (`q1`: `q1_deg`) for messages. Raises `InputError` where a whole column
     contradicts its header or the frame is another than the base's.
     """
-    for check in (_sides, _covariates, _time, _duplicates):
+    for check in (_sides, _covariates, _pasted, _time, _duplicates):
         recording = check(recording, headers, rules.mistakes)
     recording = _whole_turns(recording, arm, headers)
     recording = motion_checked(recording, arm, headers, rules=rules.mistakes)
@@ -144,6 +144,46 @@ def _longest_run(time: Array) -> NDArray[np.bool_]:
         member[index] = True
         index = int(before[index])
     return member
+
+
+def _pasted(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+    """Rows that stand in the file twice, in the same order: a part of it pasted in again.
+
+    An instrument of few steps may say the same again of the same poses, so only a fine one is believed to have not.
+    """
+    del headers
+    spread = [(float(np.ptp(column)), resolution(column)) for column in recording.tip.T]
+    if not any(reach > rules.fine_steps * (step or 0.0) for reach, step in spread):
+        return recording
+    table = np.ascontiguousarray(np.column_stack([part.reshape(recording.size, -1) for part in _read(recording)]))
+    first: dict[bytes, int] = {}
+    earlier = np.array([first.setdefault(row.tobytes(), number) for number, row in enumerate(table)])
+    number = np.arange(recording.size)
+    # Of a stay at one pose each copy follows its original at once: that is a logger's doing, see `_duplicates`.
+    again = earlier < number - 1
+    starts = np.flatnonzero(again & ~np.concatenate([[False], again[:-1] & (np.diff(earlier) == 1)]))
+    rejected: list[RejectedRow] = []
+    for start in starts.tolist():
+        length = 1
+        while (
+            start + length < recording.size
+            and again[start + length]
+            and (earlier[start + length] == earlier[start] + length)
+        ):
+            length += 1
+        if length >= rules.pasted_rows:
+            rejected += [
+                RejectedRow(int(recording.row[k]), f"stands in the file already, as row {recording.row[earlier[k]]}")
+                for k in range(start, start + length)
+            ]
+    return recording.without(rejected)
+
+
+def _read(recording: Recording) -> list[Array]:
+    """All that the file says of each reading."""
+    of_order = ("row", "last_moves")
+    parts = [value for name, value in vars(recording).items() if isinstance(value, np.ndarray) and name not in of_order]
+    return [*parts, *recording.other.values()]
 
 
 def _duplicates(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:

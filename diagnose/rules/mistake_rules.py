@@ -23,6 +23,12 @@ class MistakeRules:
         "Rows alike to the last digit are a logger's copies up to this share; more are readings too coarse.",
         JUDGED,
     )
+    pasted_rows: int = rule(
+        3, "rows in order", "So many that stand in the file already, in the same order, were pasted in again.", JUDGED
+    )
+    fine_steps: float = rule(
+        1e4, "steps over the spread", "An instrument with more never says the same of so many poses again.", JUDGED
+    )
     coldest: float = rule(193.15, "K", "-80 degC: what stands around an arm is not colder.", JUDGED)
     hottest: float = rule(523.15, "K", "250 degC: what stands around an arm is not hotter.", JUDGED)
     fewest: int = rule(

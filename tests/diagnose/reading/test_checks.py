@@ -132,6 +132,30 @@ def test_what_slipped_and_stays_is_no_jump(tmp_path: Path) -> None:
     assert any("these rows are kept" in sentence for sentence in found.warnings)
 
 
+@pytest.mark.parametrize("timed", [True, False], ids=["timed", "no time"])
+def test_rows_pasted_in_again_count_once(tmp_path: Path, timed: bool) -> None:
+    """Ten rows from the middle, once more at the end and, three of them, near the beginning."""
+    q, tip = clean()
+    order = np.concatenate([np.arange(20), np.arange(60, 63), np.arange(20, COUNT), np.arange(50, 60)])
+    time = {"time_s": 20.0 * order} if timed else {}
+    found = read(tmp_path, q[order], tip[order], **time)
+    # Rows 21 to 23 come first in the file; what stands where it was measured is then their copy.
+    expected = [*range(64, 67), *range(124, 134)]
+    assert [each.row for each in found.rejected if "stands in the file already" in each.reason] == expected
+    assert rejected(found, "stands in the file already, as row 21") == [64]
+    assert found.size == COUNT
+
+
+def test_poses_read_again_are_no_copies(tmp_path: Path) -> None:
+    """Not by an instrument that reads something else each time, nor by one that cannot: of whole millimetres."""
+    q, tip = clean()
+    again = np.concatenate([q, q[:40]])
+    noisy = np.concatenate([tip, tip[:40] + np.random.default_rng(5).normal(0.0, 20e-6, (40, 2))])
+    assert not any("already" in each.reason for each in read(tmp_path, again, noisy).rejected)
+    coarse = np.round(np.concatenate([tip, tip[:40]]), 3)
+    assert not any("already" in each.reason for each in read(tmp_path, again, coarse).rejected)
+
+
 def test_copies_of_a_row(tmp_path: Path) -> None:
     q, tip = clean()
     q, tip = np.insert(q, [20, 70], q[[19, 69]], axis=0), np.insert(tip, [20, 70], tip[[19, 69]], axis=0)
