@@ -33,8 +33,8 @@ def contradictions(
     Raises `InputError` where another unit, frame, tool or convention is needed, or nothing that is known would do.
     """
     if place.misfit > _much(place, reach, rules):
-        _refuse_units(recording, arm, place, reach, headers, rules)
         _refuse_still_joint(recording, arm, place, reach, headers, rules)
+        _refuse_units(recording, arm, place, reach, headers, rules)
     _refuse_conventions(recording, arm, place, reach, headers, rules)
     return _frame_sentences(recording, arm, place, reach, headers, rules)
 
@@ -81,7 +81,7 @@ def _refuse_still_joint(
 ) -> None:
     """Raise where a joint that never changes would have to move for the tip to be where it is."""
     for index in range(arm.size):
-        if np.ptp(recording.q[:, index]) != 0.0 or recording.frame == "free":
+        if np.ptp(recording.q[:, index]) > rules.standing or recording.frame == "free":
             continue
         left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
         if np.median(left) < rules.better * place.misfit and np.median(left) < _much(place, reach, rules):

@@ -14,7 +14,9 @@ from arm.chain.chain import Arm
 from sections.numeric import Array
 
 _TIP = ("x", "y", "z")
-_LENGTHS = (1e3, 1e-3, 1e6, 1e-6, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4)
+_MILLIONS = (1e6, 1e-6)
+"""Between um and m; a millionth of a millimetre is no unit that anybody writes."""
+_LENGTHS = (1e3, 1e-3, *_MILLIONS, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4)
 _LENGTH_SIZES = MappingProxyType({"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254})
 _ANGLE_SIZES = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
 IN_A_ROW = (1e3, 1e-3, math.degrees(1.0), math.radians(1.0))
@@ -90,7 +92,8 @@ def unit_changes(arm: Arm, width: int, headers: Mapping[str, str]) -> Iterator[U
 
     angles = (math.degrees(1.0), math.radians(1.0))
     for axes, factor in itertools.product(groups(list(range(width))), _LENGTHS):
-        yield change([], 1.0, axes, factor)
+        if factor not in _MILLIONS or all(_unit_named(names_tip[k], factor) is not None for k in axes):
+            yield change([], 1.0, axes, factor)
     for joints, factor in itertools.product(groups(turns), angles):
         yield change(joints, factor, [], 1.0)
     for joints, factor in itertools.product(groups(slides), _LENGTHS):

@@ -16,6 +16,7 @@ from diagnose.residual.observed import same_pose
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
+from units.quantities import format_quantity
 
 from .columns import ColumnMeaning
 from .settings import ReadingSettings
@@ -74,6 +75,11 @@ def assembled(
     elif held.sides == "from_order":
         sides = sides_from_order(q, arm, rules=rules)
     spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
+    if "z" in columns and arm.planar() and not np.ptp(columns["z"].values):
+        height = format_quantity(float(columns["z"].values[0]), "length", digits=6)
+        header = columns["z"].header
+        warnings.append(f"{header} is {height} throughout, and the arm does not leave its plane: it is not used.")
+        spatial = ("x", "y")
     return Recording(
         file=str(path),
         q=q,

@@ -29,6 +29,12 @@ class MistakeRules:
     fine_steps: float = rule(
         1e4, "steps over the spread", "An instrument with more never says the same of so many poses again.", JUDGED
     )
+    standing: float = rule(
+        1e-3,
+        "rad, m",
+        "A joint whose coordinate changes by no more has not moved by its encoder: counts jitter.",
+        JUDGED,
+    )
     coldest: float = rule(193.15, "K", "-80 degC: what stands around an arm is not colder.", JUDGED)
     hottest: float = rule(523.15, "K", "250 degC: what stands around an arm is not hotter.", JUDGED)
     fewest: int = rule(

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from arm.chain.chain import Arm, Joint, Link
 from diagnose.mistakes.row_lists import rows_text
+from diagnose.mistakes.units import unit_changes
 from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
 from sections.numeric import Array
@@ -65,6 +66,28 @@ def test_a_joint_that_rests_while_the_others_move_is_not_stuck(tmp_path: Path) -
     q[30:90, 0] = 0.5
     found = read(tmp_path, q, planar_tip(q))
     assert found.rejected == ()
+
+
+def test_a_joint_whose_encoder_jitters_by_a_count(tmp_path: Path) -> None:
+    q, tip = clean()
+    q[:, 0] = 0.4 + 1e-4 * np.random.default_rng(1).integers(0, 3, len(q))
+    with pytest.raises(InputError, match=r"q1_deg: never changes"):
+        read(tmp_path, q, tip)
+
+
+def test_a_millionth_of_a_millimetre_is_no_unit() -> None:
+    names = {f"q{k + 1}": f"q{k + 1}_deg" for k in range(3)} | {"x": "x_mm", "y": "y_mm"}
+    lengths = [change for change in unit_changes(ARM, 2, names) if np.all(change.q == 1.0)]
+    assert all(1e-4 < max(each.factors) < 1e4 for each in lengths)
+    micrometres = list(unit_changes(ARM, 2, names | {"x": "x_um", "y": "y_um"}))
+    assert any(each.said() == "x_um, y_um seem to be in m" for each in micrometres)
+
+
+def test_a_constant_height_of_an_arm_in_the_plane_is_said(tmp_path: Path) -> None:
+    q, tip = clean()
+    found = read(tmp_path, q, np.column_stack([tip, np.full(len(q), 0.12)]))
+    assert found.tip.shape[1] == 2
+    assert any("z_mm is 120 mm throughout" in sentence for sentence in found.warnings)
 
 
 def test_a_joint_that_was_never_logged(tmp_path: Path) -> None:
