@@ -21,7 +21,7 @@ from sections.numeric import Array
 
 _HELD = 1e-7
 """How near (m) a posture's tip must be to its point."""
-_NEAR = (0.05, 0.01, 0.002)
+_NEAR = (0.2, 0.05, 0.01, 0.002)
 """How far (rad, m) the postures tried around the best ones lie from them, round after round."""
 
 
