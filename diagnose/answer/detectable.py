@@ -86,7 +86,10 @@ def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], floa
         limit = max(count - rank, 1) * max(ratio, 1e-12)
 
         def short(noncentrality: float) -> float:
-            return float(stats.ncx2.sf(limit, rank, noncentrality)) - power
+            found = float(stats.ncx2.sf(limit, rank, noncentrality))
+            if math.isnan(found):  # too large for the series; the root of what is so large is normal
+                found = float(stats.norm.sf(math.sqrt(limit) - math.sqrt(noncentrality)))
+            return found - power
 
         high = limit + 20.0
         while short(high) < 0.0:

@@ -1,10 +1,14 @@
 """The smallest size that would have been found is found nine times in ten."""
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy import stats
 
 from arm.effects import EFFECTS
-from diagnose.answer.detectable import detectable
+from diagnose.answer.detectable import _needed, detectable
 from diagnose.patterns.library import parameter_of
 from diagnose.rules.rules import RULES
 from diagnose.search.calibrate import given_model, p_value
@@ -96,3 +100,23 @@ def test_gate_gives_each_group_its_own_statistic(gate):
         number = group_of(trial, effect, (1,))
         assert found.each[number] == pytest.approx(statistic(trial, number), rel=1e-6, abs=1e-6)
     assert tested.p_value > LEVEL
+
+
+def needed(count, threshold, rank=2, price=5.0):
+    criterion = SimpleNamespace(count=count)
+    return _needed(SimpleNamespace(criterion=criterion, observed=SimpleNamespace(rules=RULES)), threshold)(rank, price)
+
+
+def test_the_power_asked_is_had():
+    """By the definition: a non-central chi-square passes the limit as often as asked."""
+    found = needed(200, 20.0)
+    limit = 198 * math.expm1(25.0 / 200)
+    assert stats.ncx2.sf(limit, 2, found) == pytest.approx(RULES.answer.power, rel=1e-6)
+
+
+@pytest.mark.parametrize("threshold", [100.0, 300.0, 600.0])
+def test_few_readings_under_a_high_threshold_need_the_more(threshold):
+    """Where squares of normal numbers are huge their root is normal: sqrt(limit) and the quantile of the power."""
+    limit = 10.0 * math.expm1((threshold + 5.0) / 12)
+    normal = (limit**0.5 + stats.norm.ppf(RULES.answer.power)) ** 2
+    assert needed(12, threshold) == pytest.approx(normal, rel=1e-2)
