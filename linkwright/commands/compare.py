@@ -31,7 +31,7 @@ def compare(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from linkwright.results.comparison import describe
+    from linkwright.results.diagnoses.comparison import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 

@@ -52,7 +52,7 @@ def diagnose(
 ) -> None:
     """Run the command."""
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
-    from linkwright.results.diagnosis import describe
+    from linkwright.results.diagnoses.described import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 

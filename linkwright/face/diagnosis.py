@@ -21,8 +21,8 @@ from linkwright.output.written_arm import with_written
 from linkwright.redesigning import redesign as redesigned
 from linkwright.report.pages.diagnosis import diagnosis_page
 from linkwright.report.pictures.residual_map import hover_maps
-from linkwright.results.comparison import comparison_json, comparison_sentence
-from linkwright.results.diagnosis_words import effect_words
+from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
+from linkwright.results.diagnoses.words import effect_words
 from linkwright.results.redesign import redesign_json
 from units.quantities import InputError
 from units.reading import nearest

@@ -13,7 +13,7 @@ from diagnose.compare.places import regions, shared_poses
 from diagnose.residual.observed import observe
 from diagnose.result import Alternative, Covered, Finding, FittedParameter
 from linkwright.output.files import json_text
-from linkwright.results.comparison import comparison_json, comparison_sentence
+from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis, made_recording, measured, softer, write_recording
 from tests.linkwright.conftest import bench, linkwright  # noqa: F401 - fixtures
 

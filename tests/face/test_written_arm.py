@@ -11,7 +11,7 @@ from diagnose.recording import Recording
 from diagnose.result import WrittenArm
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.output.written_arm import with_written
-from linkwright.results.diagnosis import describe
+from linkwright.results.diagnoses.described import describe
 from linkwright.results.document import Paragraph
 from materials.catalogue import load_catalogue
 from tests.diagnose.made_diagnosis import made_diagnosis

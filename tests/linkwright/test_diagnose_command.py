@@ -21,8 +21,8 @@ from linkwright.output.files import json_text
 from linkwright.report.pages.covariates import covariates
 from linkwright.report.pages.diagnosis import diagnosis_page
 from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
-from linkwright.results.diagnosis import describe
-from linkwright.results.diagnosis_words import interval, value
+from linkwright.results.diagnoses.described import describe
+from linkwright.results.diagnoses.words import interval, value
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
 from tests.linkwright.test_report import Page

@@ -11,7 +11,7 @@ from diagnose.result import Diagnosis
 from linkwright.report.pictures.residual_map import chosen_rows, states
 from linkwright.report.pictures.svg import element, line, text
 from linkwright.report.pictures.svg_plot import Plot, binned, course, dots, spanned
-from linkwright.results.diagnosis_words import covariate_words, probability
+from linkwright.results.diagnoses.words import covariate_words, probability
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 

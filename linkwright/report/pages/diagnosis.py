@@ -16,7 +16,7 @@ from linkwright.report.pictures.joint_curves import joint_curves
 from linkwright.report.pictures.residual_map import arrow_maps, hover_maps
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.svg import element, nice_below, text
-from linkwright.results.diagnosis import describe
+from linkwright.results.diagnoses.described import describe
 from linkwright.results.figures_in_words import figure, mm, pose
 
 from .covariates import small_multiples

@@ -9,9 +9,11 @@ from diagnose.compare.compare import Change, Comparison
 from diagnose.compare.places import Region
 from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
 from linkwright.json.fields import fields, in_mm
+from linkwright.results.document import Description, Lines, Section, Table, Value, count, length, section, table
+from linkwright.results.figures_in_words import figure, mm
 from linkwright.version import program_version
 
-from .diagnosis_words import (
+from .words import (
     covered,
     effect_words,
     listed,
@@ -21,8 +23,6 @@ from .diagnosis_words import (
     value,
     verdict_words,
 )
-from .document import Description, Lines, Section, Table, Value, count, length, section, table
-from .figures_in_words import figure, mm
 
 
 def describe(comparison: Comparison) -> Description:

@@ -9,10 +9,9 @@ from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
+from linkwright.results.document import Value, amount, share
+from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
 from units.quantities import format_quantity
-
-from .document import Value, amount, share
-from .figures_in_words import effect_title, figure, percent, with_unit
 
 MOST_PARAMETERS = 6
 

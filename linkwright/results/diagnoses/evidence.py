@@ -6,20 +6,7 @@ import math
 from collections.abc import Sequence
 
 from diagnose.result import Detectable, Diagnosis, RejectedForm
-
-from .diagnosis_words import (
-    covariate_words,
-    covered,
-    detectable_words,
-    effect_words,
-    least_visible,
-    next_pose_words,
-    place_words,
-    portion,
-    probability,
-    where_sentences,
-)
-from .document import (
+from linkwright.results.document import (
     Bars,
     Cell,
     Column,
@@ -33,7 +20,20 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import effect_title, mm, pose
+from linkwright.results.figures_in_words import effect_title, mm, pose
+
+from .words import (
+    covariate_words,
+    covered,
+    detectable_words,
+    effect_words,
+    least_visible,
+    next_pose_words,
+    place_words,
+    portion,
+    probability,
+    where_sentences,
+)
 
 MOST_REJECTED = 5
 MOST_NEXT = 5

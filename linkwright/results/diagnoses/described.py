@@ -7,37 +7,8 @@ from pathlib import PurePath
 from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
-
-from .design import settings
-from .diagnosis_evidence import (
-    MOST_REJECTED,
-    considered,
-    detectable,
-    ladder,
-    next_readings,
-    rejected,
-    standards,
-    where_it_sits,
-)
-from .diagnosis_words import (
-    alias_sentence,
-    covariate_words,
-    effect_words,
-    explained_share,
-    interval,
-    listed,
-    main_parameters,
-    parameter_title,
-    place_words,
-    portion,
-    probability,
-    spoken,
-    time_words,
-    value,
-    verdict_words,
-    whole_sentence,
-)
-from .document import (
+from linkwright.results.design import settings
+from linkwright.results.document import (
     Cell,
     Column,
     Description,
@@ -55,8 +26,37 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import figure, mm
-from .redesign import redesign_section
+from linkwright.results.figures_in_words import figure, mm
+from linkwright.results.redesign import redesign_section
+
+from .evidence import (
+    MOST_REJECTED,
+    considered,
+    detectable,
+    ladder,
+    next_readings,
+    rejected,
+    standards,
+    where_it_sits,
+)
+from .words import (
+    alias_sentence,
+    covariate_words,
+    effect_words,
+    explained_share,
+    interval,
+    listed,
+    main_parameters,
+    parameter_title,
+    place_words,
+    portion,
+    probability,
+    spoken,
+    time_words,
+    value,
+    verdict_words,
+    whole_sentence,
+)
 
 
 def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Description:
