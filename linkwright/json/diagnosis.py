@@ -10,6 +10,7 @@ from typing import Any
 
 from arm.chain.chain import Arm
 from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, LackOfFit, RejectedForm, Unknown
+from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.version import program_version
 from units.quantities import format_quantity, kind_of
 
@@ -122,6 +123,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
         "rows": recording.size,
+        "answer": answer(diagnosis),
+        "to_do": list(to_do(diagnosis)),
         **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
         "lack_of_fit_p": None if diagnosis.lack_of_fit is None else diagnosis.lack_of_fit.p_value,
         "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),

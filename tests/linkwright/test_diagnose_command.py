@@ -3,6 +3,7 @@
 import io
 import json
 import math
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from itertools import pairwise
@@ -12,17 +13,21 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
+from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import drive_compliance
 from arm.files.read import read_arm
-from diagnose.result import Detectable, FittedParameter
+from diagnose.result import Alternative, Detectable, FittedParameter
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
 from linkwright.output.files import json_text
 from linkwright.report.pages.covariates import covariates
 from linkwright.report.pages.diagnosis import diagnosis_page
+from linkwright.report.pictures.ladder import ladder_picture
 from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
+from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.described import describe
-from linkwright.results.diagnoses.words import interval, value
+from linkwright.results.diagnoses.words import effect_words, interval, value
+from linkwright.results.figures_in_words import figure, mm
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
 from tests.linkwright.test_report import Page
@@ -141,10 +146,73 @@ def test_page_is_whole_and_loads_nothing(page):
 
 
 def test_page_opens_with_the_plain_sentence():
-    """First the heading, then the answer."""
+    """First the heading, then the answer and what to do, then the whole sentence, then all figures."""
     diagnosis = made_diagnosis("unknown")
     text = Page(diagnosis_page(diagnosis)).text
-    assert 0 <= text.index(diagnosis.sentence) < text.index("mismatch")
+    places = [text.index(part) for part in (answer(diagnosis), *to_do(diagnosis), diagnosis.sentence, "RMS of the")]
+    assert places == sorted(places)
+
+
+@pytest.mark.parametrize("effect", sorted(EFFECTS))
+def test_the_answer_has_at_most_thirty_words(effect):
+    """However long an effect's name is, and whatever else was found: what, where and its share stand in it."""
+    made = made_diagnosis("alias_class")
+    first = replace(made.findings[0], effect=effect)
+    bare = replace(first, effect="joint_compliance", alternatives=(), rms_explained=0.1 * first.rms_explained)
+    for findings in ((first,), (replace(first, alternatives=()),), (first, *(bare for _ in range(7)))):
+        said = answer(replace(made, findings=findings))
+        assert len(said.split()) <= 30
+        assert effect_words(effect, first.at)[1:].split(" (")[0] in said
+        assert said.endswith(".")
+    share = 100.0 * (1.0 - (made.ladder[1].rms / made.ladder[0].rms) ** 2)
+    assert f"{figure(share, 2)} % of the {mm(made.rms_before, 3)} mismatch" in answer(replace(made, findings=(first,)))
+
+
+def test_the_answer_of_every_verdict_is_short(diagnosis):
+    assert len(answer(diagnosis).split()) <= 30
+
+
+@pytest.mark.parametrize(
+    ("effect", "other", "has", "asked"),
+    [
+        ("joint_compliance", ("servo_droop", (2,)), {}, "c2_deg"),
+        ("joint_compliance", ("link_bending", (2,)), {}, "j2_deg"),
+        ("joint_compliance", ("link_bending", (2,)), {"joint_side": np.zeros((72, 3))}, None),
+        ("encoder_offset", ("base_compliance", ()), {}, "basex_mm, basey_mm"),
+        ("joint_compliance", ("thermal_expansion", (2,)), {"temperature": None}, "temperature_degC"),
+    ],
+)
+def test_what_would_tell_is_named_by_its_column(effect, other, has, asked):
+    """A drive that gives and a servo that droops differ by the command; a link that bends by a joint-side encoder."""
+    made = made_diagnosis("alias_class")
+    finding = replace(made.findings[0], effect=effect, alternatives=(Alternative(*other, 0.999, 0.3),))
+    found = replace(made, findings=(finding,), recording=replace(made.recording, **has))
+    logged = [line for line in to_do(found) if line.startswith("Log ")]
+    assert (asked in logged[0]) if asked else not logged
+
+
+def test_small_findings_stand_below_by_their_cause():
+    """What moves the tip by less than a fifth of the largest is told in one line, and in a table of its own."""
+    made = made_diagnosis("named")
+    small = replace(
+        made.findings[0], effect="encoder_offset", at=(3,), rms_explained=0.1 * made.findings[0].rms_explained
+    )
+    page = Page(diagnosis_page(replace(made, findings=(*made.findings, small)))).text
+    assert f"Small beside that: {EFFECTS[small.effect].cause}: " in page
+    assert "Small beside that" not in Page(diagnosis_page(made)).text
+
+
+def test_the_ladder_is_drawn_to_scale():
+    """A bar's length goes by what a model leaves, a line stands at the noise floor; more rungs than six are summed."""
+    made = made_diagnosis("named")
+    bars = [
+        float(each.attrib["width"])
+        for each in ET.fromstring(re.search("<svg.*?</svg>", ladder_picture(made)).group()).iter("rect")
+    ]
+    assert bars == pytest.approx([400.0, 400.0 * made.ladder[1].rms / made.ladder[0].rms], rel=1e-4)
+    long = (made.ladder[0], *(replace(made.ladder[1], label=f"+ cause {k}") for k in range(9)))
+    assert "+ 5 more" in ladder_picture(replace(made, ladder=long))
+    assert ladder_picture(replace(made, ladder=made.ladder[:1])) == ""
 
 
 def test_page_says_everything_that_was_found():
@@ -256,7 +324,8 @@ def test_screen_tells_the_same(diagnosis):
     out = io.StringIO()
     show(Console(file=out, width=110, highlight=False, markup=False), describe(diagnosis))
     text = out.getvalue()
-    assert text.startswith(diagnosis.sentence)
+    assert text.startswith(answer(diagnosis))
+    assert diagnosis.sentence in text
     for words in ("Row 17 is set aside", diagnosis.next_poses_note, "noise floor"):
         assert words in text
     if diagnosis.findings:

@@ -13,6 +13,7 @@ from linkwright.report.described import body
 from linkwright.report.page import page, side_by_side
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton_at
 from linkwright.report.pictures.joint_curves import joint_curves
+from linkwright.report.pictures.ladder import ladder_picture
 from linkwright.report.pictures.residual_map import arrow_maps, hover_maps
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.svg import element, nice_below, text
@@ -29,7 +30,7 @@ def diagnosis_page(diagnosis: Diagnosis, redesign: Redesign | None = None) -> st
     places, figures = hover_maps(diagnosis)
     pictures = {
         "curves": joint_curves(diagnosis),
-        "where": side_by_side(_arm(diagnosis)),
+        "first": side_by_side(_arm(diagnosis), ladder_picture(diagnosis)),
         "maps": arrow_maps(diagnosis) + places,
         "covariates": small_multiples(diagnosis),
     }
@@ -61,4 +62,4 @@ def _arm(diagnosis: Diagnosis) -> str:
     arrow = f"The arrow is the mismatch, {figure(window.exaggeration)} times its size{view}."
     words = f"{about} ({pose(arm, at.q)}). {arrow}"
     picture = arm_picture(arm, drawn, window, "before", marked=joint, about=about)
-    return element("figure", picture, element("figcaption", text(words)), class_="bounded")
+    return element("figure", picture, element("figcaption", text(words)), class_="bounded small")

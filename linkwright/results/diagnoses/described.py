@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import PurePath
 
+from arm.effects import EFFECTS
 from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
@@ -29,6 +31,7 @@ from linkwright.results.document import (
 from linkwright.results.figures_in_words import figure, mm
 from linkwright.results.redesign import redesign_section
 
+from .answer import answer, main_and_small, to_do
 from .evidence import (
     MOST_REJECTED,
     considered,
@@ -64,6 +67,9 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     anything = bool(diagnosis.findings) or diagnosis.unknown is not None
     could = detectable(diagnosis, detail=diagnosis.verdict not in ("none", "insufficient_data"))
     items: list[Item | None] = [
+        _next_steps(diagnosis),
+        Picture("first"),
+        Paragraph(diagnosis.sentence),
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),
         _broken_promise(diagnosis),
@@ -84,7 +90,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         section("What was asked", settings(_asked(diagnosis)), detail=True),
     ]
     title = f"{diagnosis.arm.name}: what the model leaves out"
-    return Description(title, diagnosis.sentence, tuple(x for x in items if x is not None), _brief(diagnosis))
+    return Description(title, answer(diagnosis), tuple(x for x in items if x is not None), _brief(diagnosis))
 
 
 def _brief(diagnosis: Diagnosis) -> str:
@@ -99,6 +105,12 @@ def _brief(diagnosis: Diagnosis) -> str:
     explained = explained_share(diagnosis)
     part = "" if explained is None else f", {portion(explained).text} of {mm(diagnosis.rms_before, 3)} explained"
     return f"{names[0]}{more}{part}"
+
+
+def _next_steps(diagnosis: Diagnosis) -> Lines | None:
+    """What to do, on the first screen."""
+    steps = to_do(diagnosis)
+    return Lines(steps) if steps else None
 
 
 def _facts(diagnosis: Diagnosis) -> Facts:
@@ -152,7 +164,9 @@ def _lack_of_fit(found: LackOfFit) -> tuple[Value, str]:
 def _findings(diagnosis: Diagnosis) -> Section:
     """What is missing, each parameter with its interval, and what the data cannot tell from it."""
     readings = [Paragraph(spoken(each.reading), "statement", True) for each in diagnosis.findings if each.reading]
-    rows = [row for finding in diagnosis.findings for row in _finding_rows(finding)]
+    main, small = main_and_small(diagnosis.findings)
+    rows = [row for finding in main for row in _finding_rows(finding)]
+    small_rows = [row for finding in small for row in _finding_rows(finding)]
     headings = (
         "left out",
         "parameter",
@@ -179,10 +193,28 @@ def _findings(diagnosis: Diagnosis) -> Section:
         "What describes part of it" if diagnosis.describes_part else "What is missing",
         *readings,
         table(headings, rows),
+        Paragraph(_small_words(small)) if small else None,
+        table(headings, small_rows, title="The small ones", detail=True, folded=len(small) > MOST_SMALL)
+        if small
+        else None,
         *(Paragraph(said) for each in diagnosis.findings if (said := alias_sentence(each))),
         Picture("curves"),
         table(columns, alike, title=title, detail=True) if alike else None,
     )
+
+
+MOST_SMALL = 4
+"""Small findings up to which a page shows their table open."""
+
+
+def _small_words(small: Sequence[Finding]) -> str:
+    """What is small beside the largest, by its cause."""
+    causes: dict[str, list[str]] = {}
+    for each in small:
+        cause = EFFECTS[each.effect].cause if each.effect in EFFECTS else "other"
+        causes.setdefault(cause, []).append(f"{effect_words(each.effect, each.at)} {mm(each.rms_explained, 2)}")
+    told = "; ".join(f"{cause}: {', '.join(names)}" for cause, names in causes.items())
+    return f"Small beside that: {told}."
 
 
 def _finding_rows(finding: Finding) -> list[list[Cell]]:

@@ -12,7 +12,6 @@ from linkwright.results.document import (
     Column,
     Lines,
     Paragraph,
-    Picture,
     Section,
     Table,
     count,
@@ -68,7 +67,6 @@ def where_it_sits(diagnosis: Diagnosis) -> Section:
     columns = ("joint", "could describe", "")
     return section(
         "Where it sits",
-        Picture("where"),
         Lines(tuple(where_sentences(diagnosis))),
         table(columns, shares, title=title, detail=True) if shares else None,
         Paragraph(overlap, "lead", detail=True) if shares else None,

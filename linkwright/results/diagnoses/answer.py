@@ -1,0 +1,171 @@
+"""The answer of a diagnosis on one screen: a sentence of at most thirty words, and what to do, columns by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from types import MappingProxyType
+
+from arm.effects import EFFECTS
+from arm.effects.effect import Condition
+from diagnose.answer.sentences import chief
+from diagnose.recording import Recording
+from diagnose.result import Diagnosis, Finding, FittedParameter
+from linkwright.results.figures_in_words import figure, mm
+
+from .words import covariate_words, effect_words, listed, portion, value
+
+MOST_WORDS = 30
+"""A longer answer is not read on a first screen."""
+
+SMALL = 0.2
+"""A finding that moves the tip by less than this share of the largest is small: it stands below, by its cause."""
+
+_COLUMNS: MappingProxyType[Condition, str] = MappingProxyType(
+    {
+        "time": "time_s",
+        "warming": "temperature_degC",
+        "sides": "dirN",
+        "velocities": "vN_deg_s",
+        "accelerations": "time_s and vN_deg_s",
+        "loaded_for": "time_s",
+        "commanded": "cN_deg",
+    }
+)
+"""What a recording's column is called that gives an effect what it requires; N is the joint's number."""
+
+
+def answer(diagnosis: Diagnosis) -> str:
+    """The answer in at most `MOST_WORDS` words: the largest cause, where it sits, and its share of the mismatch."""
+    clauses = _clauses(diagnosis)
+    said = clauses[0]
+    for clause in clauses[1:]:
+        longer = said + clause
+        if len(longer.split()) <= MOST_WORDS:
+            said = longer
+    words = said.split()
+    cut = said if len(words) <= MOST_WORDS else " ".join(words[: MOST_WORDS - 1]).rstrip(",;") + " …"
+    return f"{cut[:1].upper()}{cut[1:]}."
+
+
+def _clauses(diagnosis: Diagnosis) -> list[str]:
+    """What must be said first, and what may follow as far as there is room."""
+    mismatch, left = mm(diagnosis.rms_before, 3), mm(diagnosis.rms_after, 3)
+    if diagnosis.verdict == "insufficient_data":
+        return [diagnosis.sentence.removesuffix(".")]
+    if diagnosis.verdict == "none":
+        floor = "scatter" if diagnosis.noise_floor is None else "the noise floor"
+        if diagnosis.scatter is not None:
+            times = figure(diagnosis.scatter, 2)
+            return [f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"]
+        return [f"Nothing is missing that this recording could show: the {mismatch} that remain are {floor}"]
+    largest = _largest(diagnosis)
+    if diagnosis.unknown is not None:
+        on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
+        opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)} of the {mismatch} mismatch"
+        found = "" if largest is None else f"; {effect_words(largest.effect, largest.at)} describes part of the rest"
+        return [opening, f"; it depends on {listed(on)}" if on else "", found]
+    if largest is None:
+        return [diagnosis.sentence]
+    name = effect_words(largest.effect, largest.at)
+    others = [effect_words(each.effect, each.at) for each in largest.alternatives[:1]]
+    more = len(largest.alternatives) - 1
+    either = f" or {others[0]}{f' or {more} more' if more > 0 else ''}" if others else ""
+    size = "" if others or not largest.parameters else f", {_size(chief(largest.parameters))}"
+    part = _share_of_first(diagnosis)
+    does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
+    rest = len(diagnosis.findings) - 1
+    smaller = f"; with {rest} {'other' if rest == 1 else 'others'} {left} remain" if rest else f"; {left} remain"
+    floor = "" if diagnosis.noise_floor is None else f", {_over(diagnosis.rms_after, diagnosis.noise_floor)}"
+    return [f"left out: {name}{either}{size}{does}", smaller, floor]
+
+
+def _size(fitted: FittedParameter) -> str:
+    return f"{fitted.parameter.replace('_', ' ')} {value(fitted).text}"
+
+
+def _over(rms: float, floor: float) -> str:
+    times = rms / floor if floor > 0.0 else float("inf")
+    return "the noise floor" if times < 1.1 else f"{figure(times, 2)} times the noise floor"
+
+
+def _largest(diagnosis: Diagnosis) -> Finding | None:
+    return max(diagnosis.findings, key=lambda each: each.rms_explained, default=None)
+
+
+def _share_of_first(diagnosis: Diagnosis) -> float | None:
+    """The share of the mismatch's sum of squares that the largest finding explains by itself: the first rung that has
+    it."""
+    if len(diagnosis.ladder) < 2 or diagnosis.ladder[0].rms <= 0.0:
+        return None
+    return max(0.0, 1.0 - (diagnosis.ladder[1].rms / diagnosis.ladder[0].rms) ** 2)
+
+
+def main_and_small(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
+    """The findings that move the tip most, and those small beside the largest."""
+    largest = max((each.rms_explained for each in findings), default=0.0)
+    small = tuple(each for each in findings if each.rms_explained < SMALL * largest)
+    return tuple(each for each in findings if each not in small), small
+
+
+def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """What to do next, the most useful first; columns of a recording by their names."""
+    lines: list[str] = []
+    logged = _to_log(diagnosis)
+    if logged:
+        lines.append(f"Log {listed(logged)}: that tells apart what this recording cannot.")
+    if diagnosis.noise_floor is None:
+        lines.append("Read some poses twice in a row: repeats say how much of the mismatch is noise.")
+    if diagnosis.unknown is not None and diagnosis.unknown.decide:
+        lines.append(f"To find the cause, {diagnosis.unknown.decide}.")
+    if diagnosis.next_poses:
+        number = len(diagnosis.next_poses)
+        lines.append(f"Record the {number} poses listed below, which tell the names apart, and diagnose again.")
+    if diagnosis.unknown is None and diagnosis.findings:
+        promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of this recording)"
+        lines.append(f"Use arm.yaml, the arm with what was found in it{promised}, in evaluate, optimize, compensate.")
+    return tuple(lines)
+
+
+def _to_log(diagnosis: Diagnosis) -> list[str]:
+    """The columns that would tell a finding from what the data cannot tell it from, as this recording lacks them."""
+    found: dict[str, None] = {}
+    for finding in diagnosis.findings:
+        for other in finding.alternatives:
+            for column in _telling(diagnosis.recording, (finding.effect, finding.at), (other.effect, other.at)):
+                found.setdefault(column)
+    if diagnosis.unknown is not None and "time" in diagnosis.unknown.depends_on:
+        found.update(dict.fromkeys(_lacking(diagnosis.recording, "warming", ())))
+    return list(found)
+
+
+def _telling(
+    recording: Recording, one: tuple[str, tuple[int, ...]], other: tuple[str, tuple[int, ...]]
+) -> Iterable[str]:
+    if one[0] not in EFFECTS or other[0] not in EFFECTS:
+        return
+    first, second = EFFECTS[one[0]], EFFECTS[other[0]]
+    # A joint's number stands in the column's name.
+    at = next((places for effect, places in ((first, one[1]), (second, other[1])) if effect.place == "joint"), ())
+    if first.before_encoder != second.before_encoder and recording.commanded is None:
+        yield from (f"c{number}_deg" for number in at)
+    elif (first.place == "joint") != (second.place == "joint") and recording.joint_side is None:
+        yield from (f"j{number}_deg" for number in at)
+    if (first.place == "base") != (second.place == "base") and recording.base_target is None:
+        yield "basex_mm, basey_mm"
+    for condition in sorted(set(first.requires) ^ set(second.requires)):
+        yield from _lacking(recording, condition, at)
+
+
+def _lacking(recording: Recording, condition: Condition, at: Sequence[int]) -> Iterable[str]:
+    held = {
+        "time": recording.time,
+        "warming": recording.temperature if recording.temperature is not None else recording.link_temperature,
+        "sides": recording.sides,
+        "velocities": recording.velocity,
+        "accelerations": recording.acceleration,
+        "loaded_for": recording.time,
+        "commanded": recording.commanded,
+    }
+    if held.get(condition, recording.q) is None and condition in _COLUMNS:
+        name = _COLUMNS[condition]
+        yield from [name.replace("N", str(number)) for number in at] if "N" in name and at else [name]
