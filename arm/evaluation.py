@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.chain.beam import Beam
-from arm.chain.chain import Arm, LoadCase
+from arm.chain.chain import Arm, Calibrated, LoadCase
 from arm.chain.vectors import is_zero
 from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from arm.errors.lost_motion import played
@@ -103,8 +103,14 @@ class Evaluation:
     """The least stiffness of a planar arm's tip out of its plane; None in space, or where nothing gives."""
 
     @property
+    def relative_to(self) -> Calibrated | None:
+        """The calibrated state that errors count from; None where the whole error counts."""
+        return self.load_cases[0].relative_to
+
+    @property
     def max_error(self) -> float:
-        """The worst position error over the workspace and all load cases, m, to first order."""
+        """The worst position error over the workspace and all load cases, m, to first order; relative to the calibrated
+        state where there is one."""
         return self.worst.error
 
     @property

@@ -171,6 +171,8 @@ class MaterialValues:
 
     `cost` is EUR/kg. `shear_modulus` is the entry's own or, for an isotropic material, E/(2(1+nu)). `beyond`
     names the properties that the entry has, but not at this temperature, with their valid ranges (K).
+    `stiffness_when_calibrated` and `shear_when_calibrated` are the elastic and the shear modulus at the temperature of
+    a calibration over those here.
     """
 
     material: str
@@ -189,6 +191,8 @@ class MaterialValues:
     heat_capacity: float | None = None
     damping: float | None = None
     beyond: tuple[tuple[PropertyName, tuple[float, float]], ...] = ()
+    stiffness_when_calibrated: float = 1.0
+    shear_when_calibrated: float = 1.0
 
     def need(self, name: PropertyName) -> float:
         """Return the value; raises `MissingProperty` where there is none, `OutOfRange` where not at this
@@ -265,11 +269,12 @@ class Material:
         value = self.need(name)
         return value, value
 
-    def at(self, temperature: float = REFERENCE_TEMPERATURE) -> MaterialValues:
-        """Return every property at `temperature` (K), None for those the entry lacks.
+    def at(self, temperature: float = REFERENCE_TEMPERATURE, calibrated_at: float | None = None) -> MaterialValues:
+        """Return every property at `temperature` (K), None for those the entry lacks; `calibrated_at` (K) is where the
+        arm was calibrated (None: at `temperature`).
 
-        Raises `OutOfRange` where the elastic modulus or the density is not known at this temperature; for any
-        other property that happens when the values are asked for it by `need`.
+        Raises `OutOfRange` where the elastic modulus or the density is not known at this temperature, or the modulus
+        where it was calibrated; for any other property that happens when the values are asked for it by `need`.
         """
         values: dict[str, float] = {}
         beyond: list[tuple[PropertyName, tuple[float, float]]] = []
@@ -282,7 +287,14 @@ class Material:
                 if name in ("elastic_modulus", "density"):
                     raise
                 beyond.append((name, error.valid))
-        return MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
+        found = MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
+        if calibrated_at is None or calibrated_at == temperature or found.elastic_modulus is None:
+            return found
+        softer = self.need("elastic_modulus", calibrated_at) / found.elastic_modulus
+        shear = softer
+        if found.shear_modulus is not None:
+            shear = self.need("shear_modulus", calibrated_at) / found.shear_modulus
+        return replace(found, stiffness_when_calibrated=softer, shear_when_calibrated=shear)
 
     def at_bound(self, which: Literal["low", "high"], **bounds: bool) -> Material:
         """Return the material with the properties named true at one end of their spread, constant over their

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal, cast
 
 from arm.actuators import Actuator, load_actuators
-from arm.chain.chain import Arm, LoadCase, askew
+from arm.chain.chain import Arm, Calibrated, LoadCase, askew
 from arm.chain.vectors import ZERO
 from arm.files.read import read_arm, read_load
 from arm.worst.workspace import Workspace
@@ -85,7 +85,9 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         objectives = [figure.name for figure in figures.values() if figure.minimised]
         minimize = mapping.choice("minimize", objectives, "max_error")
         workspace = _workspace(mapping, arm)
-        cases = _load_cases(mapping)
+        cases = _load_cases(mapping) or (arm.payload,)
+        if mapping.has("relative_to"):
+            cases = _relative(mapping, arm, cases)
         limits, ranges, off = _subject_to(mapping, arm, figures)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         shapes, materials, same, actuators = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)))
@@ -94,7 +96,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         arm=arm,
         minimize=minimize,
         workspace=workspace,
-        load_cases=cases or (arm.payload,),
+        load_cases=cases,
         limits=limits,
         link_length=ranges.get("link_length"),
         section_size=ranges.get("section_size", RANGES["section_size"]),
@@ -195,6 +197,25 @@ def _load_cases(mapping: Mapping) -> tuple[LoadCase, ...]:
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)
+
+
+def _relative(mapping: Mapping, arm: Arm, cases: tuple[LoadCase, ...]) -> tuple[LoadCase, ...]:
+    """The load cases with errors that count from the calibrated state of `relative_to`."""
+    with mapping.mapping("relative_to").reading() as body:
+        payload = read_load(body.mapping("payload")) if body.has("payload") else None
+        temperature = body.quantity("temperature", "temperature") if body.has("temperature") else None
+        if payload is None and temperature is None:
+            would_do = (
+                "give the payload or the temperature at which the arm was calibrated, e.g. {payload: {mass: 2 kg}}"
+            )
+            raise body.error("", f"names no calibrated state; {would_do}")
+        if (temperature is None or temperature == arm.temperature) and all(payload in (None, case) for case in cases):
+            message = (
+                "is the state in which the arm works, so that nothing changes; name another payload or temperature"
+            )
+            raise body.error("", message)
+    state = Calibrated(payload, temperature)
+    return tuple(replace(case, relative_to=state) for case in cases)
 
 
 def _subject_to(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from .vectors import Scalar, plus, times
@@ -95,6 +95,7 @@ class Beam:
     `flexural_rigidity_coupling` (E I_yz) is zero but for sections without an axis of symmetry.
     Axial rigidity E A in N, torsional rigidity G J in N*m^2, shear rigidities G A_s in N, mass per length in kg/m,
     thermal expansion in 1/K. A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint.
+    `stiffness_when_calibrated` and `shear_when_calibrated` are the moduli where the arm was calibrated over these.
     """
 
     length: Scalar
@@ -110,6 +111,27 @@ class Beam:
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0
     taper: Taper = UNIFORM
+    stiffness_when_calibrated: Scalar = 1.0
+    shear_when_calibrated: Scalar = 1.0
+
+    @property
+    def calibrated(self) -> Beam:
+        """The beam at the temperature at which the arm was calibrated."""
+
+        def times_(ratio: Scalar, rigidity: Scalar | None) -> Scalar | None:
+            return None if rigidity is None else times(ratio, rigidity)
+
+        normal, shear = self.stiffness_when_calibrated, self.shear_when_calibrated
+        return replace(
+            self,
+            axial_rigidity=times_(normal, self.axial_rigidity),
+            flexural_rigidity_height=times_(normal, self.flexural_rigidity_height),
+            flexural_rigidity_width=times_(normal, self.flexural_rigidity_width),
+            flexural_rigidity_coupling=times(normal, self.flexural_rigidity_coupling),
+            torsional_rigidity=times_(shear, self.torsional_rigidity),
+            shear_rigidity_height=times_(shear, self.shear_rigidity_height),
+            shear_rigidity_width=times_(shear, self.shear_rigidity_width),
+        )
 
     @property
     def mass(self) -> Scalar:
@@ -136,4 +158,6 @@ def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialV
         shear_rigidity_height=None if modulus is None else modulus * section.shear_area_z,
         shear_rigidity_width=None if modulus is None else modulus * section.shear_area_y,
         thermal_expansion=material.thermal_expansion,
+        stiffness_when_calibrated=material.stiffness_when_calibrated,
+        shear_when_calibrated=material.shear_when_calibrated,
     )

@@ -91,11 +91,31 @@ class Link:
 
 @dataclass(frozen=True)
 class LoadCase:
-    """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame."""
+    """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame.
+
+    `relative_to` is the calibrated state that the error counts from; None counts the whole error.
+    """
 
     mass: float = 0.0
     force: FloatVector = ZERO
     moment: FloatVector = ZERO
+    relative_to: Calibrated | None = None
+
+    @property
+    def when_calibrated(self) -> LoadCase | None:
+        """What acts at the tip in the calibrated state; None where the whole error counts."""
+        if self.relative_to is None:
+            return None
+        return replace(self, relative_to=None) if self.relative_to.payload is None else self.relative_to.payload
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """The state in which an arm was calibrated, so that only what changes from it counts: its `payload` (None: that of
+    the load case) and `temperature` in K (None: that at which the arm works)."""
+
+    payload: LoadCase | None = None
+    temperature: float | None = None
 
 
 @dataclass(frozen=True)

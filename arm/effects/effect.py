@@ -215,6 +215,8 @@ class Effect:
     what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
     `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
     (from 0), in its unit: file and finding together are not less than nought (infinite: nobody knows).
+    `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
+    calibration takes it.
     """
 
     id: str
@@ -253,6 +255,7 @@ class Effect:
     along_the_link: bool = False
     turns_along_the_link: bool = False
     declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
+    repeats: bool = False
 
     @property
     def belongs_to_link(self) -> bool:

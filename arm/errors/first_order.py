@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import solve
+from arm.chain.statics import PoseState, solve
 from sections.numeric import Array
 
+from .calibrated import calibrated_state, when_calibrated
 from .exact import deformed
 from .model import beams_of
 from .recorded import Asked, seen
-from .tip import active_effects
+from .tip import ActiveEffect, active_effects
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ class BeyondFirstOrder:
 def beyond_first_order(
     arm: Arm, cases: Sequence[LoadCase], worst: tuple[Sequence[float], int], poses: Array
 ) -> BeyondFirstOrder:
-    """For an arm, at its worst pose (coordinates in rad and m, number of the load case) and at poses (N, n).
+    """For an arm, at its worst pose (coordinates in rad and m, number of the load case) and at poses (N, n); where
+    errors count from a calibrated state, of the difference.
 
     Play lies where the loads seat it, in both. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
     """
@@ -47,12 +50,23 @@ def beyond_first_order(
     settled = True
     for index, case in enumerate(cases):
         state = solve(arm, [q[:, joint] for joint in range(arm.size)], beams_of(arm, (case,)), case)
-        shape = deformed(state, effects, len(q))
-        first = sum((seen(state, each.effect, each.settings, asked).tip for each in effects), np.zeros((len(q), 3)))
-        off: Array = np.linalg.norm(shape.tip - first, axis=1)
-        settled = settled and bool(shape.settled.all())
+        exact, first, found = _both(state, effects, asked)
+        if case.relative_to is not None:
+            exact_there, first_there, found_there = _both(
+                calibrated_state(state), when_calibrated(effects, case), asked
+            )
+            exact, first, found = exact - exact_there, first - first_there, found & found_there
+        off: Array = np.linalg.norm(exact - first, axis=1)
+        settled = settled and bool(found.all())
         most = max(most, float(off.max()))
-        longer = max(longer, float((np.linalg.norm(shape.tip, axis=1) - np.linalg.norm(first, axis=1)).max()))
-        if index == number and shape.settled[0]:
+        longer = max(longer, float((np.linalg.norm(exact, axis=1) - np.linalg.norm(first, axis=1)).max()))
+        if index == number and found[0]:
             at_worst = float(off[0])
     return BeyondFirstOrder(at_worst, most if settled else None, longer if settled else None, len(q))
+
+
+def _both(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """How far the tip has moved (N, 3), as it stands and to first order, m; and where it finds a shape."""
+    shape = deformed(state, effects, asked.rows)
+    first = sum((seen(state, each.effect, each.settings, asked).tip for each in effects), np.zeros((asked.rows, 3)))
+    return shape.tip, first, shape.settled

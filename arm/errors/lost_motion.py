@@ -4,7 +4,8 @@ worst: the play that puts the tip farthest away. Exact in the plane, where the s
 with a disc around it: its farthest point is a vertex, plus the sum of the radii. In space the discs have different
 normals, and the farthest point is sought by climbing the support function v(d), d = v/|v|, from many directions
 (each step cannot decrease |v|, since the set is convex).
-loaded: each play lies where its load pushes it; play without load counts as worst.
+loaded: each play lies where its load pushes it; play without load counts as worst. What a calibration took of it, where
+its own load had pushed it, comes off; of play that no load pushed it took the middle.
 statistical: a quantile over seeded draws, uniform in each interval and over each disc, the same draws at every pose.
 """
 
@@ -70,6 +71,7 @@ def _chunk(arrays: PoseArrays, start: int, stop: int) -> PoseArrays:
         arrays.normals[part],
         arrays.disc_seating[part],
         arrays.load_scale[part],
+        arrays.taken,
     )
 
 
@@ -184,9 +186,13 @@ def _loaded(arrays: PoseArrays, radii: Array, planar: bool) -> PlayedError:
     pushed = pushed_discs(arrays)
     shifts = np.where(pushed, radii / np.where(load > 0.0, load, 1.0), 0.0)[:, :, None] * across
     vector = arrays.vector + np.einsum("nk,nki->ni", signs, arrays.intervals) + shifts.sum(axis=1)
-    free = np.where(seated[:, :, None], 0.0, arrays.intervals)
-    rest = _worst(vector, free, arrays.normals, np.where(pushed, 0.0, radii), planar)
-    return PlayedError(rest.error, rest.vector, np.where(seated, signs, rest.signs), shifts + rest.shifts)
+    settled_intervals, settled_discs = seated.copy(), pushed.copy()
+    settled_intervals[:, seated.shape[1] - arrays.taken[0] :] = True
+    settled_discs[:, pushed.shape[1] - arrays.taken[1] :] = True
+    free = np.where(settled_intervals[:, :, None], 0.0, arrays.intervals)
+    rest = _worst(vector, free, arrays.normals, np.where(settled_discs, 0.0, radii), planar)
+    signs = np.where(settled_intervals, signs, rest.signs)
+    return PlayedError(rest.error, rest.vector, signs, shifts + rest.shifts)
 
 
 def draws(statistics: Statistics, intervals: int, discs: int) -> tuple[Array, Array]:

@@ -24,6 +24,7 @@ from materials.material import MissingProperty
 from sections.numeric import Array
 from sections.taper import Tapered
 
+from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
 from .tip import TipError, active_effects, tip_error
 
 BEAM_FIELDS = (
@@ -37,8 +38,11 @@ BEAM_FIELDS = (
     "shear_rigidity_width",
     "flexural_rigidity_coupling",
     "thermal_expansion",
+    "stiffness_when_calibrated",
+    "shear_when_calibrated",
 )
-"""The order in which `beam_values` lists each link's length, mass, rigidities and thermal expansion."""
+"""The order in which `beam_values` lists each link's length, mass, rigidities, thermal expansion and what its moduli
+were where the arm was calibrated."""
 
 
 class PropertyNeeded(MissingProperty):
@@ -58,7 +62,7 @@ def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
     A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
     """
     asked = {each.effect.shear_modulus for each in active_effects(arm)}
-    planar = all(arm.planar(load) for load in (loads or (arm.payload,)))
+    planar = all(planar_in(arm, load) for load in (loads or (arm.payload,)))
     return "always" in asked or ("in space" in asked and not planar)
 
 
@@ -73,11 +77,11 @@ def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
 
     Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
     """
-    shear = needs_shear_modulus(arm, loads)
-    return tuple(_beam(arm, index, link, shear) for index, link in enumerate(arm.links))
+    shear, calibrated_at = needs_shear_modulus(arm, loads), calibrated_temperature(loads)
+    return tuple(_beam(arm, index, link, shear, calibrated_at) for index, link in enumerate(arm.links))
 
 
-def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
+def _beam(arm: Arm, index: int, link: Link, shear: bool = False, calibrated_at: float | None = None) -> Beam:
     if link.section is None:
         if link.mass is None:
             raise PropertyNeeded(f"link {index + 1} has neither a section nor a known mass")
@@ -85,7 +89,7 @@ def _beam(arm: Arm, index: int, link: Link, shear: bool = False) -> Beam:
         return Beam(length=link.length, lumped_mass=link.mass, lumped_at=center)
     if link.material is None:
         raise PropertyNeeded(f"link {index + 1} has a section but no material")
-    material = link.material.at(arm.temperature)
+    material = link.material.at(arm.temperature, calibrated_at)
     if isinstance(link.section, Tapered):
         return tapered_beam(link.length, link.section, material, shear=shear)
     section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
@@ -105,6 +109,8 @@ class PoseArrays:
     `vector` (N, 3) is the deterministic error; `intervals` (N, k, 3) the reach of each play along a motion and
     `interval_seating` (N, k) the load that seats it; `normals` and `disc_seating` (N, d, 3) belong to the discs, whose
     radii are the model's. `load_scale` (N,) is the size of the loads that the arm carries (N and N*m alike).
+    The last `taken` intervals and discs are play that a calibration took where its load had seated it: what nothing
+    seats was taken in its middle.
     """
 
     vector: Array
@@ -113,6 +119,7 @@ class PoseArrays:
     normals: Array
     disc_seating: Array
     load_scale: Array
+    taken: tuple[int, int] = (0, 0)
 
 
 @dataclass(frozen=True)
@@ -157,7 +164,13 @@ class CaseModel:
             np.reshape(normals, (count, -1, 3)),
             np.reshape(loads, (count, -1, 3)),
             scale[:, 0],
+            self.taken,
         )
+
+    @property
+    def taken(self) -> tuple[int, int]:
+        """How many intervals and discs, the last of each, are what a calibration took of the play."""
+        return sum(each.taken for each in self.error.intervals), sum(each.taken for each in self.error.discs)
 
 
 @dataclass(frozen=True)
@@ -175,7 +188,7 @@ def error_model(arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = Non
     cases = tuple(_case(arm, load, only) for load in (loads or (arm.payload,)))
     q, p = symbols(arm), beam_symbols(arm)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
-    planar = all(arm.planar(case.load) for case in cases)
+    planar = all(planar_in(arm, case.load) for case in cases)
     return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]))
 
 
@@ -209,7 +222,8 @@ def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
     q, p = symbols(arm), beam_symbols(arm)
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
     effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
-    error = tip_error(state, effects)
+    whole = load.relative_to is None
+    error = tip_error(state, effects) if whole else error_since_calibrated(state, effects, arm.play)
     outputs = (
         _column(error.vector),
         _column([component for interval in error.intervals for component in interval.vector]),

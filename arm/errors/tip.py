@@ -31,6 +31,8 @@ class TipInterval:
     joint: int
     vector: Vector
     seating: Scalar
+    taken: bool = False
+    """What a calibration took of it, where its load had seated it."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class TipDisc:
     radius: float
     normal: Vector
     seating: Vector
+    taken: bool = False
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 from arm.chain.chain import Arm, EffectEntry, LoadCase
 from arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
+from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import error_model
 from sections.numeric import Array
 from units.quantities import format_quantity
-from units.temperature import REFERENCE_TEMPERATURE
+from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from .search import WorstSearch
 from .workspace import Workspace
@@ -26,7 +27,8 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class GrowthLeftOut:
-    """Thermal growth that a model leaves out: from 20 degC to `temperature` (K).
+    """Thermal growth that a model leaves out: from `since` (K), 20 degC or where the arm was calibrated, to
+    `temperature` (K).
 
     `error` is the worst error (m) over the workspace with it, None where no link's material says how much it grows;
     `unknown` are the links (from 0) whose material does not, and whose growth is therefore not in it.
@@ -35,10 +37,11 @@ class GrowthLeftOut:
     temperature: float
     error: float | None
     unknown: tuple[int, ...]
+    since: float = REFERENCE_TEMPERATURE
 
     def words(self, error: float) -> str:
         """A warning, beside the worst error (m) without growth."""
-        span = f"{self.temperature - REFERENCE_TEMPERATURE:+.4g} K from 20 degC"
+        span = f"{self.temperature - self.since:+.4g} K from {self.since - ZERO_CELSIUS:.4g} degC"
         opening = f"thermal expansion is left out ({span})"
         numbers = " and ".join(str(link + 1) for link in self.unknown)
         if self.error is None:
@@ -55,16 +58,21 @@ def growth_left_out(
     arm: Arm, cases: Sequence[LoadCase], space: Workspace, p: Array, *, gap: float
 ) -> GrowthLeftOut | None:
     """The thermal growth that an arm's model leaves out over a workspace, for beams p (see `arm.errors.model`); None
-    at 20 degC, and where the arm's `effects` have it, at whatever links."""
+    at 20 degC, or at the temperature at which it was calibrated where errors count from that, and where the arm's
+    `effects` have it, at whatever links."""
     counted = any(entry.effect == THERMAL_EXPANSION.id for entry in arm.effects)
-    if counted or abs(arm.temperature - REFERENCE_TEMPERATURE) < _SAME:
+    since = REFERENCE_TEMPERATURE
+    if any(case.relative_to is not None for case in cases):
+        calibrated_at = calibrated_temperature(cases)
+        since = arm.temperature if calibrated_at is None else calibrated_at
+    if counted or abs(arm.temperature - since) < _SAME:
         return None
     materials = [None if link.material is None else link.material.at(arm.temperature) for link in arm.links]
     grows = [material is not None and material.thermal_expansion is not None for material in materials]
     unknown = tuple(index for index, known in enumerate(grows) if not known)
     if not any(grows):
-        return GrowthLeftOut(arm.temperature, None, unknown)
+        return GrowthLeftOut(arm.temperature, None, unknown, since)
     at = tuple(number for number, known in enumerate(grows, start=1) if known)
     grown = replace(arm, effects=(*arm.effects, EffectEntry(THERMAL_EXPANSION.id, at)))
     worst = WorstSearch(error_model(grown, cases), space, gap=gap).worst(p)
-    return GrowthLeftOut(arm.temperature, worst.error, unknown)
+    return GrowthLeftOut(arm.temperature, worst.error, unknown, since)

@@ -103,7 +103,10 @@ def error_polynomials(
         if held:
             # In the plane a pin's load is a dead load, so the pin lies on the same side of its bore at every pose.
             only_discs = replace(
-                arrays, intervals=arrays.intervals[:, :0], interval_seating=arrays.interval_seating[:, :0]
+                arrays,
+                intervals=arrays.intervals[:, :0],
+                interval_seating=arrays.interval_seating[:, :0],
+                taken=(0, arrays.taken[1]),
             )
             vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
         rows = [vector, arrays.intervals.reshape(len(q), -1)]
@@ -122,7 +125,9 @@ def error_polynomials(
     seatings = None
     if loaded and count:
         seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, 3 + 3 * count :], kept)
-    radius = float(case.radii[~pushed].sum())
+    # Of a pin that nothing pushed a calibration took the middle.
+    free = np.arange(len(pushed)) < len(pushed) - case.taken[1]
+    radius = float(case.radii[~pushed & free].sum())
     return ErrorPolynomials(
         number,
         matter,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from arm.chain.chain import Arm, Link
+from arm.chain.chain import Arm, Link, LoadCase
 from arm.files.write import material_to_value, section_to_mapping
 from arm.worst.workspace import Workspace
 from linkwright.version import program_version
@@ -170,12 +170,27 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "drives": _drives(evaluation),
         "links": links_json(arm, evaluation.link_masses),
         "workspace": _workspace(arm, evaluation.workspace),
-        "load_cases": [
-            fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment") for case in evaluation.load_cases
-        ],
+        "load_cases": [_load(case) for case in evaluation.load_cases],
+        "relative_to": _relative_to(evaluation),
         **fields(evaluation, "warnings", "unknown"),
         "thermal_growth_left_out": None if evaluation.growth is None else _growth(evaluation.growth),
         "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
+    }
+
+
+def _load(case: LoadCase) -> dict[str, Any]:
+    return fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment")
+
+
+def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:
+    """The calibrated state that errors count from: `payload` is null where it is each load case's own."""
+    state = evaluation.relative_to
+    if state is None:
+        return None
+    temperature = evaluation.arm.temperature if state.temperature is None else state.temperature
+    return {
+        "payload": None if state.payload is None else _load(state.payload),
+        "temperature_degC": temperature - ZERO_CELSIUS,
     }
 
 
@@ -183,6 +198,7 @@ def _growth(growth: GrowthLeftOut) -> dict[str, Any]:
     """The thermal growth that the model leaves out: what the worst error would be with it."""
     return {
         "temperature_degC": growth.temperature - ZERO_CELSIUS,
+        "since_degC": growth.since - ZERO_CELSIUS,
         **fields(growth, "max_error_mm=error"),
         "links_not_known": [link + 1 for link in growth.unknown],
     }

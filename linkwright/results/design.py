@@ -16,6 +16,7 @@ from optimize.worse import MUCH_LESS, Worse, softened_links
 
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
 from .figures_in_words import (
+    calibrated_words,
     effect_title,
     figure,
     load_case_words,
@@ -59,6 +60,14 @@ def first_order_words(evaluation: Evaluation) -> str:
     most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} samples"
     with_it = "" if bound is None else f"; bound with it {mm(bound, 6)}"
     return f"first order is {mm(beyond.at_worst, 2)} off there{most}{with_it}"
+
+
+def relative_words(evaluation: Evaluation) -> list[Paragraph]:
+    """What the error counts from, where that is a calibrated state."""
+    state = evaluation.relative_to
+    return (
+        [] if state is None else [Paragraph(f"only what changes from calibration: {calibrated_words(state)}", "under")]
+    )
 
 
 def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:
@@ -200,7 +209,9 @@ def asked(evaluation: Evaluation) -> list[tuple[str, str]]:
     cases = [
         (f"load case {number_}", load_case_words(case)) for number_, case in enumerate(evaluation.load_cases, start=1)
     ]
-    return [("workspace", workspace_words(evaluation.arm, evaluation.workspace)), *cases]
+    state = evaluation.relative_to
+    since = [] if state is None else [("error relative to", calibrated_words(state))]
+    return [("workspace", workspace_words(evaluation.arm, evaluation.workspace)), *cases, *since]
 
 
 def settings(rows: Sequence[tuple[str, str]]) -> Table:

@@ -23,6 +23,7 @@ def describe(evaluation: Evaluation) -> Description:
         Paragraph(design.bound_words(evaluation), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
         Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
+        *design.relative_words(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
         section("Error over the workspace", Picture("map"), poses),

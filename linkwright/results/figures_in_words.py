@@ -6,8 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
+from units.temperature import ZERO_CELSIUS
+
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm, Link, LoadCase
+    from arm.chain.chain import Arm, Calibrated, Link, LoadCase
     from arm.worst.workspace import Workspace
 
 MINUS = "−"
@@ -97,6 +99,14 @@ def load_case_words(case: LoadCase) -> str:
     if any(case.moment):
         parts.append(f"moment ({', '.join(figure(value) for value in case.moment)}) N·m")
     return ", ".join(parts)
+
+
+def calibrated_words(state: Calibrated) -> str:
+    """The state that an arm was calibrated in, as a phrase."""
+    load = "each load case's own payload" if state.payload is None else load_case_words(state.payload)
+    if state.temperature is None:
+        return f"{load}, at the temperature of work"
+    return f"{load}, at {figure(state.temperature - ZERO_CELSIUS)} degC"
 
 
 def workspace_words(arm: Arm, workspace: Workspace) -> str:

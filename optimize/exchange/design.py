@@ -13,6 +13,7 @@ import numpy as np
 
 from arm.chain.beam import Beam, elastic_beam
 from arm.chain.chain import Arm, LoadCase, askew
+from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import (
     BEAM_FIELDS,
     beam_values,
@@ -38,6 +39,8 @@ MATERIAL_FIELDS = (
     "yield_strength",
     "cost",
     "thermal_expansion",
+    "stiffness_when_calibrated",
+    "shear_when_calibrated",
 )
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
 
@@ -191,7 +194,7 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
         if material is None:
             rows += [0.0] * len(MATERIAL_FIELDS)
             continue
-        values = material.at(problem.arm.temperature)
+        values = material.at(problem.arm.temperature, calibrated_temperature(problem.load_cases))
         for name in MATERIAL_FIELDS:
             if name in needed:
                 rows.append(material.need(name, problem.arm.temperature))  # type: ignore[arg-type]

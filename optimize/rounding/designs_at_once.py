@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arm.chain.beam import elastic_beam
 from arm.chain.chain import Arm
+from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
 from arm.limits.strength import STRENGTH_FIELDS, strength_values
 from optimize.exchange.program import carried_mass, drives_cost
@@ -79,7 +80,7 @@ class Table:
         for option in options:
             assert option.section is not None
             assert option.material is not None
-            values = option.material.at(temperature)
+            values = option.material.at(temperature, calibrated_temperature(self.problem.load_cases))
             properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
             beam = elastic_beam(1.0, properties, values, shear=shear)
             price = option.material.need("cost", temperature) if priced else 0.0

@@ -47,6 +47,7 @@ def test_without_gravity_the_error_left_out_is_alpha_l_times_the_warming_of_the_
     content = evaluation_json(found)["thermal_growth_left_out"]
     assert content == {
         "temperature_degC": pytest.approx(50.0),
+        "since_degC": pytest.approx(20.0),
         "max_error_mm": pytest.approx(1e3 * growth_of(STEEL, ALUMINIUM)),
         "links_not_known": [],
     }

@@ -40,6 +40,7 @@ RAIL_PITCH = Effect(
         ),
     ),
     play=_play,
+    repeats=True,
     enough=(("angle",),),
     only="joints that slide",
     of_link=False,

@@ -38,6 +38,7 @@ RAIL_STRAIGHTNESS = Effect(
         ),
     ),
     play=_play,
+    repeats=True,
     enough=(("deviation",),),
     only="joints that slide",
 )
