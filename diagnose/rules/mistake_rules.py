@@ -164,5 +164,8 @@ class MistakeRules:
         "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor.",
         JUDGED,
     )
+    swapped_levels: int = rule(
+        4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
+    )
     zero_steps: int = rule(72, "steps of a turn", "Where a zero is first looked for: every 5 deg.", TIME)
     most_signs: int = rule(7, "joints", "So many may count the other way together, at most.", TIME)

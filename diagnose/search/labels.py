@@ -19,6 +19,7 @@ from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.recording import Recording
 from diagnose.residual.observed import observe, rms_length, visits
+from diagnose.rules.rules import Rules
 from sections.numeric import Array
 
 from .naming import Namer, name_missing
@@ -48,7 +49,7 @@ def mislabelled(
     """
     rules = asked.rules
     enough = min(rules.mistakes.label_leaves * left, rules.fitting.at_the_floor * floor)
-    tried = list(_relabelled(arm, recording))
+    tried = list(_relabelled(arm, recording, rules))
     namers: list[tuple[float, Namer, _Tried]] = []
     for number, each in enumerate(tried):
         tell(number / (len(tried) + 1))
@@ -74,30 +75,25 @@ def _left(namer: Namer, members: tuple[int, ...]) -> float:
     return rms_length(remaining(namer.prepared, fit(namer.prepared, members))[:, :width])
 
 
-def _relabelled(arm: Arm, recording: Recording) -> Iterator[_Tried]:
+def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried]:
     """The recording with one mistake put right, each in turn."""
-    visit = visits(recording, arm)
+    visit = visits(recording, arm, rules=rules.residual)
     sides, payload = recording.sides, recording.payload_mass
     if sides is not None and len(np.unique(sides, axis=0)) > 1:
-        for which, late in _SHIFTS:
+        for which, late in (("late", 1), ("early", -1)):
             for unit, source, keep in _sources(visit, late):
                 told = f"the sides (dirN) were logged one {unit} {which}"
                 yield _Tried(told, replace(recording, sides=sides[source]).kept(keep))
         yield _Tried("the sides (dirN) were logged with the opposite sign", replace(recording, sides=-sides))
     if payload is not None and len(levels := np.unique(payload)) > 1:
-        for which, late in _SHIFTS:
+        for which, late in (("late", 1), ("early", -1)):
             for unit, source, keep in _sources(visit, late):
                 told = f"payload_kg was logged one {unit} {which}"
                 yield _Tried(told, replace(recording, payload_mass=payload[source]).kept(keep))
-        if len(levels) <= _MOST_LEVELS:
+        if len(levels) <= rules.mistakes.swapped_levels:
             for one, other in itertools.combinations(levels.tolist(), 2):
                 told = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"
                 yield _Tried(told, replace(recording, payload_mass=_swapped(payload, one, other)))
-
-
-_SHIFTS = (("late", 1), ("early", -1))
-_MOST_LEVELS = 4
-"""Payloads of which every two are swapped in turn; of more nobody confuses just two."""
 
 
 def _sources(visit: NDArray[np.int64], late: int) -> Iterator[tuple[str, NDArray[np.int64], NDArray[np.bool_]]]:
