@@ -7,6 +7,7 @@ each reading's noise the next one remembers. Then everything is set up again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -128,28 +129,39 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
 
     `noise_floor` (m) is what repeats of a pose differ by, None where there are none.
     """
-    rough = replace(observed, scale=_first_scale(observed))
-    patterns = patterns_of(rough, options)
-    left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
-    scale = _scatter(left, rough)
-    outlying = _outliers(left / scale, observed)
-    keep = ~outlying
-    if not outlying.any():
-        return _with_memory(replace(observed, scale=scale), patterns, left, noise_floor)
-    rejected = tuple(
-        RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
-        for row in np.flatnonzero(outlying).tolist()
-    )
-    again = observe(
-        observed.arm_given,
-        observed.recording.kept(keep),
-        scale=_scatter(left[keep], rough),
-        about=observed.about,
-        rules=observed.rules,
-    )
-    # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
-    patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
-    return _with_memory(again, patterns, left[keep], noise_floor, rejected)
+    rejected: list[RejectedRow] = []
+    patterns, left = patterns_of(observed, options), observed.residual
+    for _ in range(observed.rules.fitting.passes):
+        rough = replace(observed, scale=_first_scale(observed))
+        left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
+        scale = _scatter(left, rough)
+        outlying = _outliers(left / scale, observed)
+        if not outlying.any():
+            return _with_memory(replace(observed, scale=scale), patterns, left, noise_floor, _in_order(rejected))
+        rejected += [
+            RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
+            for row in np.flatnonzero(outlying).tolist()
+        ]
+        keep = ~outlying
+        many = len(rejected) > observed.rules.fitting.most_outliers * len(keep)
+        observed = observe(
+            observed.arm_given,
+            observed.recording.kept(keep),
+            scale=_scatter(left[keep], rough),
+            about=observed.about,
+            rules=observed.rules,
+        )
+        # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
+        patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
+        left = left[keep]
+        if not many:
+            break
+        # So many have bent the first rough model: what they hid stands out from the next.
+    return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
+
+
+def _in_order(rejected: Sequence[RejectedRow]) -> tuple[RejectedRow, ...]:
+    return tuple(sorted(rejected, key=lambda each: each.row))
 
 
 def _with_memory(
@@ -268,15 +280,43 @@ def _scatter(left: Array, observed: Observed) -> Array:
 
 
 def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
+    """Readings (N, C), over their scatter, that lie far off and are no part of the mismatch: a handful anywhere; where
+    they are many, those that the other readings of their own visit do not bear out."""
     width, rules = observed.components, observed.rules.fitting
-    distance = np.sqrt(np.sum(scaled[:, :width] ** 2, axis=1))
+    tip = scaled[:, :width]
+    distance = np.sqrt(np.sum(tip**2, axis=1))
     limit = rules.outlier_margin * np.sqrt(stats.chi2.ppf(1.0 - rules.far_tail / len(scaled), width))
     far = distance > limit
-    # Readings of one visit that all lie far off agree with each other: that is the pose, not the readings.
+    # Readings of one visit that all lie far off and agree with each other: that is the pose, not the readings.
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)
     count, outside = np.bincount(visit), np.bincount(visit, weights=far)
-    far &= ~((count > 1) & (outside == count))[visit]
-    return far if far.mean() <= rules.most_outliers else np.zeros(len(far), dtype=bool)
+    whole = (count > 1) & (outside == count)
+    means = np.stack([np.bincount(visit, weights=part) / count for part in tip.T], axis=1)
+    apart = (
+        np.bincount(visit, weights=np.sum((tip - means[visit]) ** 2, axis=1)) > (limit * np.maximum(count - 1, 1)) ** 2
+    )
+    far &= ~(whole & ~apart)[visit]
+    far &= ~_warming_up(tip, far, observed)
+    if far.mean() <= rules.most_outliers:
+        return far
+    alone = far & ((count > outside) | (whole & apart))[visit]
+    return alone if alone.mean() <= rules.most_alone else np.zeros(len(far), dtype=bool)
+
+
+def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArray[np.bool_]:
+    """Which readings that lie far off (N, D) begin a recording together and come nearer the same way, the first that
+    is not far off among them: something settles."""
+    run = int(np.argmin(far)) if not far.all() else len(far)
+    found = np.zeros(len(far), dtype=bool)
+    if run == 0:
+        return found
+    first = tip[: run + 1]
+    if len(first) < 2 or np.linalg.norm(first[-1]) < observed.rules.residual.settles:
+        return found
+    unit = first / np.linalg.norm(first, axis=1)[:, None]
+    same_way = np.sum(unit[1:] * unit[:-1], axis=1) > observed.rules.fitting.same_way
+    found[:run] = bool(same_way.all())
+    return found
 
 
 def _memory(scaled: Array, observed: Observed) -> float:

@@ -77,16 +77,17 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     first (Rousseeuw & Croux 1993, see `robust.qn`) and the pooled scatter of what is left after that.
     """
     free = recording.frame == "free"
-    place = placed(arm, recording.q, recording.tip, frame=free, tool=recording.tool == "free")
+    tool = recording.tool == "free"
+    place = placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
     # Components are those of the measuring instrument: the residual is turned back into its frame.
     residual = place.residual @ place.rotation
     visited = repeat_groups(recording, arm, rules=rules)
     groups = without_drift(residual, visited, rules=rules)
-    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording, rules)
     width = recording.tip.shape[1]
-    dof = cleaned.degrees_of_freedom
     step = [resolution(recording.tip[:, k]) or 0.0 for k in range(width)]
     least = np.array(step) / np.sqrt(12.0)
+    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording, least, rules)
+    dof = cleaned.degrees_of_freedom
     measured = np.sqrt(cleaned.squares / dof) if dof else None
     coarse = measured is not None and bool((measured <= least).all()) and bool(least.any())
     if measured is not None:
@@ -107,7 +108,7 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     if measured is not None and (declared is None or disagree or (dof >= rules.enough_freedom and not coarse)):
         sigma, source, rested = tuple(float(each) for each in measured), "repeats", dof
     elif declared is not None:
-        sigma, source, rested = (declared,) * width, "declared", 0
+        sigma, source, rested = tuple(max(declared, float(each)) for each in least), "declared", 0
     else:
         sigma, source, rested = None, "none", 0
         again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
@@ -117,6 +118,11 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
             sigma, source = tuple(max(each, rules.finest, float(least[k])) for k, each in enumerate(spread)), "revisits"
     drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm, rules)
     floor = None if sigma is None else float(np.sqrt(sum(each * each for each in sigma)))
+    if declared is not None and declared < least.max():
+        warnings.append(
+            f"The declared sigma of {_length(declared)} is less than readings in steps of {_length(max(step))} can "
+            f"show: what rounding leaves counts ({_length(float(least.max()))})."
+        )
     sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
     if source == "repeats" and len(groups) > len(visited):
         sentence = (
@@ -198,8 +204,11 @@ def _count(values: Array, largest: float, rules: ResidualRules) -> float:
     return least if np.all(np.abs(counts - np.round(counts)) < rules.even_steps * np.maximum(counts, 1.0)) else 0.0
 
 
-def _clean(residual: Array, groups: Sequence[Rows], recording: Recording, rules: ResidualRules) -> _Cleaned:
-    """Take rows that stand out of their groups, twice: by a robust scale, then by the scatter that is left."""
+def _clean(
+    residual: Array, groups: Sequence[Rows], recording: Recording, least: Array, rules: ResidualRules
+) -> _Cleaned:
+    """Take rows that stand out of their groups, twice: by a robust scale, then by the scatter that is left; of a column
+    that is constant or coarse the scale is what rounding leaves, `least` (D,), at least."""
     width = residual.shape[1]
     outliers: tuple[RejectedRow, ...] = ()
     doubtful: tuple[int, ...] = ()
@@ -215,20 +224,19 @@ def _clean(residual: Array, groups: Sequence[Rows], recording: Recording, rules:
             )
         else:
             scale = np.sqrt(squares / dof)
-        if not (scale > 0.0).all():
-            break
-        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules.false_outlier)
+        scale = np.maximum(np.maximum(scale, least), rules.finest)
+        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules)
         squares, dof = _pooled(residual, kept)
     return _Cleaned(kept, squares, dof, outliers, doubtful)
 
 
 def _without_outliers(
-    scaled: Array, groups: Sequence[Rows], recording: Recording, false_outlier: float
+    scaled: Array, groups: Sequence[Rows], recording: Recording, rules: ResidualRules
 ) -> tuple[tuple[Rows, ...], tuple[RejectedRow, ...], tuple[int, ...]]:
     count = sum(len(group) for group in groups)
     # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
     width = scaled.shape[1]
-    limit = width * float(f_distribution.isf(false_outlier / count, width, 0.8 * (count - len(groups))))
+    limit = width * float(f_distribution.isf(rules.false_outlier / count, width, 0.8 * (count - len(groups))))
     kept: list[Rows] = []
     outliers: list[RejectedRow] = []
     doubtful: list[int] = []
@@ -241,10 +249,17 @@ def _without_outliers(
             worst = int(np.argmax(squared))
             if squared[worst] <= limit:
                 break
+            in_order = scaled[rows] if worst == 0 else scaled[rows[::-1]]
+            if worst in (0, len(rows) - 1) and _settles(in_order, rules):
+                # Neither an outlier nor repeats: what was measured still moved.
+                rows, dropped = rows[:0], []
+                break
             dropped.append((int(rows[worst]), float(np.sqrt(squared[worst]))))
             rows = np.delete(rows, worst)
         if len(rows) == 2 and np.sum((scaled[rows[0]] - scaled[rows[1]]) ** 2) / 2.0 > limit:
             doubtful += [int(recording.row[index]) for index in group]
+            continue
+        if not len(rows):
             continue
         for index, far in dropped:
             others = rows_text(recording.row[rows])
@@ -252,6 +267,14 @@ def _without_outliers(
             outliers.append(RejectedRow(int(recording.row[index]), reason))
         kept.append(rows)
     return tuple(kept), tuple(sorted(outliers, key=lambda each: each.row)), tuple(sorted(doubtful))
+
+
+def _settles(scaled: Array, rules: ResidualRules) -> bool:
+    """Whether the second of three or more readings (m, D) of a visit, over their scatter, lies off the further ones the
+    way the first does: an arm or an instrument that warms up."""
+    later = scaled[2:].mean(axis=0)
+    way = (scaled[0] - later) / np.linalg.norm(scaled[0] - later)
+    return float((scaled[1] - later) @ way) > rules.settles * np.sqrt(1.0 + 1.0 / (len(scaled) - 2))
 
 
 def _pooled(residual: Array, groups: Sequence[Rows]) -> tuple[Array, int]:

@@ -23,6 +23,15 @@ class FittingRules:
     most_outliers: float = rule(
         0.05, "share of the rows", "More rows far off are no handful of bad readings but part of the mismatch.", PROOF
     )
+    most_alone: float = rule(
+        0.35,
+        "share of the rows",
+        "So many may lie far off where others of their own visit do not: that is the readings, not the pose.",
+        JUDGED,
+    )
+    same_way: float = rule(
+        0.8, "cosine", "Readings that begin a recording far off and point the same way settle: no outliers.", JUDGED
+    )
     least_pairs: int = rule(
         20,
         "pairs of readings",

@@ -1,0 +1,46 @@
+"""A coarse column does not switch the check for outliers off, and what warms up is no outlier."""
+
+import numpy as np
+import pytest
+
+from diagnose.diagnosis import diagnose
+from diagnose.residual.noise import noise_floor
+from tests.diagnose.by_cosines import file, noise, poses, recording, tips
+
+FINE = 1.5e-6
+
+
+@pytest.mark.parametrize("step", [5, None], ids=["in steps of 10 um", "constant"])
+def test_one_coarse_column_does_not_switch_the_check_off(step):
+    """The other column's noise is 1.5 um; two readings are millimetres off."""
+    q = np.repeat(poses(1), 3, axis=0)
+    tip = tips(q) + noise(1, len(q), FINE)
+    tip[:, 0] = np.round(tip[:, 0], step) if step else tips(q)[:, 0]
+    tip[10, 1] += 4e-3
+    tip[70, 1] += 3e-3
+    read = recording(q, tip)
+    floor = noise_floor(read, file())
+    assert [each.row for each in floor.outliers] == [11, 71]
+    assert floor.sigma[1] == pytest.approx(FINE, rel=0.2)
+    assert floor.sigma[0] < 1e-5 / np.sqrt(12.0) + FINE
+    found = diagnose(file(), read)
+    assert found.verdict == "none"
+    assert found.scatter is None  # what rounding leaves is no scatter of the arm
+
+
+@pytest.mark.parametrize(("together", "lasts"), [(1, 60.0), (4, 32.0), (15, 60.0)])
+def test_what_warms_up_is_no_outlier(together, lasts):
+    """0.3 mm at first, then less with every reading: alone, in repeats of four and in one long stay."""
+    q = np.repeat(poses(2, 120 // together), together, axis=0)
+    time = 8.0 * np.arange(len(q))
+    warms = 3e-4 * np.exp(-time / lasts)[:, None] * [1.0, 0.5]
+    found = diagnose(file(), recording(q, tips(q) + warms + noise(2, len(q))))
+    assert found.rejected_rows == ()
+    assert all(each.effect == "frame_drift" for each in found.findings)
+
+
+def test_a_first_reading_that_is_wrong_is_an_outlier_still():
+    q = np.repeat(poses(2, 30), 4, axis=0)
+    tip = tips(q) + noise(2, len(q))
+    tip[[0, 40]] += 3e-4
+    assert [each.row for each in noise_floor(recording(q, tip), file()).outliers] == [1, 41]
