@@ -9,13 +9,12 @@ import numpy as np
 
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
-from diagnose.answer.sentences import mm, name_of
 from diagnose.fitting.prepare import prepare
 from diagnose.residual.noise import NoiseFloor, noise_floor
-from diagnose.residual.observed import observe, visits
+from diagnose.residual.observed import observe, one_condition, visits
 from diagnose.residual.orientation import with_sound_orientation
+from diagnose.rules.rules import Rules
 from diagnose.search.coupling import coupled, through_what_is_named
-from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
@@ -42,12 +41,14 @@ def diagnose(
     rules = asked.rules
     recording = with_sound_orientation(arm, recording, rules=rules.residual)
     noise = noise_floor(recording, arm, rules=rules.residual)
-    cleaned = _without(recording, noise)
+    cleaned = _once_each(_without(recording, noise), arm, noise, rules)
     tell("setting the recording against the model", 0.05)
     searched = _thinned(arm, cleaned, asked)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
     prepared = prepare(observe(arm, searched, rules=rules), asked, known)
+    if len(prepared.rejected) > rules.fitting.most_outliers * searched.size:
+        noise = _less_doubtful(noise, noise_floor(prepared.observed.recording, arm, rules=rules.residual))
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
 
@@ -59,7 +60,7 @@ def diagnose(
 
     too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
     too_few |= prepared.criterion.count < rules.search.least_observations
-    if not prepared.pool.groups or too_few:
+    if not prepared.pool.groups or too_few or one_condition(prepared.observed):
         named = None
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.3 * share))
@@ -79,24 +80,7 @@ def diagnose(
             )
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
-    found = Conclusion(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
-    return _with_labels(found, arm, searched, asked, known, tell)
-
-
-def _with_labels(
-    found: Diagnosis, arm: Arm, recording: Recording, asked: Options, known: float | None, tell: Progress
-) -> Diagnosis:
-    """The result with what labels seem to be wrong, where it has no explanation of its own."""
-    if known is None or (found.unknown is None and found.scatter is None):
-        return found
-    wrong = mislabelled(
-        arm, recording, asked, known, found.rms_promised, lambda share: tell("labels put right", 0.96 + 0.04 * share)
-    )
-    if wrong is None:
-        return found
-    names = " and ".join(name_of(effect, at) for effect, at in wrong.named)
-    said = f"{wrong.said}: with that put right, {names} leave {mm(wrong.rms)} RMS, the noise floor"
-    return replace(found, labels=said, sentence=f"{found.sentence} It looks as if {said}.")
+    return Conclusion(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
 
 
 def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:
@@ -108,6 +92,20 @@ def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:
     share = longest / recording.size
     taken = np.random.default_rng(asked.seed).random(int(visit[-1]) + 1) < share
     return recording.kept(taken[visit])
+
+
+def _once_each(recording: Recording, arm: Arm, noise: NoiseFloor, rules: Rules) -> Recording:
+    """One reading of each visit where repeats are rounded alike: they are off together, and tell nothing more."""
+    if noise.resolution is None:
+        return recording
+    visit = visits(recording, arm, rules=rules.residual)
+    return recording.kept(np.concatenate([[True], np.diff(visit) != 0]))
+
+
+def _less_doubtful(before: NoiseFloor, after: NoiseFloor) -> NoiseFloor:
+    """The noise floor once many readings were set aside beside a model: of pairs that disagreed it is known then which
+    reading was wrong."""
+    return replace(after, outliers=before.outliers) if after.rms_m is not None else before
 
 
 def _without(recording: Recording, noise: NoiseFloor) -> Recording:

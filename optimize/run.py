@@ -65,7 +65,7 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
         before_map=_map_before(given, context, poses),
-        after_map=error_map(_whole(context), numeric_beams(arm, problem.load_cases), poses=poses),
+        after_map=error_map(context.search, numeric_beams(arm, problem.load_cases), poses=poses),
         optimum=optimum_of(context, choice) if found.exhaustive and not doubts else "local",
         doubts=doubts,
         combinations=count(problem),
@@ -79,18 +79,10 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
 
 def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:
     """The error map of the arm as given; with other drives or tapers it has an error model of its own."""
-    search = _whole(context)
+    search = context.search
     if context.problem.arm is not given.arm:
         search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
     return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
-
-
-def _whole(context: Context) -> WorstSearch:
-    """The search for the whole error, which maps show whatever counts of it."""
-    problem = context.problem
-    if problem.workspace.error == "whole":
-        return context.search
-    return WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
 
 
 def _limits(problem: Problem) -> tuple[str, ...]:

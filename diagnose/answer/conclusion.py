@@ -7,14 +7,16 @@ from collections.abc import Sequence
 from types import MappingProxyType
 
 import numpy as np
+from scipy.stats import chi2
 
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.fitting.corrected_arm import corrected_arm
 from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
 from diagnose.fitting.held_out import hardest, splits
+from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording
-from diagnose.residual.observed import beyond_first_order, rms_length
+from diagnose.residual.observed import beyond_first_order, one_condition, rms_length
 from diagnose.result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
 from diagnose.search.aliases import Rival
 from sections.numeric import Array
@@ -92,7 +94,13 @@ class Conclusion(Confirmed):
             residual_before=before,
             residual_after=after,
             corrected=corrected,
-            notes=(*recording.warnings, *self.noise.warnings, *notes, *self._notes()),
+            notes=(
+                *self.observed.alignment.undetermined,
+                *recording.warnings,
+                *self.noise.warnings,
+                *notes,
+                *self._notes(),
+            ),
             seconds=time.perf_counter() - began,
             lack_of_fit=self.lack_of_fit,
             scatter=self._scatter(),
@@ -234,7 +242,7 @@ class Conclusion(Confirmed):
         p_value: float,
     ) -> str:
         if self.named is None:
-            return "Too few readings: nothing can be told from this recording."
+            return self._too_few(rms_before)
         return verdict_sentence(
             findings,
             unknown,
@@ -244,6 +252,15 @@ class Conclusion(Confirmed):
             self._causes(),
             scatter=self._scatter(),
             rules=self.rules.fitting,
+        )
+
+    def _too_few(self, rms_before: float) -> str:
+        if self.observed.rows < self.rules.search.least_visits or not one_condition(self.observed):
+            return "Too few readings: nothing can be told from this recording."
+        floor = "" if self.noise.rms_m is None else f" (its readings differ by {mm(self.noise.rms_m)})"
+        return (
+            f"One pose, read {self.observed.rows} times: it is {mm(rms_before)} off there{floor}, and nothing tells "
+            "why. What an arm lacks shows by how its error changes from pose to pose."
         )
 
     def _notes(self) -> tuple[str, ...]:
@@ -274,11 +291,30 @@ class Conclusion(Confirmed):
                 "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
                 "three times or more, with others between."
             )
+        found += self._stray()
         if self.named is not None and self.named.left is not None and not self.outside:
             p = min(test.p_value for test in self.named.left)
             if p <= self.rules.search.false_alarm:
                 found.append(f"What remains, {mm(rms_length(self._after()))} RMS, is more than chance (p = {p:.2g}).")
         return tuple(found)
+
+    def _stray(self) -> list[str]:
+        """What is said of readings that lie far off what is left by the middle ones, where they are too many to be set
+        aside and no repeats bear the others out."""
+        rules, width = self.rules.fitting, self.observed.components
+        far_off = np.linalg.norm(self._after(), axis=1)
+        scatter = float(np.median(far_off)) / np.sqrt(chi2.ppf(0.5, width))
+        limit = rules.outlier_margin * np.sqrt(chi2.isf(rules.far_tail / len(far_off), width)) * scatter
+        far = far_off > limit
+        if self.named is None or scatter <= 0.0 or not rules.most_outliers < far.mean() < rules.most_alone:
+            return []
+        further, middle = mm(rms_length(self._after()[far])), mm(float(np.median(far_off)))
+        rows = rows_text(self.observed.recording.row[far])
+        return [
+            f"{int(far.sum())} of {len(far)} readings lie further off than scatter goes, {further} RMS, where the "
+            f"middle one is {middle} off ({rows}): too many to be set aside with nothing to check them by. Read every "
+            "pose three times, and bad readings show."
+        ]
 
 
 def _fitted(effect: str) -> bool:

@@ -11,7 +11,7 @@ are the pure error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from scipy.stats import f as f_distribution
 
 from diagnose.fitting.held_out import HeldOut
 from diagnose.residual.observed import Observed, poses, rms_length
+from diagnose.residual.robust_scale import resolution
 from diagnose.result import LackOfFit
 from diagnose.rules.answer_rules import AnswerRules
 from sections.numeric import Array
@@ -110,6 +111,10 @@ def refuted_by(
     means = np.stack([np.bincount(visit, weights=column) / np.bincount(visit) for column in left.T], axis=1)
     returns = split(means, _conditions(observed)[_first(visit)])
     come_back = returns.freedom[0] >= rules.enough_returns
+    least = _rounding(observed, left.shape[1])
+    # Readings of a visit are rounded alike: of all of them together no less is off than of one.
+    repeats = _no_finer(repeats, least**2 * observed.rows / (visit[-1] + 1))
+    returns = _no_finer(returns, least**2)
     if not (enough or come_back) or not (repeats.within if enough else returns.within).any():
         return None
     again = come_back and (not enough or _returns_worse(returns, repeats, visit, rules))
@@ -133,6 +138,18 @@ def refuted_by(
         held_out_times=held_out.rms() / float(np.median(drawn)),
         held_out_p=float(np.mean(drawn >= held_out.rms())),
     )
+
+
+def _rounding(observed: Observed, width: int) -> Array:
+    """What rounding to the instrument's steps is off by (D,), m; shared by all where the frame was turned."""
+    steps = np.array([resolution(observed.recording.tip[:, axis]) or 0.0 for axis in range(width)]) / np.sqrt(12.0)
+    turned = observed.recording.frame == "free"
+    return np.full(width, np.sqrt(np.mean(steps**2))) if turned else steps
+
+
+def _no_finer(parts: Split, variance: Array) -> Split:
+    """A split whose pure error is no less than that of these variances (D,)."""
+    return replace(parts, within=np.maximum(parts.within, parts.expected[0] * variance))
 
 
 def memory_at_most(left: Array, visit: Groups, *, rules: AnswerRules) -> float:

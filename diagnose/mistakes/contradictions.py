@@ -60,6 +60,7 @@ def _refuse_units(
             recording.tip * change.tip,
             frame=recording.frame == "free",
             tool=recording.tool == "free",
+            undetermined=rules.undetermined,
         )
         # Relative to the motion: in units that are small enough, everything is close to everything.
         share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
@@ -107,7 +108,8 @@ def _refuse_conventions(
 
     found, further = explained(frame=frame, tool=tool), ""
     if not (frame and tool):
-        free = placed(arm, recording.q, recording.tip, frame=True, tool=True).misfit
+        both = placed(arm, recording.q, recording.tip, frame=True, tool=True, undetermined=rules.undetermined)
+        free = both.misfit
         if found is None and gross and free >= rules.better * place.misfit:
             found, further = explained(frame=True, tool=True), " and `frame: free` and `tool: free`"
         elif found is not None and free <= 2.0 * found.misfit:
@@ -131,7 +133,14 @@ def _frame_sentences(
     for frame, tool in ((True, False), (False, True), (True, True)):
         if (frame and not known_frame) or (tool and not known_tool):
             continue
-        free = placed(arm, recording.q, recording.tip, frame=frame or not known_frame, tool=tool or not known_tool)
+        free = placed(
+            arm,
+            recording.q,
+            recording.tip,
+            frame=frame or not known_frame,
+            tool=tool or not known_tool,
+            undetermined=rules.undetermined,
+        )
         words = [word for word, is_free in (("frame: free", frame), ("tool: free", tool)) if is_free]
         tries.append((" and ".join(words), free))
     good = [(words, free) for words, free in tries if free.misfit < rules.better * place.misfit]

@@ -75,7 +75,8 @@ class _Search:
     def confirmed(self, slip: Slip) -> float:
         """The middle distance with a mistake mended, m."""
         q, tip = slip.applied(self.q, self.tip)
-        return placed(self.arm, q, tip, frame=self.frame, tool=self.tool).misfit
+        told = self.rules.undetermined
+        return placed(self.arm, q, tip, frame=self.frame, tool=self.tool, undetermined=told).misfit
 
 
 def explained_by_convention(

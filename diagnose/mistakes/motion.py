@@ -38,7 +38,7 @@ def motion_checked(
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
     if reach <= 0.0:
         return recording
-    place = _placed(recording, arm)
+    place = _placed(recording, arm, rules)
     warnings = contradictions(recording, arm, place, reach, headers, rules)
     limit = max(rules.far * place.misfit, rules.gross * reach)
     gross = place.distance > limit
@@ -58,8 +58,9 @@ def motion_checked(
     return recording.without([RejectedRow(int(recording.row[k]), reason) for k, reason in sorted(rejected.items())])
 
 
-def _placed(recording: Recording, arm: Arm) -> Placement:
-    return placed(arm, recording.q, recording.tip, frame=recording.frame == "free", tool=recording.tool == "free")
+def _placed(recording: Recording, arm: Arm, rules: MistakeRules) -> Placement:
+    free, tool = recording.frame == "free", recording.tool == "free"
+    return placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
 
 
 def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: MistakeRules) -> dict[int, str]:

@@ -2,6 +2,7 @@
 
 The frame may stand anywhere (a tracker on a tripod), so it is found exactly first (`rigid`), then frame and tool
 together by Gauss-Newton. What is left of both is linear and stays among the nuisances of every fit.
+Directions in which the readings hardly tell frame and tool apart (a target that never turns) are left alone, and said.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from scipy.spatial.transform import Rotation
 from arm.chain.arrays import matrices
 from arm.chain.statics import PoseState
 from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
 from .placement import rigid
@@ -26,19 +29,23 @@ _STEPS = 30
 @dataclass(frozen=True)
 class Alignment:
     """Measured positions as base-frame positions: `rotation` (D, D) and `translation` (D,), m; `tool` (D,), m, is added
-    to the arm's own in the last link's frame; `residual` (N, D), m, is measured less modelled after all that."""
+    to the arm's own in the last link's frame; `residual` (N, D), m, is measured less modelled after all that.
+    `undetermined` are sentences on what of frame and tool the readings do not tell: it is left at nought."""
 
     rotation: Array
     translation: Array
     tool: Array
     residual: Array
+    undetermined: tuple[str, ...] = ()
 
     def in_base(self, measured: Array) -> Array:
         """Measured positions (N, D) in the base frame, m."""
         return measured @ self.rotation.T + self.translation
 
 
-def aligned(recording: Recording, state: PoseState, modelled: Array) -> Alignment:
+def aligned(
+    recording: Recording, state: PoseState, modelled: Array, *, rules: ResidualRules = RULES.residual
+) -> Alignment:
     """Set measured against modelled tips (N, D), m, with frame and tool free where the recording says so."""
     measured, width = recording.tip, recording.tip.shape[1]
     rotation, translation, tool = np.eye(width), np.zeros(width), np.zeros(width)
@@ -49,26 +56,61 @@ def aligned(recording: Recording, state: PoseState, modelled: Array) -> Alignmen
         return Alignment(rotation, translation, tool, measured - modelled)
     if free_frame:
         rotation, translation = rigid(measured, modelled)
+    turns = 1 if width == 2 else 3
+    # A turn counts as what it moves at the arm's size, so that all are lengths.
+    size = np.ones(width * (free_frame + free_tool) + turns * free_frame)
+    if free_frame:
+        size[width : width + turns] = max(float(np.sqrt(np.mean(np.sum(modelled**2, axis=1)))), 1e-12)
+    undetermined: Array = np.zeros((0, len(size)))
     for _ in range(_STEPS):
         placed = measured @ rotation.T + translation
         residual = placed - modelled - directions @ tool
+        center = placed.mean(axis=0)
         columns: list[Array] = []
         if free_frame:
-            columns += [_frame_columns(placed)]
+            columns += [_frame_columns(placed - center)]
         if free_tool:
             columns += [-directions]
-        step = np.linalg.lstsq(np.concatenate(columns, axis=2).reshape(-1, sum(c.shape[2] for c in columns)),
-                               -residual.reshape(-1), rcond=1e-10)[0]  # fmt: skip
-        turns = 1 if width == 2 else 3
+        design = (np.concatenate(columns, axis=2) / size).reshape(-1, len(size))
+        step, undetermined = _determined(design, -residual.reshape(-1), rules.undetermined)
+        step /= size
         if free_frame:
             turn = _rotation(step[width : width + turns])
-            rotation, translation = turn @ rotation, turn @ translation + step[:width]
+            rotation, translation = turn @ rotation, turn @ (translation - center) + center + step[:width]
         if free_tool:
             tool = tool + step[-width:]
         if np.abs(step).max() < 1e-12:
             break
     residual = measured @ rotation.T + translation - modelled - directions @ tool
-    return Alignment(rotation, translation, tool, residual)
+    said = _sentences(undetermined, width if free_tool else 0, rules.named_part)
+    return Alignment(rotation, translation, tool, residual, said)
+
+
+def _determined(design: Array, target: Array, share: float) -> tuple[Array, Array]:
+    """Least squares of a target (n,) by columns (n, k) in the directions alone that the readings tell, and the other
+    directions (m, k): those that move less than a share of the best."""
+    u, s, vt = np.linalg.svd(design, full_matrices=False)
+    told = s > share * s[0]
+    return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+
+
+def _sentences(undetermined: Array, of_tool: int, named: float) -> tuple[str, ...]:
+    """What the readings do not tell of frame and tool (m, k), whose last columns are the tool's, in words."""
+    if not len(undetermined):
+        return ()
+    shares = np.sum(undetermined**2, axis=0)
+    tool = shares[len(shares) - of_tool :]
+    axes = [axis for axis, part in zip("xyz", tool.tolist(), strict=False) if part > named]
+    if axes:
+        return (
+            "Frame and tool are both free, and the target hardly turns: its place on the tool along "
+            f"{' and '.join(axes)} cannot be told from where the measuring frame stands, and is left as the arm file "
+            "has it.",
+        )
+    return (
+        "The points that were reached lie on a line or closer: how the measuring frame is turned about it cannot be "
+        "told, and is left at nought.",
+    )
 
 
 def _frame_columns(points: Array) -> Array:

@@ -234,7 +234,8 @@ def _placed(
     first, turn = _to_first_order(shape.state, arm, about, asked)
     width = recording.tip.shape[1]
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
-    alignment = aligned(recording, shape.state, (columns(nominal.tip(), recording.size) + shape.tip)[:, :width])
+    tips = (columns(nominal.tip(), recording.size) + shape.tip)[:, :width]
+    alignment = aligned(recording, shape.state, tips, rules=rules)
     placed = replace(alignment, residual=alignment.residual + first[:, :width])
     return nominal, shape.state, modelled, placed, turn
 
@@ -316,6 +317,15 @@ def poses(observed: Observed) -> NDArray[np.int64]:
     same = same_pose(observed.arm, observed.rules.residual)
     rounded = np.round(observed.recording.q / (observed.rules.residual.one_pose * same)).astype(np.int64)
     return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+
+def one_condition(observed: Observed) -> bool:
+    """Whether all readings are of one pose, payload, side and force, however often it was read."""
+    recording = observed.recording
+    near = observed.rules.residual.one_pose * same_pose(observed.arm, observed.rules.residual)
+    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    still = bool((np.ptp(recording.q, axis=0) <= near).all())
+    return still and all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_load for each in held)
 
 
 def turns_measured(components: int) -> int:

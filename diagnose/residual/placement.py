@@ -44,8 +44,9 @@ class Placement:
         return float(np.median(self.distance))
 
 
-def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> Placement:
-    """Nominal and measured tips with frame and tool free where asked, by iteratively reweighted least squares."""
+def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool, undetermined: float) -> Placement:
+    """Nominal and measured tips with frame and tool free where asked, by iteratively reweighted least squares. What of
+    the tool shows less than a share `undetermined` of itself beside the frame is left at nought."""
     width = measured.shape[1]
     tips, axes = nominal(arm, q, width)
     rotation, translation, offset = np.eye(width), np.zeros(width), np.zeros(width)
@@ -65,7 +66,9 @@ def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> P
                 columns = [-axes] + ([np.broadcast_to(np.eye(width), axes.shape)] if frame else [])
                 matrix = np.concatenate(columns, axis=2) * weight[:, None, None]
                 step = np.linalg.lstsq(
-                    matrix.reshape(-1, matrix.shape[2]), -(residual * weight[:, None]).reshape(-1), rcond=1e-9
+                    matrix.reshape(-1, matrix.shape[2]),
+                    -(residual * weight[:, None]).reshape(-1),
+                    rcond=undetermined,
                 )[0]
                 offset = offset + step[:width]
             if frame:

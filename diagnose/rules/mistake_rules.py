@@ -80,6 +80,12 @@ class MistakeRules:
         "Another unit, frame, tool or joint explains a contradiction if it leaves less than this of it.",
         JUDGED,
     )
+    undetermined: float = rule(
+        1e-3,
+        "share of the best told direction",
+        "Less of a tool than this does not show beside the frame: it is left as the arm file has it.",
+        JUDGED,
+    )
     simpler: float = rule(
         2.0, "times the least distance", "Frame or tool alone is enough where both together leave no less.", JUDGED
     )
@@ -157,15 +163,6 @@ class MistakeRules:
         "share of the tips' spread",
         "What is left of a mismatch that a convention explains is less. No physics of an arm comes near it.",
         PROOF,
-    )
-    label_leaves: float = rule(
-        0.7,
-        "share of what was left",
-        "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor.",
-        JUDGED,
-    )
-    swapped_levels: int = rule(
-        4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
     )
     zero_steps: int = rule(72, "steps of a turn", "Where a zero is first looked for: every 5 deg.", TIME)
     most_signs: int = rule(7, "joints", "So many may count the other way together, at most.", TIME)

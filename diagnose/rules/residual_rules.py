@@ -54,6 +54,12 @@ class ResidualRules:
         PROOF,
         rows="A standard deviation from fewer is off by a third and more.",
     )
+    settles: float = rule(
+        2.5,
+        "standard deviations",
+        "A visit's second reading that lies so far off the later ones, the way the first does, still settles.",
+        JUDGED,
+    )
     disagree: float = rule(0.01, "chance", "Repeats that the declared sigma gives less often disagree with it.", JUDGED)
     finest: float = rule(1e-9, "m", "No instrument of an arm's size resolves less.", JUDGED)
     drift_beyond: float = rule(
@@ -88,6 +94,14 @@ class ResidualRules:
         TIME,
         rows="The share is spread evenly, so that one more reading changes the scale no more than any other.",
     )
+    undetermined: float = rule(
+        1e-3,
+        "share of the best told direction",
+        "Less of frame and tool than this is not told by the readings and is left at nought: a target that turns by a "
+        "milliradian puts a tool a metre off for a millimetre of anything.",
+        JUDGED,
+    )
+    named_part: float = rule(0.1, "share", "Of a direction that is not told: parts that have more are named.", JUDGED)
     turned: float = rule(
         0.1, "rad", "Poses that differ by no more tell nothing of how orientations are written.", JUDGED
     )
