@@ -1,31 +1,19 @@
-"""What holds a design back, what that costs, and why a problem has no answer."""
+"""What holds a design back, and what that costs."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import replace
-
 from arm.evaluation import Evaluation
 from optimize.choice.combinations import Choice
-from optimize.choice.picks import Combination, some_combinations
-from optimize.exchange.design import Variable, material_row, starting_points
-from optimize.exchange.exchange import Context, Exchange, first_pool
+from optimize.exchange.design import Variable
 from optimize.exchange.program import Solution
 from sections import SHAPES
-from units.quantities import format_quantity, read_bound
+from units.quantities import format_quantity
 
-from .limits import Limit
 from .problem import Problem
 from .result import BindingLimit
 
 _FELT = 1e-6
 """A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""
-_EXPLAINED = 24
-"""Combinations looked at to explain why none is feasible."""
-_ROUNDS = 12
-_BROKEN = 1e-5
-"""A limit whose logarithm had to give way by more than this is one that stands in the way."""
 
 
 def price_unit(problem: Problem, unit: str) -> str:
@@ -141,67 +129,3 @@ def _add_wall_prices(
                 if abs(multiplier) > _FELT and slope != 0.0 and abs(float(before.value)) < 1e-6:
                     prices["thickness", side] = prices.get(("thickness", side), 0.0) + slope
                     where.setdefault(("thickness", side), []).append(f"link {link + 1} wall")
-
-
-def why_infeasible(context: Context) -> str:
-    """Which limits stand in each other's way, by the least relaxation that would let some combination through."""
-    problem = context.problem
-    best: tuple[float, str] | None = None
-    for pick in some_combinations(problem, _EXPLAINED):
-        found = _relaxation(context, pick)
-        if found is not None and (best is None or found[0] < best[0]):
-            best = found
-    if best is None:
-        return "no design keeps all limits, and no relaxation of them was found"
-    return best[1]
-
-
-def _relaxation(context: Context, pick: Combination) -> tuple[float, str] | None:
-    from optimize.exchange.design import design_space
-
-    problem = context.problem
-    space = design_space(problem, pick.shapes)
-    materials = material_row(pick.materials, problem)
-    exchange = Exchange(context, space)
-    for start in starting_points(space, materials, 3):
-        pool = first_pool(context, space, start, pick.materials)
-        x = start
-        for _ in range(_ROUNDS):
-            solution = exchange.program(pool).solve(x, materials, pool, relax=True)
-            broken = [k for k, slack in enumerate(solution.slacks) if abs(slack) > _BROKEN]
-            if not solution.solved or not broken:
-                break
-            needs = {k: _needed(problem.limits[k], solution.slacks[k]) for k in broken}
-            limits = tuple(replace(limit, value=needs.get(k, limit.value)) for k, limit in enumerate(problem.limits))
-            relaxed = Exchange(replace(context, problem=replace(problem, limits=limits)), space)
-            grown = relaxed.worse_poses(solution, pick.materials, pool)
-            if grown.size == pool.size:
-                return sum(abs(solution.slacks[k]) for k in broken), _told(problem, needs)
-            x, pool = solution.x, grown
-    return None
-
-
-def _needed(limit: Limit, slack: float) -> float:
-    """The limit's value at the least relaxation, to four digits, rounded to the side that is feasible."""
-    kind = limit.figure.kind
-    way = 1.0 if (slack > 0.0) == (limit.relation != ">=") else -1.0
-    exact = limit.value * math.exp(way * abs(slack)) * (1.0 + 1e-4 * way)
-    need = exact
-    for step in range(21):
-        text = format_quantity(exact * (1.0 + 1e-4 * step * way), kind, digits=4)
-        need = read_bound(f"<= {text}", kind, file="", key="").value
-        if way * (need - exact) >= 0.0:
-            break
-    return need
-
-
-def _told(problem: Problem, needs: Mapping[int, float]) -> str:
-    parts: list[str] = []
-    for index, value in needs.items():
-        limit = problem.limits[index]
-        need = format_quantity(value, limit.figure.kind, digits=4)
-        parts.append(f"{limit.text} would have to be {limit.relation} {need}")
-    rest = [limit.text for k, limit in enumerate(problem.limits) if k not in needs]
-    kept = f", with {', '.join(rest)} kept" if rest else ""
-    sizes = format_quantity(problem.section_size[0], "length"), format_quantity(problem.section_size[1], "length")
-    return f"no design keeps all limits: {' and '.join(parts)}{kept} (section_size {sizes[0]} to {sizes[1]})"

@@ -9,13 +9,16 @@ from arm.errors.model import error_model
 from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
 from arm.worst.search import WorstSearch
 from arm.worst.workspace import Unreachable
-from optimize.choice.actuators import choose_driven
+from optimize.choice.actuators import choose_driven, first_driven
 from optimize.choice.combinations import Choice, Progress, count
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context
 from units.quantities import NoAnswer, format_quantity
 
-from .explain import binding_limits, why_infeasible
+from .explain import binding_limits
+from .infeasible.answer import Infeasible
+from .infeasible.needed import explained
+from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .result import Iteration, OptimizationResult, Status
 from .trust import doubts_of, optimum_of
@@ -23,16 +26,31 @@ from .trust import doubts_of, optimum_of
 Log = Callable[[Iteration], None]
 
 
-def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | None = None) -> OptimizationResult:
+def optimise(
+    problem: Problem,
+    *,
+    log: Log | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], None] | None = None,
+) -> OptimizationResult:
     """The best design for a problem.
 
+    `told` hears at once of limits that no design can keep, before it is found out what they would have to be.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
-    the best design so far is the result, marked `interrupted`. Raises `NoAnswer` where no design keeps
-    the limits or the workspace cannot be reached, and `InputError` where a figure is missing that the problem needs.
+    the best design so far is the result, marked `interrupted`. Raises `NoAnswer` where the workspace cannot be reached,
+    `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
+    where a figure is missing that the problem needs.
     """
     began = time.perf_counter()
     given = problem
     try:
+        beyond = out_of_reach(problem)
+        if beyond:
+            if told is not None:
+                for each in beyond:
+                    told(each.text)
+            context, names = first_driven(problem)
+            raise Infeasible(explained(context, beyond=beyond, progress=progress), _looked_at(names))
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
         found = choose_driven(problem, progress=progress, log=log)
     except Unreachable as error:
@@ -40,8 +58,7 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         raise NoAnswer(f"workspace: {error}{hint}") from None
     context, choice, problem = found.context, found.choice, found.context.problem
     if choice is None:
-        words = f" (looked at with {found.names})" if found.names else ""
-        raise NoAnswer(why_infeasible(context) + words)
+        raise Infeasible(explained(context, unsolved=found.unsolved, progress=progress), _looked_at(found.names))
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
@@ -75,6 +92,11 @@ def optimise(problem: Problem, *, log: Log | None = None, progress: Progress | N
         figures=problem.figures,
         interrupted=choice.interrupted,
     )
+
+
+def _looked_at(names: str) -> str:
+    """With which actuators the limits were looked at, for the end of a line."""
+    return f" (looked at with {names})" if names else ""
 
 
 def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from units.units import Kind, kinds, registry
 
@@ -62,7 +62,13 @@ class InputError(Exception):
 
 
 class NoAnswer(Exception):
-    """A well-formed question without an answer (exit status 1); the message says what stands in the way."""
+    """A well-formed question without an answer (exit status 1); the message says what stands in the way.
+
+    `infeasible` holds, where no design keeps all limits, all that is known of why, in SI (an
+    `optimize.infeasible.answer.Infeasibility`); None elsewhere.
+    """
+
+    infeasible: Any = None
 
 
 class SIFloat(float):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,10 +14,11 @@ from linkwright.output.files import (
     RESULT,
     check_target,
     claim_folder,
+    write_json,
     write_markdown,
     write_result,
 )
-from units.quantities import InputError
+from units.quantities import InputError, NoAnswer
 
 from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
 
@@ -51,7 +52,8 @@ def optimize(
     ] = None,
 ) -> None:
     """Run the command."""
-    from linkwright.results.optimization import describe
+    from linkwright.json.infeasible import infeasible_json
+    from linkwright.results.optimization import describe, describe_infeasible
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 
@@ -67,7 +69,15 @@ def optimize(
         asked = lw.read_problem(problem, catalogue=catalogue)
     claim_folder(out, "optimize")
     with asked_of(problem):
-        result = _solved(asked, round_to, round_length)
+        try:
+            result = _solved(asked, round_to, round_length)
+        except NoAnswer as error:
+            if error.infeasible is not None:
+                write_json(json, infeasible_json(error.infeasible, "optimize", problem))
+                described = describe_infeasible(error.infeasible)
+                write_markdown(markdown, described)
+                show(console(), described)
+            raise
     write_result(json, result.to_json())
     if out is not None:
         result.save(out)
@@ -96,8 +106,12 @@ def _solved(problem: Problem, round_to: str | None, round_length: str | None) ->
     def log(iteration: Iteration) -> None:
         screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
 
+    def beyond(text: str) -> None:
+        screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
+
+    given: Any = {"round_to": round_to, "round_length": round_length}
     try:
-        return lw.optimize(problem, round_to=round_to, round_length=round_length, progress=steps, log=log)
+        return lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond)
     except KeyboardInterrupt:
         steps.close()
         _stopped("no design was finished yet, so there is none to keep")

@@ -130,14 +130,16 @@ def optimize(
     round_length: Quantity | None = None,
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
+    out_of_reach: Callable[[str], None] | None = None,
 ) -> Optimization:
     """The best design within a problem's limits.
 
     `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
     (text, or m; 1 mm by default); where no such design keeps the limits, `found.not_rounded` says why and which comes
     nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody
-    looks; `log` of every round. Ctrl-C ends it with the best design so far, marked `interrupted`. Raises `InputError`,
-    `MissingProperty`, and `NoAnswer` with the limit that stands in the way.
+    looks; `log` of every round; `out_of_reach` at once of a limit that no design can keep. Ctrl-C ends it with the best
+    design so far, marked `interrupted`. Raises `InputError`, `MissingProperty`, and `NoAnswer`, whose `infeasible` says
+    what each limit would have to be.
 
     >>> import linkwright as lw
     >>> problem = lw.Problem(
@@ -169,9 +171,9 @@ def optimize(
                 log(iteration)
 
         if rounding is not None:
-            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries)
+            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries, told=out_of_reach)
         else:
-            found = optimise(asked.model, log=heard, progress=tries)
+            found = optimise(asked.model, log=heard, progress=tries, told=out_of_reach)
     return Optimization(asked, found)
 
 

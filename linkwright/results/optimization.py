@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.json.design import objective_unit
+from optimize.infeasible.answer import Infeasibility, changed
 from optimize.result import BindingLimit, Iteration, OptimizationResult
 
 from . import design, rounding
@@ -31,6 +32,8 @@ from .figures_in_words import factor_words, figure, mm, percent, with_unit
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
 _SCALE = "Both to one scale; links as thick as their sections are high."
+_NONE = "no value does"
+_UNDECIDED = "not decided"
 _COLOURS = "One colour scale for both; the numbered circles are the worst poses."
 
 
@@ -279,3 +282,31 @@ def names_words(names: Sequence[str | None]) -> str:
     """Shapes or materials from the base out; one name where all links have the same."""
     shown = [name or "–" for name in names]
     return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown)
+
+
+def describe_infeasible(found: Infeasibility) -> Description:
+    """What stands in the way, limit by limit."""
+    joint = {each.limit.text: changed(each.limit, each.needed) for each in found.joint}
+    rows = [
+        (
+            each.limit.text,
+            Value(
+                changed(each.limit, each.needed)
+                if each.needed is not None
+                else _NONE
+                if each.outcome == "none"
+                else _UNDECIDED
+            ),
+            Value(joint.get(each.limit.text, "kept" if joint else "")),
+        )
+        for each in found.limits
+    ]
+    items: list[Item] = [Paragraph(each.text, "warning") for each in found.out_of_reach]
+    items += [Paragraph(f"{found.rests_on}; {found.kept} kept", "under")]
+    if rows:
+        items.append(table(("limit", "alone would have to be", "in the smallest joint change"), rows))
+    if found.joint_sum is not None:
+        told = f"the joint change is {with_unit(100.0 * found.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
+        items.append(Paragraph(told, "under"))
+    head = "No design keeps all limits" if found.verdict == "infeasible" else "Could not be decided"
+    return Description(head, head, tuple(items), head)

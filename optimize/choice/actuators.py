@@ -22,7 +22,7 @@ from optimize.problem import Problem
 from optimize.result import DriveCandidate, Iteration
 from units.quantities import NoAnswer
 
-from .combinations import Choice, Progress, choose
+from .combinations import Choice, NoChoice, Progress, chosen
 
 Log = Callable[[Iteration], None]
 Assignment = tuple[Actuator | None, ...]
@@ -45,6 +45,8 @@ class Driven:
     candidates: tuple[DriveCandidate, ...]
     exhaustive: bool
     names: str
+    unsolved: int = 0
+    """On how many combinations of shapes and materials the solver failed, where there is no choice."""
 
 
 def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
@@ -86,6 +88,7 @@ class _Search:
         self.problem, self.progress, self.log = problem, progress, log
         self.best: tuple[Assignment, Context, Choice] | None = None
         self.candidates: dict[Assignment, DriveCandidate] = {}
+        self.unsolved = 0
 
     @property
     def objective(self) -> float:
@@ -104,14 +107,15 @@ class _Search:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
             before = math.inf if self.best is None else self.objective
-            choice = choose(context, log=self.log, known=before)
-            if choice is not None:
+            choice = chosen(context, log=self.log, known=before)
+            if isinstance(choice, Choice):
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:
                     self.best = (pick, context, choice)
                 if choice.interrupted:
                     raise KeyboardInterrupt
             else:
+                self.unsolved += choice.unsolved
                 self._note(pick, None, "infeasible" if math.isinf(before) else "bounded out")
 
     def _hopeless(self, pick: Assignment) -> bool:
@@ -154,7 +158,10 @@ def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Lo
     """
     if problem.actuators is None:
         context = context_of(problem)
-        return Driven(context, choose(context, progress=progress, log=log), (), True, "")
+        found = chosen(context, progress=progress, log=log)
+        if isinstance(found, NoChoice):
+            return Driven(context, None, (), True, "", found.unsolved)
+        return Driven(context, found, (), True, "")
     search = _Search(problem, progress, log)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
     picks = assignments(problem) if exhaustive else []
@@ -180,7 +187,17 @@ def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Lo
         ended = replace(choice, interrupted=interrupted)
         return Driven(context, ended, ranked, exhaustive and not interrupted, names_of(pick))
     first = next(iter(search.candidates))
-    return Driven(context_of(search.problem_with(first)), None, ranked, exhaustive, names_of(first))
+    context = context_of(search.problem_with(first))
+    return Driven(context, None, ranked, exhaustive, names_of(first), search.unsolved)
+
+
+def first_driven(problem: Problem) -> tuple[Context, str]:
+    """The context of a problem with the first of its choices of actuators, and their names; without such a choice, with
+    the drives that the arm has."""
+    if problem.actuators is None:
+        return context_of(problem), ""
+    pick = tuple(own[0] if own else None for own in problem.actuators)
+    return context_of(_Search(problem, None, None).problem_with(pick)), names_of(pick)
 
 
 def names_of(pick: Assignment) -> str:

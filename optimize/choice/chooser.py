@@ -256,6 +256,11 @@ class Chooser:
         names = tuple(None if material is None else material.name for material in pick.materials)
         self.candidates[pick] = Candidate(pick.shapes, names, objective, outcome)  # type: ignore[arg-type]
 
+    def note_infeasible(self, pick: Combination) -> None:
+        """Note a combination that is known to keep the limits nowhere."""
+        if pick not in self.candidates:
+            self._note(pick, None, "infeasible")
+
     def link_by_link(self) -> None:
         """Coordinate search: the best combination in which all links agree, then one link at a time until none
         improves."""

@@ -15,13 +15,15 @@ from optimize.result import Candidate, Iteration
 
 from .chooser import Chooser, Progress
 from .given import given_design
-from .many import CLOSE, among_many
+from .many import CLOSE, among_many, possible
 from .picks import Combination, combinations, count
 
 Array = NDArray[np.float64]
 
 MOST_COMBINATIONS = 1000
 """Up to this many combinations every one is tried."""
+_FEW = 24
+"""Up to this many it is not asked first whether any can keep the limits."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,18 @@ class Choice:
     """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
 
 
+@dataclass(frozen=True)
+class NoChoice:
+    """What became of the combinations where none has a solution."""
+
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def unsolved(self) -> int:
+        """On how many of them the solver failed, which proves nothing."""
+        return sum(each.outcome == "unsolved" for each in self.candidates)
+
+
 def choose(
     context: Context,
     *,
@@ -55,6 +69,21 @@ def choose(
     known: float = math.inf,
 ) -> Choice | None:
     """The best combination of shapes and materials; None where none has a solution (better than `known`, SI).
+
+    See `chosen`, which also says what became of the combinations then.
+    """
+    found = chosen(context, progress=progress, log=log, known=known)
+    return found if isinstance(found, Choice) else None
+
+
+def chosen(
+    context: Context,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    known: float = math.inf,
+) -> Choice | NoChoice:
+    """The best combination of shapes and materials, where any has a solution (better than `known`, SI).
 
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
     is none yet.
@@ -66,7 +95,8 @@ def choose(
     gap: float | None = None
     try:
         if exhaustive:
-            chooser.try_all(combinations(problem))
+            picks = combinations(problem)
+            chooser.try_all(possible(chooser, picks) if len(picks) > _FEW else picks)
             gap = 0.0
         else:
             gap = among_many(chooser)
@@ -81,7 +111,7 @@ def choose(
             raise
         interrupted = True
     if chooser.best is None:
-        return None
+        return NoChoice(tuple(chooser.candidates.values()))
     pick, space, materials, exchange, exchanged, objective = chooser.best
     noted: list[Candidate] = []
     for other, candidate in chooser.candidates.items():
@@ -109,4 +139,15 @@ def _rank(candidate: Candidate) -> float:
     return math.inf if candidate.objective is None else candidate.objective
 
 
-__all__ = ["MOST_COMBINATIONS", "Choice", "Chooser", "Combination", "Progress", "choose", "combinations", "count"]
+__all__ = [
+    "MOST_COMBINATIONS",
+    "Choice",
+    "Chooser",
+    "Combination",
+    "NoChoice",
+    "Progress",
+    "choose",
+    "chosen",
+    "combinations",
+    "count",
+]

@@ -50,6 +50,32 @@ def among_many(chooser: Chooser) -> float | None:
     return _gap(chooser, bounds)
 
 
+def possible(chooser: Chooser, picks: list[Combination]) -> list[Combination]:
+    """The combinations that may keep the limits: where none in which the links agree does, the multipliers of the least
+    relaxation of one prove others impossible as well, which are noted as infeasible."""
+    problem = chooser.context.problem
+    bounds: CombinationBounds | None = None
+    for pick in uniform(problem):
+        if bounds is not None and bounds.impossible[bounds.place(pick)]:
+            continue
+        solved = chooser.solve(pick, explain=True)
+        if solved.objective is not None:
+            break
+        if solved.relaxed is not None:
+            bounds = bounds or combination_bounds(chooser.context)
+            if bounds is None:
+                break
+            bounds.learn(solved.exchange, solved.relaxed, solved.materials, pick, solved.pool, relaxed=True)
+    chooser.pool = None
+    if bounds is None:
+        return picks
+    left = [pick for pick in picks if not bounds.impossible[bounds.place(pick)]]
+    for pick in picks:
+        if bounds.impossible[bounds.place(pick)]:
+            chooser.note_infeasible(pick)
+    return left
+
+
 def _gap(chooser: Chooser, bounds: CombinationBounds) -> float:
     """How much better than the best design (relative) a combination that was not solved could be."""
     least = float(np.where(bounds.impossible, np.inf, bounds.bounds).min())

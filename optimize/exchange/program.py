@@ -46,7 +46,9 @@ Array = NDArray[np.float64]
 
 _INSIDE = 1e-6
 _FARTHEST = 30.0
-"""How far (in its logarithm) a limit can be pushed."""
+"""How far (in its logarithm) a limit can be pushed, or can give way."""
+_GIVEN, _SMOOTH = 0.5, 1e-7
+"""Where the slacks of limits that may give way start, and what rounds the corner of one that may give either way."""
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
 TURN = 0.5
@@ -136,6 +138,14 @@ def groups_of(problem: Problem, families: Sequence[PoseFamily]) -> dict[str, int
     return {family.name: family.groups(problem) for family in families}
 
 
+def _sizes(limits: Sequence[Limit], slack: Any) -> Any:
+    """How far each limit gives way, smooth where it may give either way."""
+    sizes = [
+        ca.sqrt(slack[k] ** 2 + _SMOOTH**2) if limit.relation == "==" else slack[k] for k, limit in enumerate(limits)
+    ]
+    return ca.vertcat(*sizes) if sizes else ca.SX(0, 1)
+
+
 class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
@@ -156,7 +166,7 @@ class Program:
         self._anchored = anchored(space)
         x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
         materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
-        pushed = symbol("pushed", len(limits))
+        pushed, elastic = symbol("pushed", len(limits)), symbol("elastic", len(limits))
         design = expressions(space, x, materials)
         design = replace(design, cost=design.cost + drives_cost(problem))
         self.fixed_error = fixed_error(model)
@@ -188,7 +198,7 @@ class Program:
         if isinstance(follows, OfDesign):
             totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem))
             objective = ca.log(ca.SX(follows.value(totals)))
-        parameters = [materials, weights, pushed, levels, floor, *errors.parameters]
+        parameters = [materials, weights, pushed, elastic, levels, floor, *errors.parameters]
         parameters += [parameter for block in by_pose.values() for parameter in block.parameters]
         every = [*rows, *errors.equalities]
         program = {
@@ -196,7 +206,8 @@ class Program:
             "p": ca.vertcat(*parameters),
             "f": weights[0] * objective
             + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack)))
-            + ca.dot(pushed, slack),
+            + ca.dot(pushed, slack)
+            + ca.dot(elastic, _sizes(limits, slack)),
             "g": ca.vertcat(*every) if every else ca.SX(0, 1),
         }
         self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
@@ -240,6 +251,7 @@ class Program:
         push: int | None = None,
         floor: float = 0.0,
         within: tuple[Array, float] | None = None,
+        elastic: Sequence[float] | None = None,
     ) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m).
 
@@ -247,7 +259,8 @@ class Program:
         far (rad) anchored poses may turn their joints. `limits` are the problem's with other values. With `push` the
         limit of that number is made as tight as it can be instead of the objective: its slack is how far it went.
         `floor` (m) is that of the error rows: about the error itself where it may pass through zero. `within` keeps the
-        design so near (in each of the optimiser's numbers) to another one.
+        design so near (in each of the optimiser's numbers) to another one. With `elastic` the sum of the limits'
+        slacks, each times its own number of those, is made least instead; a limit with 0 is kept.
         """
         lower, upper = self.space.bounds()
         if within is not None:
@@ -265,13 +278,19 @@ class Program:
         slack, pushed = 0.05 * give, np.zeros(count)
         if push is not None:
             give[push], equal[push], pushed[push] = _FARTHEST, -_FARTHEST, 1.0
-        weights = (0.0, 1.0) if relax else (0.0 if push is not None else 1.0, 0.0)
+        price = np.zeros(count)
+        if elastic is not None:
+            price = np.array(elastic)
+            give = np.where(price > 0.0, _FARTHEST, 0.0)
+            equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
+            slack = np.where(price > 0.0, _GIVEN, 0.0)
+        weights = (0.0, 1.0) if relax else (0.0 if push is not None or elastic is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
         least, most = self._turns(np.array(unknowns), turn)
         result = self._solver(
             x0=[*inside, y, *slack, *unknowns],
-            p=[*materials, *weights, *pushed, *(limit.value for limit in own), squared, *values],
+            p=[*materials, *weights, *pushed, *price, *(limit.value for limit in own), squared, *values],
             lbx=[*lower, -40.0, *equal, *least],
             ubx=[*upper, 40.0, *give, *most],
             lbg=self._lower,
@@ -315,7 +334,7 @@ class Program:
         """The worst error (m) of a design over a pool, the radii that no design changes left out; 0 without poses."""
         values, unknowns = self._pose_values(*self.slotted(pool))
         count = len(self.space.problem.limits)
-        fixed = [*materials, 1.0, 0.0, *[0.0] * count, *[1.0] * count, FLOOR_MM2]
+        fixed = [*materials, 1.0, 0.0, *[0.0] * (2 * count), *[1.0] * count, FLOOR_MM2]
         squares = np.array(self._squares(x, unknowns, [*fixed, *values])).ravel()
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 

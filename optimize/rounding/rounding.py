@@ -51,14 +51,21 @@ _LENGTH_STEPS = (64, 16, 4, 1)
 
 
 def optimise_rounded(
-    problem: Problem, rounding: Rounding, *, log: Log | None = None, progress: Progress | None = None
+    problem: Problem,
+    rounding: Rounding,
+    *,
+    log: Log | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
+
+    `log`, `progress` and `told` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
     """
-    result = optimise(problem, log=log, progress=progress)
+    result = optimise(problem, log=log, progress=progress, told=told)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:

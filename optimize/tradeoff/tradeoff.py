@@ -19,7 +19,8 @@ from types import MappingProxyType
 from arm.worst.workspace import Unreachable
 from optimize.choice.picks import options
 from optimize.exchange.design import material_row
-from optimize.explain import why_infeasible
+from optimize.infeasible.answer import Infeasibility, Infeasible
+from optimize.infeasible.needed import explained
 from units.quantities import NoAnswer
 
 from .front import Front, Point, Tradeoff
@@ -51,6 +52,7 @@ def trade_off(
         material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
+    blocked: list[Infeasibility] = []
     interrupted = False
     for name, problem in asked.groups():
         tracer = Tracer(asked, name, problem, accuracy, book, told)
@@ -58,7 +60,8 @@ def trade_off(
             if tracer.trace():
                 tracers.append(tracer)
             else:
-                without.append((name, why_infeasible(Search(asked, asked.unlimited(problem), _silent).context)))
+                blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
+                without.append((name, blocked[-1].text))
         except Unreachable as error:
             hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
             without.append((name, f"workspace: {error}{hint}"))
@@ -70,7 +73,7 @@ def trade_off(
             interrupted = True
             break
     if not tracers:
-        raise NoAnswer(without[0][1])
+        raise Infeasible(blocked[0]) if blocked else NoAnswer(without[0][1])
     best = None
     if len(tracers) > 1:
         try:

@@ -1,0 +1,284 @@
+"""What no design can reach, whatever its shapes, materials and sizes: bounds that take no search for designs.
+
+Each rests on an arm that no design can be better than: links as light as the lightest section and as stiff as the
+stiffest (or weightless and rigid), with the stiffest, lightest and closest drives that may be chosen. By Rayleigh's
+principle no frequency is above that of an arm that is stiffer and lighter; compliances and, where no two terms cancel
+(`optimize.exchange.signs`), errors add up term by term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from arm.actuators import Actuator
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm
+from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of, error_model
+from arm.limits.sideways import sideways_compliance
+from arm.limits.slowest_pose import least_frequency
+from arm.limits.tip_stiffness import least_stiffness, tip_compliance
+from arm.worst.search import WorstPose, WorstSearch
+from arm.worst.workspace import Unreachable
+from materials.material import Material
+from optimize.choice.picks import options
+from optimize.exchange.binding_poses import ErrorCut
+from optimize.exchange.design import with_uniform_links
+from optimize.exchange.program import carried_mass, fixed_error
+from optimize.exchange.signs import one_signed
+from optimize.limits import KEPT_WITHIN, Limit, excess
+from optimize.problem import Problem
+from sections import SHAPES
+from sections.numeric import Array
+
+from .answer import OutOfReach
+
+_RIGID = 1e30
+_LEAST, _GREATEST = 1e-12, 1e3
+"""Areas (m^2) below and above those of any section: shapes start from the nearest that they can have."""
+_POSES = 512
+_SURE = 1e-6
+"""A bound counts from this far (relative) beyond the limit."""
+
+
+@dataclass(frozen=True)
+class _Extremes:
+    """What any option of a link has at least and at most: mass (kg/m), cost (EUR/m), rigidities."""
+
+    lightest: float
+    heaviest: float
+    cheapest: float
+    axial: float
+    height: float
+    width: float
+    torsion: float
+
+
+def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
+    """The limits that no design of any combination keeps, by bounds that are found at once; few where lengths are
+    free, for they say little then."""
+    problem = with_uniform_links(problem)
+    extremes = _extremes(problem)
+    found = [_of_sums(problem, extremes, limit) for limit in problem.limits]
+    if problem.link_length is None:
+        found += _through_poses(problem, extremes)
+    return tuple(each for each in found if each is not None and _beyond(each))
+
+
+def _beyond(found: OutOfReach) -> bool:
+    return excess(found.limit, found.best) > max(_SURE, KEPT_WITHIN)
+
+
+# ---- sums over the links
+
+
+def _extremes(problem: Problem) -> dict[int, _Extremes]:
+    shapes, materials = options(problem)
+    found: dict[int, _Extremes] = {}
+    for link, (own, stuffs) in enumerate(zip(shapes, materials, strict=True)):
+        pairs = [(shape, stuff) for shape in own if shape for stuff in stuffs if stuff]
+        if pairs:
+            found[link] = _link_extremes(problem, pairs)
+    return found
+
+
+def _link_extremes(problem: Problem, pairs: Sequence[tuple[str, Material]]) -> _Extremes:
+    ranges = (problem.section_size, problem.thickness)
+    rows: list[tuple[float, ...]] = []
+    for shape, stuff in pairs:
+        least, most = (SHAPES[shape].start(area, *ranges).properties(0.3) for area in (_LEAST, _GREATEST))
+        material = stuff.at(problem.arm.temperature)
+        density, modulus = material.need("density"), material.need("elastic_modulus")
+        # Nothing else is known of a shear modulus that is not: the largest that an isotropic material can have.
+        shear = 0.5 * modulus if material.shear_modulus is None else material.shear_modulus
+        light, heavy = density * float(least.area), density * float(most.area)
+        price = 0.0 if material.cost is None else material.cost
+        stiff = (float(most.area), float(most.second_moment_y), float(most.second_moment_z))
+        rows.append((light, heavy, price * light, *(modulus * x for x in stiff), shear * float(most.torsion_constant)))
+    table = np.array(rows)
+    low, high = table.min(axis=0).tolist(), table.max(axis=0).tolist()
+    return _Extremes(low[0], high[1], low[2], *high[3:])
+
+
+def _lengths(problem: Problem, link: int) -> tuple[float, float]:
+    own = problem.arm.links[link].length
+    return (own, own) if problem.link_length is None else problem.link_length
+
+
+def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:
+    rigid = sum(link.mass or 0.0 for link in problem.arm.links if link.section is None)
+    ideal = _ideal(problem)
+    if limit.name in ("mass", "total_mass"):
+        carried = 0.0 if limit.name == "mass" else carried_mass(replace(problem, arm=ideal))
+        beside = " with joints and payload" if carried else ""
+        least = rigid + carried + _least_sum(problem, {k: each.lightest for k, each in extremes.items()})
+        if limit.relation != ">=" and least > limit.value:
+            return OutOfReach(limit, least, f"the lightest sections and materials weigh{beside}")
+        if limit.relation != "<=" and problem.actuators is None:
+            most = rigid + carried + sum(each.heaviest * _lengths(problem, k)[1] for k, each in extremes.items())
+            if most < limit.value:
+                return OutOfReach(limit, most, f"the heaviest sections and materials weigh{beside}")
+    if limit.name == "cost":
+        drives = sum(min((each.cost or 0.0 for each in own), default=0.0) for own in _drives(problem))
+        least = drives + _least_sum(problem, {k: each.cheapest for k, each in extremes.items()})
+        return OutOfReach(limit, least, "the cheapest sections and materials cost")
+    return None
+
+
+def _least_sum(problem: Problem, per_length: dict[int, float]) -> float:
+    """The least of a sum over the links of what each has per length, the reach being what it must be at least."""
+    spans = {k: _lengths(problem, k) for k in per_length}
+    fixed = sum(link.length for k, link in enumerate(problem.arm.links) if k not in per_length)
+    total = sum(per_length[k] * low for k, (low, _) in spans.items())
+    missing = max((x.value for x in problem.limit("reach") if x.relation != "<="), default=0.0) - fixed
+    missing -= sum(low for low, _ in spans.values())
+    for k in sorted(per_length, key=lambda k: per_length[k]):
+        more = min(max(missing, 0.0), spans[k][1] - spans[k][0])
+        total, missing = total + more * per_length[k], missing - more
+    return total
+
+
+def _drives(problem: Problem) -> list[tuple[Actuator, ...]]:
+    """For each joint the actuators that it may have; its own where none are chosen."""
+    chosen = problem.actuators or tuple(() for _ in problem.arm.joints)
+    return [
+        own or (() if joint.actuator is None else (joint.actuator,))
+        for own, joint in zip(chosen, problem.arm.joints, strict=True)
+    ]
+
+
+def _ideal(problem: Problem) -> Arm:
+    """The arm with drives that have the best of every actuator that may be chosen."""
+    if problem.actuators is None:
+        return problem.arm
+    joints = [
+        joint
+        if not own
+        else replace(
+            joint,
+            stiffness=max(x.stiffness for x in own),
+            backlash=min(x.backlash for x in own),
+            mass=min(x.mass for x in own),
+        )
+        for joint, own in zip(problem.arm.joints, problem.actuators, strict=True)
+    ]
+    return replace(problem.arm, joints=tuple(joints))
+
+
+# ---- figures at poses
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """An arm that no design can be better than, and the words for its links."""
+
+    words: str
+    beams: tuple[Beam, ...]
+
+
+def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach | None]:
+    asked = {limit.name for limit in problem.limits}
+    if not asked & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness"}:
+        return []
+    arm = _ideal(problem)
+    problem = replace(problem, arm=arm)
+    model = error_model(arm, problem.load_cases)
+    search = WorstSearch(model, problem.workspace)
+    own = beams_of(arm, problem.load_cases)
+    bounds = [
+        _Bound("rigid, weightless links on these joints", _beams(own, extremes, rigid=True)),
+        _Bound("the stiffest and lightest links that may be chosen", _beams(own, extremes, rigid=False)),
+    ]
+    found: list[OutOfReach | None] = []
+    try:
+        for limit in problem.limits:
+            for bound in bounds:
+                best = _best(problem, model, search, limit, bound)
+                told = None if best is None else OutOfReach(limit, best, f"{bound.words} {_VERBS[limit.name]}")
+                if told is not None and _beyond(told):
+                    found.append(told)
+                    break
+    except Unreachable:
+        pass  # the search for designs tells of that
+    return found
+
+
+_VERBS = MappingProxyType(
+    {
+        "max_error": "err by",
+        "first_frequency": "reach",
+        "tip_stiffness": "reach",
+        "sideways_stiffness": "reach",
+    }
+)
+
+
+def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
+    """The links' beams; what shears counts as rigid, for no section bounds that."""
+    found: list[Beam] = []
+    for link, beam in enumerate(own):
+        each = extremes.get(link)
+        if each is None:
+            found.append(beam)
+        elif rigid:
+            found.append(Beam(length=beam.length, thermal_expansion=beam.thermal_expansion))
+        else:
+            found.append(
+                Beam(
+                    length=beam.length,
+                    mass_per_length=each.lightest,
+                    axial_rigidity=each.axial,
+                    flexural_rigidity_height=each.height,
+                    flexural_rigidity_width=each.width,
+                    torsional_rigidity=each.torsion,
+                    thermal_expansion=beam.thermal_expansion,
+                )
+            )
+    return tuple(found)
+
+
+def _values(beams: Sequence[Beam]) -> Array:
+    """The beam values with rigidities of nothing that gives so large that nothing does."""
+    values = beam_values(beams).reshape(len(beams), -1)
+    for k, name in enumerate(BEAM_FIELDS):
+        if "rigidity" in name and "coupling" not in name:
+            values[:, k] = np.where(values[:, k] == 0.0, _RIGID, values[:, k])
+    return values.ravel()
+
+
+def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit, bound: _Bound) -> float | None:
+    """The best (SI) that a limited figure could be; None where nothing tells."""
+    arm, p = problem.arm, _values(bound.beams)
+    if limit.name == "first_frequency":
+        slowest = least_frequency(arm, search, bound.beams, p, problem.load_cases)
+        return None if slowest is None else slowest.value
+    if limit.name in ("tip_stiffness", "sideways_stiffness"):
+        planar = all(arm.planar(load) for load in problem.load_cases)
+        if limit.name == "sideways_stiffness" and not planar:
+            return None
+        compliance = tip_compliance(arm, planar=planar) if limit.name == "tip_stiffness" else sideways_compliance(arm)
+        softest = least_stiffness(compliance, search.poses(p, _POSES) if limit.poses is None else limit.poses, p)
+        return None if softest is None else softest.value
+    if limit.name == "max_error":
+        return _least_error(problem, model, search, p)
+    return None
+
+
+def _least_error(problem: Problem, model: ErrorModel, search: WorstSearch, p: Array) -> float | None:
+    """The error (m) that every design has at some pose at least: no two terms may cancel there."""
+    if problem.arm.play != "worst":
+        return None
+    fixed = fixed_error(model)
+    own = beam_values(beams_of(problem.arm, problem.load_cases))
+    for pose in search.worst(p, certify=False).poses:
+        if one_signed(model, (_cut(pose, fixed),), own):
+            return pose.error
+    return fixed if fixed > 0.0 else None
+
+
+def _cut(pose: WorstPose, fixed: float) -> ErrorCut:
+    shift = np.zeros(3) if fixed > 0.0 else np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
+    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])))
