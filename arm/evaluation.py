@@ -15,6 +15,7 @@ from arm.chain.vectors import is_zero
 from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from arm.errors.lost_motion import played
 from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from arm.errors.parts import part_of
 from arm.errors.tip import active_effects
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
 from arm.limits.sideways import least_sideways
@@ -25,6 +26,7 @@ from arm.limits.walls import WallsResult, slender_walls, walls_of
 from arm.limits.weakest_poses import weakest_poses
 from arm.worst.coverage import Unreached, unreached
 from arm.worst.growth import GrowthLeftOut, growth_left_out
+from arm.worst.parts import SeamErrors, projections_at, seam_errors, worst_search
 from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Workspace
 from materials.material import MissingProperty
@@ -101,6 +103,8 @@ class Evaluation:
     """The thermal growth that the model leaves out, where the arm works at another temperature than 20 degC."""
     sideways: TipStiffness | None = None
     """The least stiffness of a planar arm's tip out of its plane; None in space, or where nothing gives."""
+    seam: SeamErrors | None = None
+    """On a path: the worst error, what of it is across the path and what along it."""
 
     @property
     def relative_to(self) -> Calibrated | None:
@@ -110,7 +114,7 @@ class Evaluation:
     @property
     def max_error(self) -> float:
         """The worst position error over the workspace and all load cases, m, to first order; relative to the calibrated
-        state where there is one."""
+        state where there is one, and only the part of it that the workspace counts."""
         return self.worst.error
 
     @property
@@ -140,8 +144,8 @@ def evaluate(
     model = error_model(arm, cases)
     beams = beams_of(arm, cases)
     p = beam_values(beams)
-    search = WorstSearch(model, space, gap=gap)
-    worst = search.worst(p)
+    search = worst_search(model, space, gap=gap)
+    worst = search.of_loads(search.worst(p))
     masses = link_masses(beams)
     total = sum(masses) + sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
     poses = search.poses(p, _STRENGTH_POSES)
@@ -167,11 +171,13 @@ def evaluate(
     if any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
     growth = growth_left_out(arm, cases, space, p, gap=gap)
+    seam = seam_errors(model, space, p, worst)
     missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
     holes = [] if missed is None else [missed.text(space.kind)]
     top = worst.poses[0]
     spread_poses = np.vstack([search.poses(p, _EXACT_POSES), [entry.q for entry in worst.poses]])
-    beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses)
+    counted = projections_at(model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
+    beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses, counted)
     where = top.q if pose is None else tuple(float(value) for value in pose)
     return Evaluation(
         arm=arm,
@@ -179,7 +185,9 @@ def evaluate(
         load_cases=cases,
         worst=worst,
         beyond=beyond,
-        by_effect=MappingProxyType(effects_at(arm, cases[top.load_case], p, top)),
+        by_effect=MappingProxyType(
+            effects_at(arm, cases[top.load_case], p, top, None if counted is None else counted[0])
+        ),
         link_masses=masses,
         mass=sum(masses),
         total_mass=total,
@@ -204,6 +212,7 @@ def evaluate(
         unreached=missed,
         growth=growth,
         sideways=sideways,
+        seam=seam,
     )
 
 
@@ -227,8 +236,11 @@ def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float |
     return total
 
 
-def effects_at(arm: Arm, load: LoadCase, p: Array, pose: WorstPose) -> dict[str, float]:
-    """What each effect of the model alone adds at a pose (m); play as the arm's mode counts it."""
+def effects_at(
+    arm: Arm, load: LoadCase, p: Array, pose: WorstPose, projection: Array | None = None
+) -> dict[str, float]:
+    """What each effect of the model alone adds at a pose (m); play as the arm's mode counts it. `projection` (3, 3)
+    leaves the part of the error that counts, all of it by default."""
     q = np.array([pose.q])
     found: dict[str, float] = {}
     for active in active_effects(arm):
@@ -236,6 +248,7 @@ def effects_at(arm: Arm, load: LoadCase, p: Array, pose: WorstPose) -> dict[str,
         if name in found:
             continue
         model = error_model(arm, (load,), only=name)
+        model = model if projection is None else part_of(model, [projection])
         case = model.cases[0]
         if is_zero(case.error.vector) and not case.error.intervals and not case.error.discs:
             continue  # the arm has no data for it

@@ -11,14 +11,11 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from types import MappingProxyType
 
 import numpy as np
@@ -34,6 +31,7 @@ from diagnose.result import Detectable, Diagnosis
 from diagnose.rules.rules import RULES
 from diagnose.search.naming import Namer
 from diagnose.simulate import Plan, simulate
+from executors import Processes, plain
 from materials.catalogue import load_catalogue
 from sections import Tube
 
@@ -166,11 +164,9 @@ def main() -> int:
     asked.add_argument("--jobs", type=int, default=2)
     options = asked.parse_args()
     began = time.perf_counter()
-    # The workers start afresh, so that their numerical libraries see that each has one thread.
-    os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
-        singles = list(pool.map(single, range(options.cases)))
-        nulls = list(pool.map(null, range(20_000, 20_000 + options.cases + options.cases // 2)))
+    with Processes(options.jobs, patience=0.0) as processes:
+        singles = processes.map(plain(single), range(options.cases))
+        nulls = processes.map(plain(null), range(20_000, 20_000 + options.cases + options.cases // 2))
     missed = report(singles, nulls)
     print(f"{time.perf_counter() - began:.0f} s")
     for line in missed:

@@ -14,7 +14,6 @@ import math
 import os
 import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +25,7 @@ from benchmarks.cosserat_rod import Rod, rod_tip
 from diagnose.diagnosis import diagnose
 from diagnose.recording import Recording
 from diagnose.result import Diagnosis
+from executors import Processes, plain
 from materials.catalogue import load_catalogue
 from sections import Tube
 from sections.numeric import Array
@@ -209,6 +209,17 @@ def said_of(found: Diagnosis) -> str:
     return " + ".join(parts) or "nothing"
 
 
+def told(each: Case) -> None:
+    """A line for each as it comes."""
+    mark = " " if each.right else "!"
+    line = f"{mark} {each.truth:17} bends {each.bent_mm:5.2f} mm, moved {each.moved_mm:6.3f} mm: {each.verdict}"
+    print(f"{line}, {each.said}", flush=True)
+
+
+def _case(question: tuple[int, str | None]) -> Case:
+    return case(*question)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Diagnose, print each case and the shares; 1 where a target is missed."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.soft_arms")
@@ -220,13 +231,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     names = list(CAUSES)
     seeds = [asked.seed * 10_000 + k for k in range(max(asked.arms, asked.causes))]
     causes = [None] * asked.arms + [names[k % len(names)] for k in range(asked.causes)]
-    with ProcessPoolExecutor(asked.jobs) as pool:
-        done: list[Case] = []
-        for each in pool.map(case, [*seeds[: asked.arms], *seeds[: asked.causes]], causes):
-            done.append(each)
-            mark = " " if each.right else "!"
-            line = f"{mark} {each.truth:17} bends {each.bent_mm:5.2f} mm, moved {each.moved_mm:6.3f} mm: {each.verdict}"
-            print(f"{line}, {each.said}", flush=True)
+    questions = list(zip([*seeds[: asked.arms], *seeds[: asked.causes]], causes, strict=True))
+    with Processes(asked.jobs, patience=0.0) as processes:
+        done = processes.map(plain(_case), questions, each=lambda _, ended: told(ended))
     sound = [each for each in done if each.truth == "sound"]
     caused = [each for each in done if each.truth != "sound"]
     alarms = sum(bool(each.verdict not in ("none", "unknown")) for each in sound)

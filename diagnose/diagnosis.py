@@ -9,12 +9,14 @@ import numpy as np
 
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
+from diagnose.answer.sentences import mm, name_of
 from diagnose.fitting.prepare import prepare
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
 from diagnose.residual.orientation import with_sound_orientation
 from diagnose.rules.rules import Rules
 from diagnose.search.coupling import coupled, through_what_is_named
+from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
@@ -80,7 +82,24 @@ def diagnose(
             )
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
-    return Conclusion(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
+    found = Conclusion(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
+    return _with_labels(found, arm, searched, asked, known, tell)
+
+
+def _with_labels(
+    found: Diagnosis, arm: Arm, recording: Recording, asked: Options, known: float | None, tell: Progress
+) -> Diagnosis:
+    """The result with what labels seem to be wrong, where it has no explanation of its own."""
+    if known is None or (found.unknown is None and found.scatter is None):
+        return found
+    wrong = mislabelled(
+        arm, recording, asked, known, found.rms_promised, lambda share: tell("labels put right", 0.96 + 0.04 * share)
+    )
+    if wrong is None:
+        return found
+    names = " and ".join(name_of(effect, at) for effect, at in wrong.named)
+    said = f"{wrong.said}: with that put right, {names} leave {mm(wrong.rms)} RMS, the noise floor"
+    return replace(found, labels=said, sentence=f"{found.sentence} It looks as if {said}.")
 
 
 def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:

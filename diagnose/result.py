@@ -228,7 +228,8 @@ class Diagnosis:
     arm file with the findings in it. `sentence` is the plain answer. `lack_of_fit` is None where too few poses were
     read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
     more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
-    findings alone leave, `written` what the corrected arm's file leaves (None: not tried).
+    findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
+    or payloads seem to stand beside the wrong readings (empty: none).
     """
 
     arm: Arm
@@ -263,6 +264,7 @@ class Diagnosis:
     scatter: float | None = None
     rms_promised: float = math.nan
     written: WrittenArm | None = None
+    labels: str = ""
 
     @property
     def describes_part(self) -> bool:

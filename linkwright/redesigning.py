@@ -14,7 +14,7 @@ from arm.compensation import without_instrument
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import drive_compliance, with_compliance
 from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
+from arm.worst.parts import worst_search
 from arm.worst.workspace import Workspace
 from optimize.problem import Problem
 from optimize.result import OptimizationResult
@@ -122,7 +122,7 @@ def with_findings(design: Arm, corrected: Arm) -> Arm:
 
 def worst_error(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase]) -> float:
     """The worst error over a workspace, m."""
-    search = WorstSearch(error_model(arm, cases), workspace)
+    search = worst_search(error_model(arm, cases), workspace)
     return search.worst(beam_values(beams_of(arm, cases))).error
 
 

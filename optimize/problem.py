@@ -8,11 +8,12 @@ from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, cast
+from typing import Literal, cast, get_args
 
 from arm.actuators import Actuator, load_actuators
 from arm.chain.chain import Arm, Calibrated, LoadCase, askew
 from arm.chain.vectors import ZERO
+from arm.errors.parts import Part
 from arm.files.read import read_arm, read_load
 from arm.worst.workspace import Workspace
 from materials.catalogue import Catalogue, load_catalogue
@@ -130,6 +131,8 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
         if len(kinds) != 1:
             raise body.error("", "needs one of joints, path and box, e.g. {joints: range}")
         if kinds[0] == "joints":
+            if body.has("error"):
+                raise body.error("error", "is for a path, whose direction tells what is across and along")
             return _joint_ranges(body, arm)
         points = [
             _point(point, body, f"{kinds[0]}[{number}]") for number, point in enumerate(body.items(kinds[0]), start=1)
@@ -146,7 +149,13 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
         if flat and not arm.planar():
             raise body.error(kinds[0], "needs three components (x, y, z): the arm moves in space")
         full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
-        return Workspace(cast(Literal["path", "box"], kinds[0]), full, None, flat or arm.planar())
+        counted = cast(Part, body.choice("error", get_args(Part), "whole"))
+        space = Workspace(cast(Literal["path", "box"], kinds[0]), full, None, flat or arm.planar(), counted)
+        if counted != "whole" and not space.segments:
+            raise body.error(
+                "error", f"{counted} needs a direction: a path of two points or more, path: [[x, y], [x, y]]"
+            )
+        return space
 
 
 def _joint_ranges(body: Mapping, arm: Arm) -> Workspace:

@@ -82,7 +82,7 @@ def optimise(
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
         before_map=_map_before(given, context, poses),
-        after_map=error_map(context.search, numeric_beams(arm, problem.load_cases), poses=poses),
+        after_map=error_map(_whole(context), numeric_beams(arm, problem.load_cases), poses=poses),
         optimum=optimum_of(context, choice) if found.exhaustive and not doubts else "local",
         doubts=doubts,
         combinations=count(problem),
@@ -101,10 +101,18 @@ def _looked_at(names: str) -> str:
 
 def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:
     """The error map of the arm as given; with other drives or tapers it has an error model of its own."""
-    search = context.search
+    search = _whole(context)
     if context.problem.arm is not given.arm:
         search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
     return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
+
+
+def _whole(context: Context) -> WorstSearch:
+    """The search for the whole error, which maps show whatever counts of it."""
+    problem = context.problem
+    if problem.workspace.error == "whole":
+        return context.search
+    return WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
 
 
 def _limits(problem: Problem) -> tuple[str, ...]:

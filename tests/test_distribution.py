@@ -17,7 +17,18 @@ from tests.test_house import ROOT, tracked_files
 # The environment is built once: all these tests go to one worker.
 pytestmark = pytest.mark.xdist_group("distribution")
 
-ROOMS = ("units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright")
+ROOMS = (
+    "units",
+    "registries",
+    "executors",
+    "sections",
+    "materials",
+    "catalogues",
+    "arm",
+    "optimize",
+    "diagnose",
+    "linkwright",
+)
 
 ARM = """\
 name: two links on a bench

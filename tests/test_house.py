@@ -18,13 +18,24 @@ ROOT = Path(__file__).resolve().parent.parent
 MAY_USE = {
     "units": set(),
     "registries": {"units"},
+    "executors": {"units"},
     "sections": {"registries"},
     "materials": {"units"},
     "catalogues": {"units", "sections", "materials"},
     "arm": {"units", "registries", "sections", "materials"},
-    "optimize": {"units", "registries", "arm", "sections", "materials"},
-    "diagnose": {"units", "arm", "sections", "materials"},
-    "linkwright": {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose"},
+    "optimize": {"units", "registries", "executors", "arm", "sections", "materials"},
+    "diagnose": {"units", "executors", "arm", "sections", "materials"},
+    "linkwright": {
+        "units",
+        "registries",
+        "executors",
+        "sections",
+        "materials",
+        "catalogues",
+        "arm",
+        "optimize",
+        "diagnose",
+    },
 }
 
 

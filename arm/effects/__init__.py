@@ -16,9 +16,11 @@ from arm.effects.angles.latency import LATENCY
 from arm.effects.angles.stale_reading import STALE_READING
 from arm.effects.elastic.axial import AXIAL
 from arm.effects.elastic.base_compliance import BASE_COMPLIANCE
+from arm.effects.elastic.column_bending import COLUMN_BENDING
 from arm.effects.elastic.creep import CREEP
 from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
 from arm.effects.elastic.joint_hardening import JOINT_HARDENING
+from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
 from arm.effects.elastic.link_bending import LINK_BENDING
 from arm.effects.elastic.link_modulus import LINK_MODULUS
 from arm.effects.elastic.servo_droop import SERVO_DROOP
@@ -80,6 +82,8 @@ EFFECTS.ship(
     CREEP,
     BASE_TILT,
     BASE_COMPLIANCE,
+    COLUMN_BENDING,
+    LATERAL_COMPLIANCE,
     FRAME_MISALIGNMENT,
     FRAME_DRIFT,
     INSTRUMENT_SCALE,

@@ -36,10 +36,15 @@ class BeyondFirstOrder:
 
 
 def beyond_first_order(
-    arm: Arm, cases: Sequence[LoadCase], worst: tuple[Sequence[float], int], poses: Array
+    arm: Arm,
+    cases: Sequence[LoadCase],
+    worst: tuple[Sequence[float], int],
+    poses: Array,
+    projections: Array | None = None,
 ) -> BeyondFirstOrder:
     """For an arm, at its worst pose (coordinates in rad and m, number of the load case) and at poses (N, n); where
-    errors count from a calibrated state, of the difference.
+    errors count from a calibrated state, of the difference. `projections` (1 + N, 3, 3) leave the part of the error
+    that counts at each of them, all of it by default.
 
     Play lies where the loads seat it, in both. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
     """
@@ -56,6 +61,8 @@ def beyond_first_order(
                 calibrated_state(state), when_calibrated(effects, case), asked
             )
             exact, first, found = exact - exact_there, first - first_there, found & found_there
+        if projections is not None:
+            exact, first = (np.einsum("nij,nj->ni", projections, each) for each in (exact, first))
         off: Array = np.linalg.norm(exact - first, axis=1)
         settled = settled and bool(found.all())
         most = max(most, float(off.max()))

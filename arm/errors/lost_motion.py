@@ -72,6 +72,7 @@ def _chunk(arrays: PoseArrays, start: int, stop: int) -> PoseArrays:
         arrays.disc_seating[part],
         arrays.load_scale[part],
         arrays.taken,
+        arrays.projection,
     )
 
 
@@ -80,7 +81,7 @@ def _played(arrays: PoseArrays, radii: Array, mode: PlayMode, planar: bool, stat
         return _statistical(arrays, radii, statistics)
     every_radius = np.broadcast_to(radii, arrays.normals.shape[:2])
     if mode == "worst":
-        return _worst(arrays.vector, arrays.intervals, arrays.normals, every_radius, planar)
+        return _worst(arrays.vector, arrays.intervals, arrays.normals, every_radius, planar, arrays.projection)
     return _loaded(arrays, every_radius, planar)
 
 
@@ -93,16 +94,31 @@ def _length(vectors: Array) -> Array:
     return np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
 
 
-def _worst(vector: Array, intervals: Array, normals: Array, radii: Array, planar: bool) -> PlayedError:
+def _seen(shifts: Array, projection: Array | None) -> Array:
+    """What counts of displacements (..., 3)."""
+    return shifts if projection is None else shifts @ projection  # a projection is symmetric
+
+
+def _worst(
+    vector: Array, intervals: Array, normals: Array, radii: Array, planar: bool, projection: Array | None
+) -> PlayedError:
     if planar:
         signs = _farthest_vertex(vector, intervals)
         center = vector + np.einsum("nk,nki->ni", signs, intervals)
         distance = _length(center)
         outward = center / np.where(distance > 0.0, distance, 1.0)[:, None]
-        outward[distance == 0.0] = (1.0, 0.0, 0.0)
+        outward[distance == 0.0] = _any_direction(projection)
         shifts = radii[:, :, None] * outward[:, None, :]
         return PlayedError(distance + radii.sum(axis=1), center + shifts.sum(axis=1), signs, shifts)
-    return _farthest_in_space(vector, intervals, normals, radii)
+    return _farthest_in_space(vector, intervals, normals, radii, projection)
+
+
+def _any_direction(projection: Array | None) -> Array:
+    """A unit vector of the plane that counts."""
+    if projection is None:
+        return np.array([1.0, 0.0, 0.0])
+    longest = projection[int(np.argmax(np.linalg.norm(projection[:2], axis=1)))]
+    return longest / np.linalg.norm(longest)
 
 
 def _farthest_vertex(vector: Array, intervals: Array) -> Array:
@@ -132,7 +148,9 @@ def _plane_vertices(intervals: Array) -> Array:
     return np.concatenate(rows, axis=1)
 
 
-def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: Array) -> PlayedError:
+def _farthest_in_space(
+    vector: Array, intervals: Array, normals: Array, radii: Array, projection: Array | None
+) -> PlayedError:
     """Climbs from the axes' and diagonals' directions, the error's own and the farthest vertices, all at once."""
     count, plays = intervals.shape[:2]
     corners = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -144,22 +162,28 @@ def _farthest_in_space(vector: Array, intervals: Array, normals: Array, radii: A
         order = np.argsort(-_length(points), axis=1)[:, :6]
         starts += [points[np.arange(count), order[:, column]] for column in range(order.shape[1])]
     repeated = [np.tile(array, (len(starts), *[1] * (array.ndim - 1))) for array in (vector, intervals, normals, radii)]
-    climbed = _climb(repeated[0], repeated[1], repeated[2], repeated[3], np.concatenate(starts))
+    climbed = _climb(repeated[0], repeated[1], repeated[2], repeated[3], np.concatenate(starts), projection)
     best = climbed.error.reshape(len(starts), count).argmax(axis=0) * count + np.arange(count)
-    return _climb(vector, intervals, normals, radii, climbed.vector[best], _LAST_CLIMBS)
+    return _climb(vector, intervals, normals, radii, climbed.vector[best], projection, _LAST_CLIMBS)
 
 
 def _climb(
-    vector: Array, intervals: Array, normals: Array, radii: Array, direction: Array, climbs: int = _CLIMBS
+    vector: Array,
+    intervals: Array,
+    normals: Array,
+    radii: Array,
+    direction: Array,
+    projection: Array | None,
+    climbs: int = _CLIMBS,
 ) -> PlayedError:
     signs = np.zeros(intervals.shape[:2])
     shifts = np.zeros((*normals.shape[:2], 3))
-    reached = vector
+    reached, direction = vector, _seen(direction, projection)
     for _ in range(climbs):
         signs = np.where(np.einsum("nki,ni->nk", intervals, direction) >= 0.0, 1.0, -1.0)
         across = direction[:, None, :] - np.einsum("ndi,ni->nd", normals, direction)[:, :, None] * normals
         size = _length(across)[:, :, None]
-        shifts = radii[:, :, None] * across / np.where(size > 0.0, size, 1.0)
+        shifts = _seen(radii[:, :, None] * across / np.where(size > 0.0, size, 1.0), projection)
         new = vector + np.einsum("nk,nki->ni", signs, intervals) + shifts.sum(axis=1)
         if np.abs(new - reached).max(initial=0.0) <= 1e-15 * np.abs(new).max(initial=0.0):
             break
@@ -185,12 +209,13 @@ def _loaded(arrays: PoseArrays, radii: Array, planar: bool) -> PlayedError:
     load = _length(across)
     pushed = pushed_discs(arrays)
     shifts = np.where(pushed, radii / np.where(load > 0.0, load, 1.0), 0.0)[:, :, None] * across
+    shifts = _seen(shifts, arrays.projection)
     vector = arrays.vector + np.einsum("nk,nki->ni", signs, arrays.intervals) + shifts.sum(axis=1)
     settled_intervals, settled_discs = seated.copy(), pushed.copy()
     settled_intervals[:, seated.shape[1] - arrays.taken[0] :] = True
     settled_discs[:, pushed.shape[1] - arrays.taken[1] :] = True
     free = np.where(settled_intervals[:, :, None], 0.0, arrays.intervals)
-    rest = _worst(vector, free, arrays.normals, np.where(settled_discs, 0.0, radii), planar)
+    rest = _worst(vector, free, arrays.normals, np.where(settled_discs, 0.0, radii), planar, arrays.projection)
     signs = np.where(settled_intervals, signs, rest.signs)
     return PlayedError(rest.error, rest.vector, signs, shifts + rest.shifts)
 
@@ -218,6 +243,7 @@ def _statistical(arrays: PoseArrays, radii: Array, statistics: Statistics) -> Pl
     count, rank = len(arrays.vector), min(int(np.ceil(statistics.level * statistics.draws)), statistics.draws) - 1
     chosen = np.empty(count, dtype=np.intp)
     reach = radii[:, None]
+    first, second = _seen(first, arrays.projection), _seen(second, arrays.projection)
     generators = np.concatenate([arrays.intervals, reach * first, reach * second], axis=1)
     weights = np.concatenate([positions, places[:, :, 0], places[:, :, 1]], axis=1)
     for start in range(0, count, 256):

@@ -110,7 +110,8 @@ class PoseArrays:
     `interval_seating` (N, k) the load that seats it; `normals` and `disc_seating` (N, d, 3) belong to the discs, whose
     radii are the model's. `load_scale` (N,) is the size of the loads that the arm carries (N and N*m alike).
     The last `taken` intervals and discs are play that a calibration took where its load had seated it: what nothing
-    seats was taken in its middle.
+    seats was taken in its middle. `projection` (3, 3) is what leaves the part of the error that counts (None: all of
+    it), `vector` and `intervals` being projected already.
     """
 
     vector: Array
@@ -120,6 +121,7 @@ class PoseArrays:
     disc_seating: Array
     load_scale: Array
     taken: tuple[int, int] = (0, 0)
+    projection: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,8 @@ class CaseModel:
     """The error model under one load case.
 
     `state` and `error` hold symbols in `q` (n) and `p` (see `beam_values`); `function` maps (q, p) to what `PoseArrays`
-    lists, as CasADi columns; `vectorised` does the same for many rows.
+    lists, as CasADi columns; `vectorised` does the same for many rows. `projection` is None where the whole error
+    counts.
     """
 
     load: LoadCase
@@ -137,6 +140,7 @@ class CaseModel:
     error: TipError
     outputs: tuple[Any, ...]
     function: Any
+    projection: Array | None = None
 
     @cached_property
     def vectorised(self) -> VectorFunction:
@@ -165,6 +169,7 @@ class CaseModel:
             np.reshape(loads, (count, -1, 3)),
             scale[:, 0],
             self.taken,
+            self.projection,
         )
 
     @property

@@ -18,7 +18,7 @@ from sections.numeric import Array
 from units.quantities import format_quantity
 from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
-from .search import WorstSearch
+from .parts import worst_search
 from .workspace import Workspace
 
 _SAME = 1e-6
@@ -74,5 +74,5 @@ def growth_left_out(
         return GrowthLeftOut(arm.temperature, None, unknown, since)
     at = tuple(number for number, known in enumerate(grows, start=1) if known)
     grown = replace(arm, effects=(*arm.effects, EffectEntry(THERMAL_EXPANSION.id, at)))
-    worst = WorstSearch(error_model(grown, cases), space, gap=gap).worst(p)
+    worst = worst_search(error_model(grown, cases), space, gap=gap).worst(p)
     return GrowthLeftOut(arm.temperature, worst.error, unknown, since)

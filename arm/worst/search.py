@@ -129,6 +129,19 @@ class WorstSearch:
         """Nominal tips (N, 3) at poses q for a design p, m."""
         return np.ascontiguousarray(self.model.tip(np.atleast_2d(q), p)[0])
 
+    def case_at(self, q: Array, p: Array, load_case: int) -> int:
+        """Which of the model's cases tells of a pose q (n,) under a load case."""
+        del q, p
+        return load_case
+
+    def load_case(self, case: int) -> int:
+        """The load case of one of the model's cases."""
+        return case
+
+    def of_loads(self, found: WorstCase) -> WorstCase:
+        """A worst case with the load cases by their own numbers."""
+        return found
+
     def errors(self, q: Array, p: Array, case: int) -> PlayedError:
         """The error at poses q (N, n) in a load case, with the play where the arm's mode puts it."""
         model = self.model.cases[case]

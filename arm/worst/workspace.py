@@ -9,14 +9,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
+from arm.chain.chain import Arm, FloatVector
+from arm.errors.parts import Part
 from sections.numeric import Array
 from units.quantities import NoAnswer
 
@@ -46,6 +47,24 @@ class Workspace:
     ranges: tuple[tuple[float, float], ...] | None = None
     in_plane: bool = True
     """Whether the points were given as x and y only."""
+    error: Part = "whole"
+    """What counts of the error on a path."""
+
+    @property
+    def segments(self) -> tuple[Workspace, ...]:
+        """The straight pieces of a path that have a length, each a path of its own; pieces that go on straight are
+        one."""
+        if self.kind != "path":
+            return ()
+        ends: list[tuple[FloatVector, FloatVector]] = []
+        for a, b in itertools.pairwise(self.points):
+            if a == b:
+                continue
+            if ends and _goes_on(*ends[-1], b):
+                ends[-1] = (ends[-1][0], b)
+            else:
+                ends.append((a, b))
+        return tuple(replace(self, points=pair) for pair in ends)
 
 
 class Unreachable(NoAnswer):
@@ -56,6 +75,12 @@ class Unreachable(NoAnswer):
         place = ", ".join(f"{1e3 * x:.4g}" for x in point)
         super().__init__(f"the point ({place}) mm cannot be reached: the tip stays {1e3 * missing:.4g} mm away")
         self.point, self.missing = point, missing
+
+
+def _goes_on(a: FloatVector, b: FloatVector, c: FloatVector) -> bool:
+    """Whether a path goes from b straight on to c."""
+    one, other = np.subtract(b, a), np.subtract(c, b)
+    return float(one @ other) > (1.0 - 1e-12) * float(np.linalg.norm(one) * np.linalg.norm(other))
 
 
 def joint_box(arm: Arm, workspace: Workspace) -> tuple[Array, Array]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from benchmarks.blind.generator.cases import kind_of, make_case
 from benchmarks.blind.generator.files import write_case
 from benchmarks.blind.seal import write_seal
+from executors import Processes, plain
 
 HALVES = ("disclosed", "sealed")
 
@@ -28,12 +27,10 @@ def make(cases: int, seed: int, half: str, root: Path, jobs: int = 2) -> str:
     if (root / "seal.txt").exists():
         raise FileExistsError(f"{root} is sealed already; choose another folder")
     root.mkdir(parents=True, exist_ok=True)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
     work = [(index, seed, half, str(root)) for index in range(cases)]
     start = time.monotonic()
-    with ProcessPoolExecutor(jobs) as pool:
-        for done, _ in enumerate(pool.map(_one, work, chunksize=4), 1):
+    with Processes(jobs, patience=0.0) as processes:
+        for done, _ in enumerate(processes.completed(plain(_one), work), 1):
             if done % 50 == 0 or done == cases:
                 print(f"{done} of {cases} cases, {time.monotonic() - start:.0f} s", file=sys.stderr)
     return write_seal(root, half)

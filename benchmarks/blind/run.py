@@ -5,19 +5,17 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import os
 import shutil
 import signal
 import sys
 import tempfile
 import time
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from benchmarks.blind.seal import digest, half_of
+from executors import Processes, plain
 
 FAILED = -1
 CORRECTED = "corrected"
@@ -55,6 +53,10 @@ def ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
     return status, time.perf_counter() - start, lines[-1] if lines else ""
 
 
+def _ask(question: tuple[str, str, float]) -> tuple[int, float, str]:
+    return ask(*question)
+
+
 def _write(answers: Path, name: str, status: int, seconds: float | None, error: str) -> None:
     raw = answers / "diagnosis" / f"{name}.json"
     diagnosis: Any = json.loads(raw.read_text(encoding="utf-8")) if status == 0 and raw.exists() else None
@@ -81,44 +83,21 @@ def run(root: Path, answers: Path, jobs: int = 2, limit: int | None = None, seco
     """Answers what is not answered yet; returns how many that were. Raises SealedTwiceError."""
     _claim(root, answers)
     (answers / "diagnosis").mkdir(parents=True, exist_ok=True)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
     names = sorted(path.name for path in (root / "cases").iterdir())
     left = [name for name in names if not (answers / f"{name}.json").exists()][:limit]
     start, done = time.monotonic(), 0
-    for broken in _waves(root, answers, left, jobs, seconds):
-        for name in broken:  # a worker died: each of its wave is asked alone, so that only the culprit fails
-            for _ in _waves(root, answers, [name], 1, seconds, alone=True):
-                pass
-        done = sum((answers / f"{name}.json").exists() for name in left)
-        print(f"{done} of {len(left)} answered, {time.monotonic() - start:.0f} s", file=sys.stderr)
+    questions = [(str(root / "cases" / n), str(answers / "diagnosis" / f"{n}.json"), seconds) for n in left]
+    with Processes(jobs, patience=0.0, tries=2) as processes:
+        # A case whose worker dies is asked once more, and fails alone.
+        for number, answer, error in processes.outcomes(plain(_ask), questions):
+            if answer is not None:
+                _write(answers, left[number], *answer)
+            else:
+                _write(answers, left[number], FAILED, None, f"{type(error).__name__}: {error}"[:500])
+            done += 1
+            if done % (16 * jobs) == 0 or done == len(left):
+                print(f"{done} of {len(left)} answered, {time.monotonic() - start:.0f} s", file=sys.stderr)
     if all((answers / f"{name}.json").exists() for name in names):
         lines = [f"{digest((answers / f'{n}.json').read_bytes())}  {n}.json" for n in names]
         (answers / "seal.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return done
-
-
-def _waves(root: Path, answers: Path, names: list[str], jobs: int, seconds: float, *, alone: bool = False) -> Any:
-    """Asks in waves of some dozens; yields those of each wave that a dead worker left without an answer."""
-    size = max(1, 16 * jobs)
-    pool = ProcessPoolExecutor(jobs)
-    for at in range(0, len(names), size):
-        wave = names[at : at + size]
-        futures: dict[str, Future[tuple[int, float, str]]] = {
-            name: pool.submit(ask, str(root / "cases" / name), str(answers / "diagnosis" / f"{name}.json"), seconds)
-            for name in wave
-        }
-        broken = []
-        for name, future in futures.items():
-            error = future.exception()
-            if error is None:
-                _write(answers, name, *future.result())
-            elif isinstance(error, BrokenProcessPool) and not alone:
-                broken.append(name)
-            else:
-                _write(answers, name, FAILED, None, f"{type(error).__name__}: {error}"[:500])
-        if broken:
-            pool.shutdown(wait=False)
-            pool = ProcessPoolExecutor(jobs)
-        yield broken
-    pool.shutdown()

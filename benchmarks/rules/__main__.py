@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import random
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from benchmarks.blind.make import make
@@ -25,6 +23,7 @@ from benchmarks.rules.page import page
 from benchmarks.rules.watch import perturbed, watched
 from diagnose.rules.rule import TIME, Rule, rules_in
 from diagnose.rules.rules import RULES
+from executors import Processes, plain
 
 FACTORS = (0.8, 1.2)
 SEED = 12
@@ -50,8 +49,8 @@ def _all_done(jobs: Sequence[Job], workers: int, what: str) -> None:
     """Run what is not done yet, and say how far it is."""
     left = [job for job in jobs if not Path(job[3]).exists()]
     start = time.monotonic()
-    with ProcessPoolExecutor(workers) as pool:
-        for done, _ in enumerate(pool.map(_ask, left), 1):
+    with Processes(workers, patience=0.0) as processes:
+        for done, _ in enumerate(processes.completed(plain(_ask), left), 1):
             if done % 10 == 0 or done == len(left):
                 print(f"{what}: {done} of {len(left)}, {time.monotonic() - start:.0f} s", file=sys.stderr)
 
@@ -95,8 +94,6 @@ def main() -> int:
     if asked.page is not None:
         asked.page.write_text(page(), encoding="utf-8", newline="\n")
         return 0
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
     root: Path = asked.work / f"cases-{asked.seed}-{asked.cases}"
     if not (root / "seal.txt").exists():
         make(asked.cases, asked.seed, "disclosed", root, asked.jobs)

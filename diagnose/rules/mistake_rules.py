@@ -164,5 +164,14 @@ class MistakeRules:
         "What is left of a mismatch that a convention explains is less. No physics of an arm comes near it.",
         PROOF,
     )
+    label_leaves: float = rule(
+        0.7,
+        "share of what was left",
+        "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor.",
+        JUDGED,
+    )
+    swapped_levels: int = rule(
+        4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
+    )
     zero_steps: int = rule(72, "steps of a turn", "Where a zero is first looked for: every 5 deg.", TIME)
     most_signs: int = rule(7, "joints", "So many may count the other way together, at most.", TIME)

@@ -44,7 +44,7 @@ def _workspace(arm: Arm, workspace: Workspace) -> dict[str, Any]:
     ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
     lowest, highest = ([pair[end] for pair in ranges] for end in (0, 1))
     spans = {"lower": coordinates(arm, lowest), "upper": coordinates(arm, highest)}
-    return {"kind": workspace.kind, "points_mm": points, "joints": spans}
+    return {"kind": workspace.kind, "points_mm": points, "joints": spans, "error": workspace.error}
 
 
 def _compliance(arm: Arm, compliance: Compliance) -> dict[str, Any]:
@@ -173,9 +173,17 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "load_cases": [_load(case) for case in evaluation.load_cases],
         "relative_to": _relative_to(evaluation),
         **fields(evaluation, "warnings", "unknown"),
+        **_seam(evaluation),
         "thermal_growth_left_out": None if evaluation.growth is None else _growth(evaluation.growth),
         "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
     }
+
+
+def _seam(evaluation: Evaluation) -> dict[str, Any]:
+    """The worst error on a path, across it and along it, whatever of it counts; null elsewhere."""
+    seam = evaluation.seam
+    parts = {} if seam is None else {"across": seam.across, "along": seam.along, "whole": seam.whole}
+    return {f"{name}_mm": 1e3 * parts[name].error if parts else None for name in ("across", "along", "whole")}
 
 
 def _load(case: LoadCase) -> dict[str, Any]:

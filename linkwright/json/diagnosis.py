@@ -129,6 +129,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "lack_of_fit_p": None if diagnosis.lack_of_fit is None else diagnosis.lack_of_fit.p_value,
         "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
         "scatter_over_floor": diagnosis.scatter,
+        "labels": diagnosis.labels or None,
         "describes_part": diagnosis.describes_part,
         "written_arm_rms_mm": None if diagnosis.written is None else in_mm(diagnosis.written.rms),
         "written_arm": None

@@ -62,6 +62,17 @@ def first_order_words(evaluation: Evaluation) -> str:
     return f"first order is {mm(beyond.at_worst, 2)} off there{most}{with_it}"
 
 
+def seam_words(evaluation: Evaluation) -> list[Paragraph]:
+    """The parts of the error on a path: how far off the path at most, and how far along it."""
+    seam = evaluation.seam
+    if seam is None:
+        return []
+    across, along, whole = (mm(each.error, 5) for each in (seam.across, seam.along, seam.whole))
+    told = f"on the path at most {across} across it, {along} along it, {whole} in all"
+    counted = evaluation.workspace.error
+    return [Paragraph(told if counted == "whole" else f"{told}; only the error {counted} it counts", "under")]
+
+
 def relative_words(evaluation: Evaluation) -> list[Paragraph]:
     """What the error counts from, where that is a calibrated state."""
     state = evaluation.relative_to

@@ -23,6 +23,7 @@ def describe(evaluation: Evaluation) -> Description:
         Paragraph(design.bound_words(evaluation), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
         Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
+        *design.seam_words(evaluation),
         *design.relative_words(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
@@ -36,8 +37,10 @@ def describe(evaluation: Evaluation) -> Description:
         *([section("What is not known", Lines(unknown))] if unknown else []),
         section("What was asked", given, design.joints(evaluation), detail=True),
     ]
-    brief = f"worst position error {mm(evaluation.max_error)}"
-    headline = f"Worst position error  {mm(evaluation.max_error, 5)}"
+    part = evaluation.workspace.error
+    what = "position error" if part == "whole" else f"error {part} the path"
+    brief = f"worst {what} {mm(evaluation.max_error)}"
+    headline = f"Worst {what}  {mm(evaluation.max_error, 5)}"
     return Description(arm.name, headline, tuple(items), brief, f"{arm.name}\n")
 
 

@@ -48,6 +48,7 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(status_words(result), "under"),
         Paragraph(f"worst case of the new design: {bound}", "under"),
         Paragraph(bound_sentence(result), "under"),
+        *design.seam_words(result.after),
         *design.relative_words(result.after),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),

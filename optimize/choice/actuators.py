@@ -130,7 +130,9 @@ class _Search:
     def _error(self, pick: Assignment) -> float:
         problem = self.problem_with(pick)
         context = context_of(problem)
-        search = WorstSearch(context.model, problem.workspace, scan=1024)
+        search = context.search
+        if problem.workspace.error == "whole":
+            search = WorstSearch(context.model, problem.workspace, scan=1024)
         return search.worst(numeric_beams(problem.arm, problem.load_cases), certify=False).error
 
     def _note(self, pick: Assignment, objective: float | None, outcome: str) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from arm.errors.model import ErrorModel, error_model
+from arm.worst.parts import worst_search
 from arm.worst.search import WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Unreachable, pull
 from materials.material import Material
@@ -78,10 +79,10 @@ def context_of(problem: Problem) -> Context:
         raise InputError(problem.file, "choose.actuator", message)
     problem = with_uniform_links(problem)
     model = error_model(problem.arm, problem.load_cases)
-    search = WorstSearch(model, problem.workspace, gap=CERTIFICATE_GAP)
+    search = worst_search(model, problem.workspace, gap=CERTIFICATE_GAP)
     limited = families_of({limit.name: limit.figure for limit in problem.limits})
     families = [family for family in families_of(problem.figures) if family in limited]
-    return Context(problem, model, search, tuple((family, family.prepare(problem)) for family in families))
+    return Context(problem, search.model, search, tuple((family, family.prepare(problem)) for family in families))
 
 
 def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
@@ -206,7 +207,8 @@ class Exchange:
         q, miss = pull(lambda q: search.tip(q, p), starts, places, search.lower, search.upper, used)
         if miss.min() > 1e-7:
             return ()
-        pose = search.worst_poses_at(q[[int(np.argmin(miss))]], p, 0)[0]
+        nearest = q[[int(np.argmin(miss))]]
+        pose = search.worst_poses_at(nearest, p, search.case_at(nearest[0], p, 0))[0]
         return (error_cut(self.context, pose, p, self.space),)
 
     def worse_poses(self, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> Pool:

@@ -79,8 +79,10 @@ class RoundSearch:
 
     def add_poses(self, q: Array, load_cases: list[int], p: Array) -> None:
         """Poses (N, n) of a design p's workspace to bound others with."""
-        tips = self.context.search.tip(q, p)
-        for row, tip, case in zip(q.tolist(), tips.tolist(), load_cases, strict=True):
+        search = self.context.search
+        tips = search.tip(q, p)
+        cases = [search.case_at(row, p, case) for row, case in zip(q, load_cases, strict=True)]
+        for row, tip, case in zip(q.tolist(), tips.tolist(), cases, strict=True):
             known = (pose.q for pose in self._poses if pose.load_case == case)
             if any(max(abs(a - b) for a, b in zip(row, other, strict=True)) < _SAME for other in known):
                 continue
@@ -255,7 +257,7 @@ class RoundSearch:
                 over[limit] = _excesses(limit, error)
         designs = self._designs(picks, figures)
         for family, prepared in self.context.families:
-            values = family.at_pose(prepared, case, q, designs)
+            values = family.at_pose(prepared, self.context.search.load_case(case), q, designs)
             over |= {x: _excesses(x, values[x.name]) for x in self.problem.limits if x.name in values and not x.poses}
         return np.where(there, error, 0.0), {limit: np.where(there, values, -1.0) for limit, values in over.items()}
 
@@ -320,7 +322,7 @@ class RoundSearch:
         kept = True
         if self.context.uses_error:
             known = np.array([pose.q for pose in self._poses]) if self._poses and not self._turning else None
-            worst = self.context.search.worst(p, certify=False, extra=known)
+            worst = self.context.search.of_loads(self.context.search.worst(p, certify=False, extra=known))
             if self.problem.minimize == "max_error":
                 values["objective"] = worst.error
             near = [pose for pose in worst.poses if pose.error > 0.98 * worst.error][:_ADDED]

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
+
+from executors import Processes, plain
 
 VERSION = "1"
 """Part of every key: raised where a part's meaning changes."""
 FAILED = "failed"
 """The key under which a piece that failed says why."""
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -35,8 +34,6 @@ def done(
     """The results by case, computed where `folder` does not hold them under their key. A piece that fails gives
     {FAILED: why}; it is tried again in the next run."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in _THREADS:
-        os.environ.setdefault(name, "1")
     found: dict[str, dict[str, Any]] = {}
     waiting: list[Piece] = []
     for piece in pieces:
@@ -46,39 +43,26 @@ def done(
         else:
             found[piece.case] = kept
     start = time.monotonic()
-    while waiting:
-        waiting, before = _round(part, call, waiting, folder, jobs, found, start), len(waiting)
-        if len(waiting) == before:  # a worker dies of the first one
-            found[waiting.pop(0).case] = {FAILED: "the worker died"}
+    with Processes(jobs, patience=0.0) as processes:
+        outcomes = processes.outcomes(plain(partial(_one, call)), [piece.arguments for piece in waiting])
+        for ended, (number, result, error) in enumerate(outcomes, 1):
+            piece = waiting[number]
+            if result is None:
+                found[piece.case] = {FAILED: f"{type(error).__name__}: {error}"[:300]}
+            else:
+                found[piece.case] = result
+                content = {"key": _key(piece), "result": result}
+                (folder / f"{piece.case}.json").write_text(json.dumps(content) + "\n", encoding="utf-8")
+            if ended % 20 == 0 or ended == len(waiting):
+                print(f"{part}: {ended} of {len(waiting)}, {time.monotonic() - start:.0f} s", file=sys.stderr)
     return {piece.case: found[piece.case] for piece in pieces}
 
 
-def _round(
-    part: str,
-    call: Callable[..., dict[str, Any]],
-    pieces: list[Piece],
-    folder: Path,
-    jobs: int,
-    found: dict[str, dict[str, Any]],
-    start: float,
-) -> list[Piece]:
-    """Works on all pieces; gives those that a dead worker left undone."""
-    lost: list[Piece] = []
-    with ProcessPoolExecutor(jobs) as pool:
-        futures = {pool.submit(call, *piece.arguments): piece for piece in pieces}
-        for number, future in enumerate(as_completed(futures), 1):
-            piece, error = futures[future], future.exception()
-            if isinstance(error, BrokenProcessPool):
-                lost.append(piece)
-            elif error is not None:
-                found[piece.case] = {FAILED: f"{type(error).__name__}: {error}"[:300]}
-            else:
-                found[piece.case] = future.result()
-                content = {"key": _key(piece), "result": found[piece.case]}
-                (folder / f"{piece.case}.json").write_text(json.dumps(content) + "\n", encoding="utf-8")
-            if number % 20 == 0 or number == len(pieces):
-                print(f"{part}: {number} of {len(pieces)}, {time.monotonic() - start:.0f} s", file=sys.stderr)
-    return sorted(lost, key=lambda piece: piece.case)
+Call = Callable[..., dict[str, Any]]
+
+
+def _one(call: Call, arguments: tuple[Any, ...]) -> dict[str, Any]:
+    return call(*arguments)
 
 
 def _key(piece: Piece) -> str:

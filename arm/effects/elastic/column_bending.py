@@ -1,0 +1,58 @@
+"""A mast or boom bends: its bending length is the coordinate of the slide that travels along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import add, cross, dot, is_zero, scale, subtract, times
+from arm.effects.effect import Effect, Settings, Twist, given, size
+from sections.numeric import absolute
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    """What bends is a cantilever between the slide's zero (or `length_at_zero` before it) and its carriage."""
+    flexibility = settings.values.get("flexibility", 0.0)
+    if isinstance(flexibility, float) and flexibility == 0.0:
+        return
+    before = settings.values.get("length_at_zero", 0.0)
+    for index, joint in enumerate(state.joints):
+        if joint.revolute or not settings.acts_at(index):
+            continue
+        # A coordinate that runs towards the clamped end is as long a cantilever.
+        length, along = absolute(joint.coordinate + before), joint.axis
+        square = times(length, length)
+        load = add(joint.force, scale(joint.mass, state.gravity))
+        force = subtract(load, scale(dot(along, load), along))
+        moment = subtract(joint.moment, scale(dot(along, joint.moment), along))
+        if is_zero(force) and is_zero(moment):
+            continue
+        shift = add(scale(times(square, length) / 3.0, force), scale(0.5 * square, cross(moment, along)))
+        turn = add(scale(0.5 * square, cross(along, force)), scale(length, moment))
+        yield Twist("joint", index, scale(flexibility, shift), scale(flexibility, turn))
+
+
+COLUMN_BENDING = Effect(
+    id="column_bending",
+    title="bending of a mast or boom along which a slide travels",
+    formula="(F h^3/3 + M h^2/2)/EI across the slide, slope (F h^2/2 + M h)/EI carried on, h its coordinate",
+    place="joint",
+    cause="flexibility",
+    needs="several places along the slide, two loads",
+    aliases=("base_compliance", "rail_pitch", "link_bending"),
+    source="Gere & Goodno, Mechanics of Materials, cantilever beams under an end force and an end moment",
+    parameters=(
+        size("flexibility", "flexibility", 0.0, 1e-2, (1e-8, 1e-4)).means(
+            "1/EI of the mast or boom", "the reciprocal of EI from 1e4 to 1e8 N*m^2, profiles and masts of gantries"
+        ),
+        given("length_at_zero", "length", -10.0, 10.0, (0.0, 1.0)).means(
+            "bending length where the slide stands at zero (nothing, if not given)",
+            "clamping distances of linear axes",
+        ),
+    ),
+    twists=_twists,
+    only="joints that slide",
+    rank=225,
+    linear=True,
+    flexible=True,
+)

@@ -1,0 +1,47 @@
+"""A joint's bearing gives across its axis: the moment that it carries beside the drive's tilts all that follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from arm.chain.statics import PoseState
+from arm.chain.vectors import dot, is_zero, scale, subtract
+from arm.effects.effect import Effect, Settings, Twist, size
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    compliance = settings.values.get("compliance", 0.0)
+    if state.planar or (isinstance(compliance, float) and compliance == 0.0):
+        # In the plane all moments lie along the axes: what rounding leaves beside them is not physics.
+        return
+    for index, joint in enumerate(state.joints):
+        if not joint.revolute or not settings.acts_at(index):
+            continue
+        across = subtract(joint.moment, scale(dot(joint.axis, joint.moment), joint.axis))
+        if not is_zero(across):
+            yield Twist("joint", index, rotation=scale(compliance, across))
+
+
+LATERAL_COMPLIANCE = Effect(
+    id="lateral_compliance",
+    title="compliance of a joint's bearing",
+    formula="sum c_i (M_i - (M_i . a_i) a_i) x (p - o_i), M_i the moment at joint i, a_i its axis",
+    place="joint",
+    cause="flexibility",
+    needs="poses out of the plane, two loads",
+    aliases=("base_compliance", "axis_misalignment", "link_bending"),
+    source="A. Klimchik, D. Chablat & A. Pashkevich, Stiffness modeling for perfect and non-perfect parallel "
+    "manipulators under internal and external loadings, Mech. Mach. Theory 79 (2014) 1, "
+    "doi:10.1016/j.mechmachtheory.2014.04.002: joints with compliance in all six directions",
+    parameters=(
+        size("compliance", "compliance", 0.0, 1e-2, (1e-7, 1e-5)).means(
+            "tilt across the axis for one unit of moment across it",
+            "moment stiffness of crossed-roller bearings and reducers' main bearings, 1e5 to 1e7 N*m/rad",
+        ),
+    ),
+    twists=_twists,
+    only="joints that turn",
+    rank=235,
+    linear=True,
+    flexible=True,
+)

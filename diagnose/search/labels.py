@@ -1,0 +1,111 @@
+"""Labels that stand beside the wrong readings: sides or payloads logged a visit late or early, turned round or swapped.
+
+Where nothing in the library explains a mismatch, or it is only scatter, each such mistake is tried: the recording is
+searched again with the labels put right. A mistake is told only where the physics then named leaves the noise floor.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.chain import Arm
+from diagnose.fitting.fit import fit, remaining
+from diagnose.fitting.prepare import prepare
+from diagnose.options import Options
+from diagnose.recording import Recording
+from diagnose.residual.observed import observe, rms_length, visits
+from diagnose.rules.rules import Rules
+from sections.numeric import Array
+
+from .naming import Namer, name_missing
+
+
+@dataclass(frozen=True)
+class Mislabelled:
+    """Labels that seem wrong: in words, with what is named once they are put right and what that leaves (RMS, m)."""
+
+    said: str
+    named: tuple[tuple[str, tuple[int, ...]], ...]
+    rms: float
+
+
+@dataclass(frozen=True)
+class _Tried:
+    said: str
+    recording: Recording
+
+
+def mislabelled(
+    arm: Arm, recording: Recording, asked: Options, floor: float, left: float, tell: Callable[[float], None]
+) -> Mislabelled | None:
+    """The mistake of labels that explains what is `left` (RMS, m) over a noise `floor` (RMS, m); None where none does.
+
+    The search is that of the diagnosis itself, by the same rules.
+    """
+    rules = asked.rules
+    enough = min(rules.mistakes.label_leaves * left, rules.fitting.at_the_floor * floor)
+    tried = list(_relabelled(arm, recording, rules))
+    namers: list[tuple[float, Namer, _Tried]] = []
+    for number, each in enumerate(tried):
+        tell(number / (len(tried) + 1))
+        prepared = prepare(observe(arm, each.recording, rules=rules), asked, floor)
+        namer = Namer(prepared, thorough=False, seed=asked.seed)
+        subsets = namer.best_of_library() if prepared.pool.groups else {}
+        if subsets:
+            namers.append((min(_left(namer, subset.members) for subset in subsets.values()), namer, each))
+    rms, namer, each = min(namers, key=lambda found: found[0], default=(np.inf, None, None))
+    if namer is None or each is None or rms > enough:
+        return None
+    named = name_missing(namer, lambda _: None)
+    if not named.members or named.outside:
+        return None
+    rms = _left(namer, named.members)
+    groups = [namer.pool.groups[member].candidate for member in named.members]
+    found = tuple((candidate.effect, candidate.numbers) for candidate in groups)
+    return Mislabelled(each.said, found, rms) if rms <= enough else None
+
+
+def _left(namer: Namer, members: tuple[int, ...]) -> float:
+    width = namer.prepared.observed.components
+    return rms_length(remaining(namer.prepared, fit(namer.prepared, members))[:, :width])
+
+
+def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried]:
+    """The recording with one mistake put right, each in turn."""
+    visit = visits(recording, arm, rules=rules.residual)
+    sides, payload = recording.sides, recording.payload_mass
+    if sides is not None and len(np.unique(sides, axis=0)) > 1:
+        for which, late in (("late", 1), ("early", -1)):
+            for unit, source, keep in _sources(visit, late):
+                told = f"the sides (dirN) were logged one {unit} {which}"
+                yield _Tried(told, replace(recording, sides=sides[source]).kept(keep))
+        yield _Tried("the sides (dirN) were logged with the opposite sign", replace(recording, sides=-sides))
+    if payload is not None and len(levels := np.unique(payload)) > 1:
+        for which, late in (("late", 1), ("early", -1)):
+            for unit, source, keep in _sources(visit, late):
+                told = f"payload_kg was logged one {unit} {which}"
+                yield _Tried(told, replace(recording, payload_mass=payload[source]).kept(keep))
+        if len(levels) <= rules.mistakes.swapped_levels:
+            for one, other in itertools.combinations(levels.tolist(), 2):
+                told = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"
+                yield _Tried(told, replace(recording, payload_mass=_swapped(payload, one, other)))
+
+
+def _sources(visit: NDArray[np.int64], late: int) -> Iterator[tuple[str, NDArray[np.int64], NDArray[np.bool_]]]:
+    """From which row each row takes its label, where labels were logged one visit or one reading `late`, and the rows
+    whose label is known then: not that of the first or the last."""
+    last = int(visit[-1])
+    first = np.searchsorted(visit, np.arange(last + 1))
+    yield "visit", first[np.clip(visit + late, 0, last)], (visit + late >= 0) & (visit + late <= last)
+    if len(first) < len(visit):  # else a reading is a visit
+        rows = np.arange(len(visit)) + late
+        yield "reading", np.clip(rows, 0, len(visit) - 1), (rows >= 0) & (rows < len(visit))
+
+
+def _swapped(payload: Array, one: float, other: float) -> Array:
+    return np.where(payload == one, other, np.where(payload == other, one, payload))

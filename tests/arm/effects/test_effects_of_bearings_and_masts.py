@@ -1,0 +1,84 @@
+"""What gives beside links and drives: bearings across their axes, masts and booms along which slides travel."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.statics import PoseState, solve
+from tests.arm.effects.effect_states import moved
+
+G = 9.81
+UPRIGHT, LEVEL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+
+
+def carried(joints: tuple[Joint, ...], lengths: tuple[float, ...], q: list[float], load: LoadCase) -> PoseState:
+    """A weightless arm of rigid links under gravity along -z, at one pose."""
+    links = tuple(Link(length, mass=0.0) for length in lengths)
+    arm = Arm("made", joints, links, gravity=(0.0, 0.0, -G), payload=load)
+    beams = [Beam(length) for length in lengths]
+    return solve(arm, [np.array([each]) for each in q], beams)
+
+
+def tip(state: PoseState, effect: str, **values: float) -> np.ndarray:
+    return moved(state, effect, values)[0]
+
+
+def test_a_bearing_tilts_by_the_moment_across_its_axis() -> None:
+    """A level arm on an upright axis: the payload tilts it by c m g L, and the tip drops by L times that."""
+    joint = Joint(axis=UPRIGHT, range=(-3.0, 3.0))
+    for angle in (0.0, 0.7, -2.0):
+        state = carried((joint,), (1.5,), [angle], LoadCase(4.0))
+        found = tip(state, "lateral_compliance", compliance=1e-6)
+        assert found == pytest.approx([0.0, 0.0, -1e-6 * 4.0 * G * 1.5**2], rel=1e-9, abs=1e-15)
+
+
+def test_a_drive_carries_what_is_about_the_axis() -> None:
+    """An axis across a level arm: all of the payload's moment is about it, and the bearing has nothing to bear."""
+    joint = Joint(axis=(0.0, 1.0, 0.0), range=(-3.0, 3.0))
+    state = carried((joint,), (1.5,), [0.0], LoadCase(4.0))
+    assert tip(state, "lateral_compliance", compliance=1e-6) == pytest.approx([0.0] * 3, abs=1e-15)
+    drop = [0.0, 0.0, -1e-6 * 4.0 * G * 1.5**2]
+    assert tip(state, "joint_compliance", compliance=1e-6) == pytest.approx(drop, rel=1e-9, abs=1e-15)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-1.5, 1.5), st.tuples(*[st.floats(-50.0, 50.0)] * 3))
+def test_the_first_bearing_is_the_base_where_its_axis_is_upright(
+    turn: float, lift: float, force: tuple[float, float, float]
+) -> None:
+    """The base tilts about x and y alone, and so does what turns about z on it."""
+    joints = (Joint(axis=UPRIGHT, range=(-3.0, 3.0)), Joint(axis=(0.0, 1.0, 0.0), range=(-2.0, 2.0)))
+    state = carried(joints, (0.0, 1.2), [turn, lift], LoadCase(3.0, force))
+    bearing = moved(state, "lateral_compliance", {"compliance": 2e-6}, (0,))[0]
+    assert bearing == pytest.approx(tip(state, "base_compliance", compliance=2e-6), rel=1e-9, abs=1e-13)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.4, 1.1, 2.0])
+@pytest.mark.parametrize("before", [0.0, 0.3])
+def test_a_mast_bends_as_a_cantilever_up_to_its_carriage(height: float, before: float) -> None:
+    """A boom of length a on a mast's carriage at height h, payload P and side force H at its tip (Gere & Goodno, table
+    of cantilevers): across P a h^2/(2EI) + H h^3/(3EI), slope P a h/EI + H h^2/(2EI), by which the tip drops a times.
+    """
+    ei, boom, weight, side = 2.5e5, 0.8, 12.0 * G, 60.0
+    slide = Joint("prismatic", axis=UPRIGHT, range=(0.0, 2.0))
+    link = Link(boom, mass=0.0, direction=LEVEL)
+    arm = Arm("mast", (slide,), (link,), gravity=(0.0, 0.0, -G), payload=LoadCase(12.0, (side, 0.0, 0.0)))
+    state = solve(arm, [np.array([height])], [Beam(boom)])
+    h = height + before
+    across = (weight * boom * h**2 / 2.0 + side * h**3 / 3.0) / ei
+    slope = (weight * boom * h + side * h**2 / 2.0) / ei
+    found = tip(state, "column_bending", flexibility=1.0 / ei, length_at_zero=before)
+    assert found == pytest.approx([across, 0.0, -slope * boom], rel=1e-9, abs=1e-15)
+
+
+def test_a_boom_bends_by_its_own_reach() -> None:
+    """A level slide pushed out by h with the payload at its carriage: P h^3/(3EI), whichever way it is pushed."""
+    for way in (1.0, -1.0):
+        slide = Joint("prismatic", axis=(way, 0.0, 0.0), range=(0.0, 2.0))
+        state = carried((slide,), (0.0,), [1.5], LoadCase(10.0))
+        found = tip(state, "column_bending", flexibility=1e-6)
+        assert found == pytest.approx([0.0, 0.0, -10.0 * G * 1.5**3 / 3.0 * 1e-6], rel=1e-9, abs=1e-15)

@@ -1,0 +1,138 @@
+"""A dask cluster: a scheduler and two workers, each a process of its own, on the loopback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from executors import Cluster, Work, WorkersLost, plain
+from tests.executors import steps
+from units.quantities import InputError, NoAnswer
+
+FEW = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+"""One worker may die of a step, as when somebody kills it; two are the step's own doing."""
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass
+class Dask:
+    """The address and the processes."""
+
+    address: str
+    scheduler: subprocess.Popen[bytes]
+    workers: list[subprocess.Popen[bytes]]
+
+    def add(self) -> None:
+        """One more worker."""
+        self.workers.append(_started("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"))
+
+
+def _started(*arguments: str) -> subprocess.Popen[bytes]:
+    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
+    given = {**os.environ, "PYTHONPATH": paths, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **FEW}
+    command = [sys.executable, "-m", "dask", *arguments]
+    return subprocess.Popen(command, env=given, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def free_port() -> int:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Dask]:
+    port = free_port()
+    scheduler = _started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+    made = Dask(f"tcp://127.0.0.1:{port}", scheduler, [])
+    try:
+        made.add()
+        made.add()
+        yield made
+    finally:
+        for process in (*made.workers, scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def cluster(dask: Dask) -> Iterator[Cluster]:
+    with Cluster(dask.address, patience=60.0) as made:
+        until = time.monotonic() + 60.0
+        while made.workers < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+        yield made
+
+
+def test_results_come_in_the_order_of_the_items(cluster: Cluster):
+    assert cluster.workers == 2
+    assert cluster.map(plain(steps.square), range(20)) == [number * number for number in range(20)]
+
+
+def test_each_worker_prepares_once_for_each_work(cluster: Cluster, dask: Dask):
+    work = Work(object, steps.place)
+    places = set(cluster.map(work, range(12)) + cluster.map(work, range(12)))
+    assert {pid for pid, _ in places} == {each.pid for each in dask.workers}
+    assert len(places) == 2
+
+
+def test_what_a_step_raises_is_raised(cluster: Cluster):
+    with pytest.raises(NoAnswer, match="three has none"):
+        cluster.map(plain(steps.refuse), range(8))
+
+
+def test_worker_that_is_killed_loses_nothing(cluster: Cluster, dask: Dask):
+    killed: list[int] = []
+
+    def kill(number: int, result: float) -> None:
+        del number, result
+        if not killed:
+            killed.append(dask.workers[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    assert cluster.map(plain(steps.wait), [0.1] * 12, each=kill) == [0.1] * 12
+    assert dask.workers.pop(0).wait() == -signal.SIGKILL
+    dask.add()
+
+
+def test_interrupt_gives_up_what_is_under_way(cluster: Cluster):
+    got: list[float] = []
+
+    def stop() -> None:
+        if got:
+            raise KeyboardInterrupt
+
+    work = plain(steps.wait)
+    with pytest.raises(KeyboardInterrupt):
+        cluster.map(work, [0.0, 1.0, 1.0, 1.0, 600.0], stop, lambda _, result: got.append(result))
+    assert got == [0.0]
+    assert cluster.map(work, [0.0]) == [0.0]
+
+
+def test_nobody_there_is_one_line_within_seconds():
+    began = time.monotonic()
+    for address in (f"tcp://127.0.0.1:{free_port()}", "nonsense", "tcp://"):
+        with pytest.raises(InputError, match=f"--dask: no dask scheduler answers at {address}"):
+            Cluster(address, patience=1.0)
+    assert time.monotonic() - began < 30.0
+
+
+def test_without_dask_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'linkwright\[cluster\]'"):
+        Cluster("tcp://127.0.0.1:8786")
+
+
+def test_step_that_kills_every_worker_ends_in_one_line(cluster: Cluster):
+    """The last test: no worker is left after it."""
+    with pytest.raises(WorkersLost, match="ended every worker that took it"):
+        cluster.map(plain(steps.die), [3])
