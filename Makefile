@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures test test-fast lint benchmark problems proof proof-sample proof-docs rules rules-docs lock clean
+.PHONY: help demo pictures test test-fast lint benchmark problems proof proof-sample proof-docs proof-multibody rules rules-docs lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -26,6 +26,7 @@ help:
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
+	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
 	@echo "make rules      what moves when each rule of the diagnosis does (RULES_ARGS=... is passed on; an hour or two)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
@@ -141,6 +142,16 @@ proof-docs: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind publish --work $(PROOF_WORK) --docs docs --jobs $(PROOF_JOBS) \
 		$(if $(wildcard $(PROOF_DISCLOSED_ANSWERS)),--disclosed $(PROOF_DISCLOSED) $(PROOF_DISCLOSED_ANSWERS)) \
 		$(if $(wildcard $(PROOF_SEALED_ANSWERS)),--sealed $(PROOF_SEALED) $(PROOF_SEALED_ANSWERS))
+
+# The second generator: its proof half holds unknown classes of its own and is asked once. Goes on where it was interrupted.
+PROOF_REMOUNTS ?= 0.35
+proof-multibody: PROOF_CASES = 600
+proof-multibody: PROOF_HALF = development
+proof-multibody: PROOF_OUT = proof-out-multibody-$(PROOF_HALF)-$(PROOF_SEED)
+proof-multibody: $(DEV)
+	test -f $(PROOF_OUT)/seal.txt || $(BIN)/python -m benchmarks.multibody make --cases $(PROOF_CASES) --seed $(PROOF_SEED) --half $(PROOF_HALF) --out $(PROOF_OUT) --jobs $(PROOF_JOBS) --remounts $(PROOF_REMOUNTS)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.multibody run $(PROOF_OUT) --answers $(PROOF_OUT)-answers --jobs $(PROOF_JOBS)
+	$(BIN)/python -m benchmarks.multibody score $(PROOF_OUT) --answers $(PROOF_OUT)-answers --json $(PROOF_OUT).json
 
 # Each rule of the diagnosis 20 % either way on recordings of known truth; goes on where it was interrupted. Fails where a
 # right answer turned wrong.

@@ -38,7 +38,8 @@ def ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
     start = time.perf_counter()
     words = io.StringIO()
     with tempfile.TemporaryDirectory() as out:
-        asked = ["diagnose", str(folder / "arm.yaml"), str(folder / "recording.csv"), "--json", answer, "--out", out]
+        recordings = [str(path) for path in sorted(folder.glob("recording*.csv"))]
+        asked = ["diagnose", str(folder / "arm.yaml"), *recordings, "--json", answer, "--out", out]
         signal.signal(signal.SIGALRM, _late)
         signal.setitimer(signal.ITIMER_REAL, seconds)
         try:

@@ -17,6 +17,7 @@ from benchmarks.blind.proof.library import tellable
 from benchmarks.blind.proof.page import MAP, POWER, page
 from benchmarks.blind.proof.parts import FAILED, Piece, done
 from benchmarks.blind.proof.prediction import claimed, predicted
+from benchmarks.multibody.page import kept_section
 
 VERDICTS = ("none", "insufficient_data", "unknown", "failed")
 _GOALS = ((0.5, 0.9), (1.0, 0.95), (2.0, 0.99))
@@ -68,7 +69,8 @@ def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Resul
 def publish(
     folders: list[tuple[Path, Path]], work: Path, docs: Path, jobs: int = 2, sizes: Sizes | None = None
 ) -> list[Path]:
-    """Writes docs/proof.md and its pictures from (cases, answers) of each half; gives what was written.
+    """Writes docs/proof.md and its pictures from (cases, answers) of each half; gives what was written. The section
+    of the second generator, which benchmarks.multibody writes, stays as it is.
 
     Raises FileNotFoundError where answers are wanting, benchmarks.blind.seal.BrokenSealError where truths were touched.
     """
@@ -88,7 +90,7 @@ def publish(
     texts = {
         pictures / POWER: power(curves, _GOALS),
         pictures / MAP: heat_map(both[-1][1].confusion, VERDICTS, frozenset(OUTSIDE)),
-        docs / "proof.md": page(both),
+        docs / "proof.md": page(both) + (f"\n{kept}" if (kept := kept_section(docs / "proof.md")) else ""),
     }
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8", newline="\n")

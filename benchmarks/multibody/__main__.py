@@ -1,0 +1,5 @@
+"""python -m benchmarks.multibody make | run | score."""
+
+from benchmarks.multibody.commands import main
+
+raise SystemExit(main())

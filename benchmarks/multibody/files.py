@@ -1,0 +1,155 @@
+"""A case as files: arm.yaml, recordings and their settings for the tool, and the truth apart."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from benchmarks.blind.generator.arms import arm_file
+from benchmarks.multibody.cases import Case, Placed
+from benchmarks.multibody.instrument import MISLABELLED
+from benchmarks.multibody.session import BETWEEN_REPEATS
+
+UNITS = (
+    ("compliance", "rad/(N*m)", 1.0),
+    ("knee", "N*m", 1.0),
+    ("held_below", "N*m", 1.0),
+    ("total", "rad", 1.0),
+    ("windup", "rad", 1.0),
+    ("windup_per_load", "rad/(N*m)", 1.0),
+    ("time_constant", "s", 1.0),
+    ("lag", "s", 1.0),
+    ("radius", "m", 1.0),
+    ("offset", "rad", 1.0),
+    ("sine", "rad", 1.0),
+    ("cosine", "rad", 1.0),
+    ("length", "m", 1.0),
+    ("along", "m", 1.0),
+    ("across", "m", 1.0),
+    ("tilt_u", "rad", 1.0),
+    ("tilt_v", "rad", 1.0),
+    ("mass", "kg", 1.0),
+    ("expansion", "m/(m*K)", 1.0),
+    ("per_kelvin", "rad/K", 1.0),
+    ("about_x", "rad", 1.0),
+    ("about_y", "rad", 1.0),
+    ("about_z", "rad", 1.0),
+)
+HOURLY = (*((k, "m/h", 3600.0) for k in "xyz"), ("about_z", "rad/h", 3600.0))
+
+
+def true_parameters(placed: Placed) -> dict[str, dict[str, float | str]]:
+    """Parameters as name_place: {value, unit}, in SI but for what drifts (by the hour)."""
+    cause = placed.cause
+    units = {
+        name: (unit, factor) for name, unit, factor in (*UNITS, *(HOURLY if cause.effect == "frame_drift" else ()))
+    }
+    place = f"_{cause.at[0]}" if cause.at else ""
+    found: dict[str, dict[str, float | str]] = {}
+    for name, value in cause.parameters.items():
+        unit, factor = units.get(name, ("", 1.0))
+        found[name + place] = {"value": float(value) * factor, "unit": unit}
+    return found
+
+
+def truth_of(case: Case) -> dict[str, Any]:
+    """What is sealed."""
+    unknown, session = case.unknown, case.stage.session
+    return {
+        "case": case.name,
+        "seed": list(case.seed),
+        "half": case.half,
+        "kind": case.kind,
+        "arm": case.stage.machine.arm.family,
+        "design": session.design,
+        "rows": session.visits * session.repeats,
+        "frame": "free" if case.frame_free else "known",
+        "tool": "free" if case.tool_free else "known",
+        "mounts": len(case.mounts),
+        "vice": case.vice,
+        "return_scatter_mrad": case.return_scatter * 1e3,
+        "sag_mm": case.sag * 1e3,
+        "sigma_mm": case.tracker.sigma * 1e3,
+        "noise_rms_mm": case.noise * 1e3,
+        "oracle_rms_mm": case.oracle * 1e3,
+        "dose": case.dose,
+        "effects": [
+            {
+                "effect": p.cause.effect,
+                "at": list(p.cause.at),
+                "snr": p.snr,
+                "large": p.large,
+                "parameters": true_parameters(p),
+            }
+            for p in case.causes
+        ],
+        "unknown": None
+        if unknown is None
+        else {
+            "class": unknown.name,
+            "joints": list(unknown.joints),
+            "depends_on": sorted(unknown.depends_on),
+            "since_s": unknown.since,
+            "until_s": unknown.until,
+            "snr_beyond_library": case.unknown_snr[0],
+            "snr_beside_geometry": case.unknown_snr[1],
+        },
+        "mislabelled": case.mislabelled[0] or None,
+        "file": _of_file(case),
+    }
+
+
+def _of_file(case: Case) -> dict[str, Any]:
+    """What the arm file says of masses and stiffness, against which a stated size is possible or not."""
+    arm = case.stage.machine.arm
+    return {
+        "link_mass_kg": [k.line_mass * k.length for k in arm.links],
+        "link_length_m": [k.length for k in arm.links],
+        "payload_kg": float(case.stage.session.payload.min()),
+        "drive_compliance": [j.compliance for j in arm.joints],
+    }
+
+
+def table_of(case: Case) -> pd.DataFrame:
+    """All rows, with their columns' units, and a column `mount`."""
+    session, arm = case.stage.session, case.stage.machine.arm
+    rows = np.repeat(np.arange(session.visits), session.repeats)
+    again = np.tile(np.arange(session.repeats), session.visits)
+    columns: dict[str, Any] = {"time_s": np.round(session.time[rows] + BETWEEN_REPEATS * again, 1)}
+    columns |= {f"q{i + 1}_deg": np.round(session.q[i, rows] * 180.0 / math.pi, 3) for i in range(arm.count)}
+    if session.design in ("full", "sides"):
+        columns |= {f"dir{i + 1}": session.side[i, rows].astype(int) for i in range(arm.count)}
+    columns["payload_kg"] = session.payload[rows]
+    columns["temperature_degC"] = np.round(session.temperature[rows], 2)
+    axes = "xy" if arm.planar else "xyz"
+    columns |= {f"{axis}_mm": np.round(case.readings[k] * 1e3, 5) for k, axis in enumerate(axes)}
+    columns["mount"] = np.array(session.mount)[rows]
+    return pd.DataFrame(columns)
+
+
+def write_case(case: Case, root: Path) -> str:
+    """Writes the case's files under root/cases/<name> and its truth under root/truth; returns the truth's text."""
+    folder = root / "cases" / case.name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "arm.yaml").write_text(arm_file(case.stage.machine.arm, case.ranges), encoding="utf-8")
+    table, (wrong, joint) = table_of(case), case.mislabelled
+    if wrong:
+        table = MISLABELLED[wrong](table, joint)
+    settings: dict[str, str] = {"frame": "free" if case.frame_free else "known"}
+    if case.tool_free:
+        settings["tool"] = "free"
+    for mount in range(len(case.mounts)):
+        stem = "recording" if len(case.mounts) == 1 else f"recording-{mount + 1}"
+        part = table[table["mount"] == mount].drop(columns="mount")
+        part.to_csv(folder / f"{stem}.csv", index=False, lineterminator="\n")
+        (folder / f"{stem}.yaml").write_text(yaml.safe_dump(settings, sort_keys=True), encoding="utf-8")
+    text = json.dumps(truth_of(case), indent=1, sort_keys=True) + "\n"
+    (root / "truth").mkdir(exist_ok=True)
+    (root / "truth" / f"{case.name}.json").write_text(text, encoding="utf-8", newline="\n")
+    return text

@@ -1,0 +1,321 @@
+"""The score of the second proof: from truths and answers to targets, tables, the three figures and a list of misses.
+
+The three figures are those that arXiv:2606.23215 asks of fault diagnosis, in the terms of a recording: the bias of
+parameters that are rightly named, F1 of localisation by joint, by time and by region (the covariates on which the
+mismatch is said to depend), and the share of false ones among all discoveries.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from benchmarks.blind.answers import ALARMS, NAMES, Answer, Rate, Spread, Truth, in_class, is_it, rate, spread
+from benchmarks.blind.parameters import TRANSLATED, UNITS, coverage
+from benchmarks.multibody.cases import DOSES
+from benchmarks.multibody.sizes import impossible
+
+Table = tuple[tuple[str, Rate], ...]
+Row = tuple[Truth, Answer]
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """Precision, recall and their harmonic mean, from counts over all cases."""
+
+    hits: int
+    claimed: int
+    true: int
+
+    @property
+    def precision(self) -> float:
+        """Of what is claimed, the share that is so."""
+        return self.hits / self.claimed if self.claimed else math.nan
+
+    @property
+    def recall(self) -> float:
+        """Of what is so, the share that is claimed."""
+        return self.hits / self.true if self.true else math.nan
+
+    @property
+    def f1(self) -> float:
+        """2 hits / (claimed + true)."""
+        return 2 * self.hits / (self.claimed + self.true) if self.claimed + self.true else math.nan
+
+
+@dataclass(frozen=True)
+class Target:
+    """A figure to be reached: what, how much, what came of it, whether that is it (None: nothing to judge)."""
+
+    what: str
+    wanted: str
+    reached: Rate | Spread
+    met: bool | None
+
+
+@dataclass(frozen=True)
+class Score:
+    """All figures of what was run."""
+
+    half: str
+    seal: str
+    cases: tuple[tuple[str, int], ...]
+    failed: tuple[str, ...]
+    targets: tuple[Target, ...]
+    tables: tuple[tuple[str, Table], ...]
+    bias: Spread
+    bias_by_parameter: tuple[tuple[str, Spread], ...]
+    localised: tuple[tuple[str, Harmonic], ...]
+    false_discoveries: Rate
+    verdicts: tuple[tuple[str, tuple[tuple[str, int], ...]], ...]
+    impossible: tuple[str, ...]
+    seconds: Spread
+    misses: tuple[str, ...]
+
+
+def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = "", seal: str = "") -> Score:
+    """All figures, from truths and answers alone."""
+    rows: list[Row] = [(truth, answers[truth["case"]]) for truth in truths]
+
+    def kind(*names: str) -> list[Row]:
+        return [(t, a) for t, a in rows if t["kind"] in names]
+
+    nulls, unknowns, power = kind("null"), kind("unknown"), kind("power")
+    large = [(t, a, e) for t, a in kind("many", "pair") for e in t["effects"] if e["large"]]
+    loud = [(t, a, e) for t, a, e in large if e["snr"] >= 0.9]
+    small = [(t, a, e) for t, a in kind("many") for e in t["effects"] if not e["large"]]
+    covered = [inside for t, a in rows for e, entry in _named(t, a) for _, inside in coverage(entry, e)]
+    written = [_written(t, a) for t, a in kind("many", "pair", "power", "null")]
+    ratio = spread(written, 1.1)
+    cannot = tuple(
+        f"{t['case']}: {sentence}"
+        for t, a in rows
+        if a.verdict != "failed"
+        for e in a.entries
+        for sentence in impossible(e, t["file"])
+    )
+    said = [(t, a) for t, a in rows if a.entries]
+    targets = (
+        _at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
+        _at_least("large causes named, from 0.9 on", 0.95, rate(_right(a, e) for _, a, e in loud)),
+        _at_least("unknown classes called unknown", 0.90, rate(a.verdict == "unknown" for _, a in unknowns)),
+        _at_most("unknown classes given a name", 0.05, rate(a.verdict in NAMES for _, a in unknowns)),
+        _at_most("answers with an impossible size", 0.0, rate(bool(_impossible(t, a)) for t, a in said)),
+        Target(
+            "written file's RMS over the oracle's",
+            "median <= 1.1",
+            ratio,
+            None if not ratio.count else ratio.median <= 1.1,
+        ),
+        _within("95 % intervals that hold the truth", 0.93, 0.97, rate(covered)),
+        _at_most(
+            "mislabelled columns given a cause's name", 0.0, rate(a.verdict in NAMES for _, a in kind("mislabelled"))
+        ),
+    )
+
+    def by(table: Iterable[tuple[str, bool]]) -> Table:
+        pairs = list(table)
+        return tuple(
+            (label, rate(hit for key, hit in pairs if key == label)) for label in sorted({k for k, _ in pairs})
+        )
+
+    def named_at(t: Truth, a: Answer) -> bool:
+        return _right(a, t["effects"][0])
+
+    tables = (
+        (
+            "one cause named, by dose",
+            tuple((f"{d:g}", rate(named_at(t, a) for t, a in power if t["dose"] == d)) for d in DOSES),
+        ),
+        (
+            "anything said, by dose",
+            tuple((f"{d:g}", rate(a.verdict in ALARMS for t, a in power if t["dose"] == d)) for d in DOSES),
+        ),
+        (
+            "large causes named among small ones and in pairs, by kind",
+            by((t["kind"], _right(a, e)) for t, a, e in loud),
+        ),
+        ("large causes named, by effect", by((e["effect"], _right(a, e)) for _, a, e in loud)),
+        ("large causes named, by arm", by((t["arm"], _right(a, e)) for t, a, e in loud)),
+        ("large causes named, by recording", by((_recording(t), _right(a, e)) for t, a, e in loud)),
+        ("large causes named or listed as part of an unknown", by((t["kind"], _listed(a, e)) for t, a, e in loud)),
+        ("small causes named (0.1 to 0.5)", by((e["effect"], _right(a, e)) for _, a, e in small)),
+        ("unknown classes called unknown", by((t["unknown"]["class"], a.verdict == "unknown") for t, a in unknowns)),
+        ("false alarms on nulls, by vice", by((t["vice"], a.verdict in ALARMS) for t, a in nulls)),
+        ("false alarms on nulls, by arm", by((t["arm"], a.verdict in ALARMS) for t, a in nulls)),
+        ("mislabelled columns refused or told", by((t["mislabelled"], _told(a)) for t, a in kind("mislabelled"))),
+    )
+    errors = [pair for t, a in rows for e, entry in _named(t, a) for pair in _errors(entry, e)]
+    return Score(
+        half=half,
+        seal=seal,
+        cases=tuple(sorted(Counter(t["kind"] for t, _ in rows).items())),
+        failed=tuple(t["case"] for t, a in rows if a.verdict == "failed" and t["kind"] != "mislabelled"),
+        targets=targets,
+        tables=tables,
+        bias=spread(each for _, each in errors),
+        bias_by_parameter=tuple(
+            (name, spread(e for n, e in errors if n == name)) for name in sorted({n for n, _ in errors})
+        ),
+        localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(unknowns))),
+        false_discoveries=rate(not _true_one(t, e) for t, a in rows if a.verdict in NAMES for e in a.entries),
+        verdicts=_counts((t["kind"], a.verdict) for t, a in rows),
+        impossible=cannot,
+        seconds=spread(a.seconds for _, a in rows if a.seconds is not None),
+        misses=tuple(line for t, a in rows if (line := _miss(t, a))),
+    )
+
+
+def _at_most(what: str, most: float, reached: Rate) -> Target:
+    return Target(what, f"<= {100 * most:g} %", reached, None if not reached.total else reached.share <= most)
+
+
+def _at_least(what: str, least: float, reached: Rate) -> Target:
+    return Target(what, f">= {100 * least:g} %", reached, None if not reached.total else reached.share >= least)
+
+
+def _within(what: str, least: float, most: float, reached: Rate) -> Target:
+    met = None if not reached.total else least <= reached.share <= most
+    return Target(what, f"{100 * least:g} to {100 * most:g} %", reached, met)
+
+
+def _counts(items: Iterable[tuple[str, str]]) -> tuple[tuple[str, tuple[tuple[str, int], ...]], ...]:
+    table: dict[str, Counter[str]] = {}
+    for key, value in items:
+        table.setdefault(key, Counter())[value] += 1
+    return tuple((key, tuple(count.most_common())) for key, count in sorted(table.items()))
+
+
+def _recording(t: Truth) -> str:
+    return f"{t['design']}{', remounted' if t['mounts'] > 1 else ''}, frame {t['frame']}, tool {t['tool']}"
+
+
+def _right(a: Answer, true: Mapping[str, Any]) -> bool:
+    """Whether a cause is named, or declared an alternative to a name."""
+    return a.verdict in NAMES and any(in_class(entry, true) for entry in a.entries)
+
+
+def _listed(a: Answer, true: Mapping[str, Any]) -> bool:
+    return any(in_class(entry, true) for entry in a.entries)
+
+
+def _named(t: Truth, a: Answer) -> list[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+    """True causes that are named themselves, each with its entry."""
+    if a.verdict not in NAMES:
+        return []
+    pairs = [(e, entry) for e in t["effects"] for entry in a.entries]
+    return [(e, entry) for e, entry in pairs if is_it(entry["effect"], entry.get("at"), e)]
+
+
+def _true_one(t: Truth, entry: Mapping[str, Any]) -> bool:
+    return any(in_class(entry, e) for e in t["effects"])
+
+
+def _written(t: Truth, a: Answer) -> float:
+    value = (a.diagnosis or {}).get("written_arm_rms_mm")
+    return math.nan if value is None else float(value) / t["oracle_rms_mm"]
+
+
+def _impossible(t: Truth, a: Answer) -> list[str]:
+    return [sentence for entry in a.entries for sentence in impossible(entry, t["file"])]
+
+
+def _told(a: Answer) -> bool:
+    """Refused with a line of its own, or neither named nor passed as sound."""
+    return a.diagnosis is None or a.verdict not in {*NAMES, "none"}
+
+
+def _errors(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[str, float]]:
+    """Signed relative errors of stated values, by parameter; components that are a tenth and less of the largest of
+    their effect are left out, since nothing is relative to them."""
+    found = []
+    words = TRANSLATED.get(true["effect"], {})
+    for name, stated in (entry.get("parameters") or {}).items():
+        base = name.rstrip("0123456789").rstrip("_")
+        for true_name, value in true["parameters"].items():
+            own = true_name.rstrip("0123456789").rstrip("_")
+            if own != base:
+                continue
+            one, two = UNITS.get(stated.get("unit") or ""), UNITS.get(words.get(own, (own, value["unit"], 1.0))[1])
+            alike = [abs(v["value"]) for v in true["parameters"].values() if v["unit"] == value["unit"]]
+            if one is None or two is None or one[0] != two[0] or stated.get("value") is None:
+                continue
+            if abs(value["value"]) <= 0.1 * max(alike) or not value["value"]:
+                continue
+            truth = value["value"] * two[1]
+            found.append((f"{true['effect']} {own}", float(stated["value"]) * one[1] / truth - 1.0))
+    return found
+
+
+def _claimed_joints(a: Answer) -> set[int]:
+    """The joints or links that an answer points at: those of its names, or of an unknown the one it says."""
+    if a.verdict in NAMES:
+        return {int(i) for entry in a.entries for i in entry.get("at") or [] if len(entry.get("at") or []) == 1}
+    joint = ((a.diagnosis or {}).get("where") or {}).get("joint")
+    return {int(joint)} if a.verdict == "unknown" and isinstance(joint, int) else set()
+
+
+def _joints(rows: Sequence[Row]) -> Harmonic:
+    """Large causes' and unknowns' joints are to be found; a small cause's is no false one."""
+    hits = claimed = true = 0
+    for t, a in rows:
+        if t["kind"] == "mislabelled":
+            continue
+        wanted = {i for e in t["effects"] if e["large"] for i in e["at"]} | set((t["unknown"] or {}).get("joints", []))
+        small = {i for e in t["effects"] if not e["large"] for i in e["at"]}
+        said = _claimed_joints(a)
+        hits, claimed, true = hits + len(said & wanted), claimed + len(said - (small - wanted)), true + len(wanted)
+    return Harmonic(hits, claimed, true)
+
+
+def _times(rows: Sequence[Row]) -> Harmonic:
+    """A moment since which something is so: right within a tenth of the recording's usual six hours of a true beginning
+    or end."""
+    hits = claimed = true = 0
+    for t, a in rows:
+        since = ((a.diagnosis or {}).get("where") or {}).get("since_s")
+        moments = [
+            m for m in ((t["unknown"] or {}).get("since_s"), (t["unknown"] or {}).get("until_s")) if m is not None
+        ]
+        claimed += since is not None
+        true += bool(moments)
+        hits += since is not None and any(abs(float(since) - m) <= 2160.0 for m in moments)
+    return Harmonic(hits, claimed, true)
+
+
+def _regions(rows: Sequence[Row]) -> Harmonic:
+    """What an unknown is said to depend on against what it does."""
+    hits = claimed = true = 0
+    for t, a in rows:
+        wanted = set(t["unknown"]["depends_on"])
+        where = (a.diagnosis or {}).get("where") or {}
+        said = set(where.get("depends_on") or []) if a.verdict == "unknown" else set()
+        hits, claimed, true = hits + len(said & wanted), claimed + len(said), true + len(wanted)
+    return Harmonic(hits, claimed, true)
+
+
+def _miss(t: Truth, a: Answer) -> str:
+    """A line for a case that is not answered as it should be; empty where it is."""
+    said = a.verdict + (": " + ", ".join(_entry(e) for e in a.entries) if a.entries else "")
+    about = f"{t['case']} ({t['kind']}, {t['arm']}, {_recording(t)}, {t['rows']} rows): "
+    if t["kind"] == "mislabelled":
+        return "" if a.verdict not in NAMES else f"{about}{t['mislabelled']}; said {said}"
+    if a.verdict == "failed":
+        return f"{about}no answer"
+    if t["kind"] == "null":
+        return f"{about}{t['vice']}; said {said}" if a.verdict in ALARMS else ""
+    if t["kind"] == "unknown":
+        return "" if a.verdict == "unknown" else f"{about}{t['unknown']['class']}; said {said}"
+    lost = [e for e in t["effects"] if e["large"] and e["snr"] >= 0.9 and not _right(a, e)]
+    false = [entry for entry in a.entries if a.verdict in NAMES and not _true_one(t, entry)]
+    if not lost and not false:
+        return ""
+    told = ", ".join(f"{e['effect']} {e['at']} at {e['snr']:.1f}" for e in t["effects"] if e["large"])
+    return f"{about}{told}; said {said}"
+
+
+def _entry(entry: Mapping[str, Any]) -> str:
+    return f"{entry['effect']} {entry.get('at') or ''}".strip()
