@@ -20,6 +20,7 @@ from arm.effects import EFFECTS
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, seen_of_model
 from arm.errors.tip import active_effects
+from arm.errors.unknown_mass import unknown_taken_out
 from arm.worst.workspace import spread
 from sections.numeric import Array
 
@@ -69,7 +70,8 @@ def model_error(arm: Arm, q: Array, payload: float) -> Array:
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
-    real, case = without_instrument(arm), replace(arm.payload, mass=payload)
+    case = replace(arm.payload, mass=payload)
+    real = unknown_taken_out(without_instrument(arm), (case,))
     state = solve(real, [q[:, index] for index in range(arm.size)], beams_of(real, (case,)), case)
     return seen_of_model(state, active_effects(real), Asked(len(q))).tip
 

@@ -17,6 +17,7 @@ from arm.errors.lost_motion import played
 from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from arm.errors.parts import part_of
 from arm.errors.tip import active_effects
+from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
 from arm.limits.sideways import least_sideways
 from arm.limits.slowest_pose import Frequency, least_frequency
@@ -73,8 +74,8 @@ class Evaluation:
     """All that `evaluate` tells of an arm, in SI.
 
     `by_effect` is what each effect alone adds at the worst pose, `beyond` how far first order is off there. `mass` is
-    that of the links, `total_mass` adds joints and the heaviest payload. Figures that cannot be known from the arm's
-    data are None, and `unknown` says why.
+    that of the links (those of unknown mass have None), `total_mass` adds joints and the heaviest payload. Figures that
+    cannot be known from the arm's data are None, and `unknown` says why.
     """
 
     arm: Arm
@@ -83,9 +84,9 @@ class Evaluation:
     worst: WorstCase
     beyond: BeyondFirstOrder
     by_effect: Mapping[str, float]
-    link_masses: tuple[float, ...]
-    mass: float
-    total_mass: float
+    link_masses: tuple[float | None, ...]
+    mass: float | None
+    total_mass: float | None
     cost: float | None
     reach: float
     strength: StrengthResult
@@ -141,17 +142,19 @@ def evaluate(
     """
     space = workspace or Workspace()
     cases = tuple(load_cases) or (arm.payload,)
+    given, unweighed = arm, of_unknown_mass(arm)
+    arm = unknown_taken_out(arm, cases)
     model = error_model(arm, cases)
     beams = beams_of(arm, cases)
     p = beam_values(beams)
     search = worst_search(model, space, gap=gap)
     worst = search.of_loads(search.worst(p))
     masses = link_masses(beams)
-    total = sum(masses) + sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
+    carried = sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
     poses = search.poses(p, _STRENGTH_POSES)
     poses = np.vstack([poses, [entry.q for entry in worst.poses]])
     strength = strength_over(arm, cases, poses, p, search)
-    unknown: dict[str, str] = {}
+    unknown = _lacking_masses(unweighed, given)
     cost = _cost(arm, masses, unknown)
     if strength.least_safety_factor is None:
         unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
@@ -164,11 +167,11 @@ def evaluate(
         sideways = least_sideways(arm, cases, poses, search) if model.planar else None
     except MissingProperty as error:
         unknown["sideways_stiffness"] = str(error)
-    frequency = least_frequency(arm, search, beams, p, cases)
-    if frequency is None:
+    frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
+    if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
     drives = None
-    if any(joint.actuator is not None for joint in arm.joints):
+    if not unweighed and any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
     growth = growth_left_out(arm, cases, space, p, gap=gap)
     seam = seam_errors(model, space, p, worst)
@@ -180,7 +183,7 @@ def evaluate(
     beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses, counted)
     where = top.q if pose is None else tuple(float(value) for value in pose)
     return Evaluation(
-        arm=arm,
+        arm=given,
         workspace=space,
         load_cases=cases,
         worst=worst,
@@ -188,15 +191,15 @@ def evaluate(
         by_effect=MappingProxyType(
             effects_at(arm, cases[top.load_case], p, top, None if counted is None else counted[0])
         ),
-        link_masses=masses,
-        mass=sum(masses),
-        total_mass=total,
+        link_masses=tuple(None if index in unweighed else mass for index, mass in enumerate(masses)),
+        mass=None if unweighed else sum(masses),
+        total_mass=None if unweighed else sum(masses) + carried,
         cost=cost,
         reach=sum(arm.lengths),
         strength=strength,
         walls=walls,
         frequency=frequency,
-        stiffness=least_stiffness(give, poses, p, search),
+        stiffness=None if gives_unknown(given) else least_stiffness(give, poses, p, search),
         compliance=_compliance(np.array(where), give.matrices(np.array([where]), p)[0]),
         warnings=(
             *holes,
@@ -214,6 +217,20 @@ def evaluate(
         sideways=sideways,
         seam=seam,
     )
+
+
+def _lacking_masses(unweighed: Sequence[int], arm: Arm) -> dict[str, str]:
+    """What cannot be known for want of masses, or of compliances that show only as products with them, and why."""
+    found: dict[str, str] = {}
+    if unweighed:
+        numbers = ", ".join(str(index + 1) for index in unweighed)
+        why = f"nobody knows the mass of link{'s' if len(unweighed) > 1 else ''} {numbers}"
+        found = dict.fromkeys(("mass", "total_mass", "first_frequency", "drive_loads"), why)
+    products = gives_unknown(arm)
+    if products:
+        why = f"of {', '.join(products)} nothing is known but the product with an unknown weight"
+        found |= dict.fromkeys(("tip_stiffness", "compliance"), why)
+    return found
 
 
 def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:

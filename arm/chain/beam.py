@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from .vectors import Scalar, plus, times
+from .vectors import ZERO, Scalar, Vector, plus, times
 
 if TYPE_CHECKING:
     from materials.material import MaterialValues
@@ -94,7 +94,8 @@ class Beam:
     N*m^2) resists bending in the plane of link and height, `flexural_rigidity_width` (E I_z) bending across it;
     `flexural_rigidity_coupling` (E I_yz) is zero but for sections without an axis of symmetry.
     Axial rigidity E A in N, torsional rigidity G J in N*m^2, shear rigidities G A_s in N, mass per length in kg/m,
-    thermal expansion in 1/K. A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint.
+    thermal expansion in 1/K. A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint. `first_moment`
+    (kg*m) is what its mass times its centre, along the link and along its height and width, is beyond that of the rest.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the moduli where the arm was calibrated over these.
     """
 
@@ -111,6 +112,7 @@ class Beam:
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0
     taper: Taper = UNIFORM
+    first_moment: Vector = ZERO
     stiffness_when_calibrated: Scalar = 1.0
     shear_when_calibrated: Scalar = 1.0
 

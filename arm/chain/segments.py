@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from .beam import Beam
-from .chain import Arm, Joint, Link
+from .chain import Arm, EffectEntry, Joint, Link
 from .conditions import Conditions
 from .kinematics import section_directions
 from .vectors import IDENTITY, Scalar, times
@@ -66,4 +66,11 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         joints += [replace(joint, spans=count), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
         piece = replace(link, length=link.length / count, end_rotation=IDENTITY, height_direction=height)
         links += [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
-    return Pieces(replace(arm, joints=tuple(joints), links=tuple(links)), tuple(owner), tuple(first))
+    effects = tuple(_at_first_pieces(entry, first) for entry in arm.effects)
+    whole = replace(arm, joints=tuple(joints), links=tuple(links), effects=effects)
+    return Pieces(whole, tuple(owner), tuple(first))
+
+
+def _at_first_pieces(entry: EffectEntry, first: Sequence[int]) -> EffectEntry:
+    """An entry of the arm's effects where the cut arm has it: what a link weighs is about its joint."""
+    return replace(entry, at=tuple(first[number - 1] + 1 for number in entry.at or range(1, len(first) + 1)))

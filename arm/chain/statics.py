@@ -136,6 +136,10 @@ def solve(
             lumped = scale(beam.lumped_mass, pull)
             base_moment = add(base_moment, cross(scale(beam.lumped_at, frame.along), lumped))
             base_force = add(base_force, lumped)
+        if not is_zero(beam.first_moment):
+            along, height, width = beam.first_moment
+            eccentric = add(scale(along, frame.along), add(scale(height, frame.height), scale(width, frame.width)))
+            base_moment = add(base_moment, cross(eccentric, pull))
         links.append(
             LinkState(
                 frame.vector,

@@ -40,6 +40,7 @@ from arm.effects.loads.counterbalance import COUNTERBALANCE
 from arm.effects.loads.dynamic_deflection import DYNAMIC_DEFLECTION
 from arm.effects.loads.link_mass import LINK_MASS
 from arm.effects.loads.payload import PAYLOAD
+from arm.effects.loads.unknown_weight import UNKNOWN_WEIGHT
 from arm.effects.lost_motion.backlash import BACKLASH
 from arm.effects.lost_motion.clearance import CLEARANCE
 from arm.effects.lost_motion.friction_windup import FRICTION_WINDUP
@@ -80,6 +81,7 @@ EFFECTS.ship(
     GEARBOX_THERMAL,
     SCREW_EXPANSION,
     CREEP,
+    UNKNOWN_WEIGHT,
     BASE_TILT,
     BASE_COMPLIANCE,
     COLUMN_BENDING,

@@ -6,13 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from arm.chain.chain import Arm, EffectEntry
 from arm.effects import EFFECTS
 from diagnose.patterns.library import Candidate
+from diagnose.patterns.unknown_weights import weight_entries
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 
-from .refit import Refit
+from .refit import Refit, Term
+from .shared_weights import factors
 
 
 def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fitting) -> tuple[Arm, tuple[str, ...]]:
@@ -23,7 +27,14 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
     entries = list(arm.effects)
     left_out = set(arm.leave_out)
     notes: list[str] = []
-    for term, parameters in zip(fitted.terms, fitted.parameters, strict=True):
+    shared = [term for term in fitted.terms if term.shared]
+    products: dict[int, float] = {}
+    if shared:
+        found = factors(np.stack([term.sizes[:-1] for term in shared]))
+        entries += weight_entries(fitted.weights, found.weight.tolist()) if fitted.weights else ()
+        products = dict(zip(map(id, shared), found.compliance.tolist(), strict=True))
+        notes.append(_of_weights(shared))
+    for term in fitted.terms:
         candidate = term.candidate
         if candidate.outside:
             continue
@@ -37,24 +48,33 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
                     "give would fit, which no entry of the file can say."
                 )
             continue
-        if len(term.sizes) != len(candidate.sizes):
-            drive = candidate.at[0] + 1
-            told = next((each for each in parameters if each.parameter == candidate.sizes[0]), None)
-            if told is None:
-                notes.append(
-                    f"The corrected arm lacks the compliance of drive {drive}: with links of unknown mass only its "
-                    "product with their weight is known."
-                )
-                continue
-            values = MappingProxyType({told.parameter: told.value})
-            entries.append(EffectEntry(candidate.effect, (drive,), values))
-            notes.append(
-                f"The corrected arm has the compliance of drive {drive} as the known loads show it; how far the drive "
-                "sags under the links' own weight it cannot say while their masses are unknown."
-            )
+        if term.shared:
+            entries.append(_under_weights(term, products[id(term)]))
             continue
         entries.append(as_entry(candidate, term.sizes.tolist()))
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
+
+
+def _under_weights(term: Term, unit_sag: float) -> EffectEntry:
+    """What gives under unknown weights, as an entry: the product, and its own size where known loads told that."""
+    values = {"unit_sag": unit_sag}
+    if term.columns[:, :, -1].any():
+        values[term.candidate.sizes[0]] = float(term.sizes[-1])
+    return EffectEntry(term.candidate.effect, term.candidate.numbers, MappingProxyType(values))
+
+
+def _of_weights(shared: Sequence[Term]) -> str:
+    """What the file holds of products of compliance and unknown weight, as a sentence."""
+    told = any(term.columns[:, :, -1].any() for term in shared)
+    held = "as products of compliance and weight (`unit_sag` under `unknown_weight`)"
+    if told:
+        return (
+            f"The corrected arm has what gives under links of unknown mass {held}, and its compliance by known loads."
+        )
+    return (
+        f"The corrected arm has what gives under links of unknown mass {held}: nothing else shows. What another "
+        "payload would do it cannot say; record two payloads."
+    )
 
 
 def as_entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry:

@@ -11,6 +11,7 @@ from scipy import stats
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
 from diagnose.patterns.library import Candidate, parameter_of
+from diagnose.patterns.unknown_weights import only_products
 from diagnose.residual.observed import Observed
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
@@ -102,6 +103,8 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
     rules = prepared.observed.rules.fitting
     if moved > rules.cancelling * float(prepared.vector @ prepared.vector):
         return "only a displacement far larger than the mismatch would fit, balanced against others"
+    if len(sizes) != len(candidate.sizes):
+        return None
     for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
         low, high = bounds(candidate, name, prepared)
         width = high - low
@@ -127,9 +130,9 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
     if candidate.share:
         return 0.0, 3.0
     parameter = parameter_of(EFFECTS[candidate.effect], name)
+    if only_products(prepared.observed, EFFECTS[candidate.effect], candidate.at):
+        return -np.inf, np.inf
     if candidate.of_drives:
-        if prepared.observed.unknown_masses:
-            return -np.inf, np.inf
         # Added to what the arm file gives the drive, the whole may not become negative.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), parameter.upper

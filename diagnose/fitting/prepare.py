@@ -96,7 +96,9 @@ def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.
     if candidate.outside or candidate.share:
         return None
     if columns.shape[2] != len(candidate.sizes):
-        return np.full(columns.shape[2], rules.softest)
+        products = np.full(columns.shape[2], rules.softest)
+        products[-1] = parameter_of(EFFECTS[candidate.effect], candidate.sizes[0]).upper
+        return products
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
     if len(parameters) > rules.many_sizes:
         # A curve of many coefficients: each is of its usual size, or readings that lie close would make them anything.

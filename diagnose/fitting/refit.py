@@ -20,9 +20,21 @@ from scipy.optimize import minimize_scalar
 
 from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
+from arm.effects.elastic.joint_compliance import file_compliance
 from diagnose.patterns.flexibility import entry, through_flexibility
 from diagnose.patterns.library import Candidate, columns_of, kind_of, parameter_of
 from diagnose.patterns.pool import orthonormal
+from diagnose.patterns.unknown_weights import (
+    Weight,
+    columns_under_weights,
+    levers,
+    masses_show,
+    only_products,
+    turned_under_weights,
+    unknown_weights,
+    weights_given,
+)
+from diagnose.residual.observed import Observed
 from diagnose.result import FittedParameter
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
@@ -30,10 +42,14 @@ from sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, limits
+from .shared_weights import Steps, factors, steps
 
 _SWEEPS = 2
 _SCAN = 14
 _NEWTON = 6
+_TOGETHER = 30
+_SETTLED = 1e-9
+"""A step that lowers the sum of squares by so small a share is the last."""
 _DIFFERENCE = 1e-4
 _SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
 _ROUNDING = 1e-9
@@ -43,25 +59,36 @@ _ROUNDING = 1e-9
 class Term:
     """One finding with its parameters: `sizes` (d,) and the candidate's shapes; `columns` (N, C, d) are the derivatives
     by the sizes, `moved` (N, C) what it adds to the model, m and rad. `through` (N, C, d) is what flexibility adds to
-    its derivatives by the loads found that act through it, None where there are none."""
+    its derivatives by the loads found that act through it, None where there are none.
+
+    What gives under unknown `weights` (none named: those of the arm file) has a product for each of them among its
+    sizes, and last its own size under the loads that are known; None: nothing of that kind."""
 
     candidate: Candidate
     sizes: Array
     columns: Array
     moved: Array
     through: Array | None = None
+    weights: tuple[Weight, ...] | None = None
+
+    @property
+    def shared(self) -> bool:
+        """Whether it gives under unknown weights, which are one set for all that does."""
+        return self.weights is not None
 
 
 @dataclass(frozen=True)
 class Refit:
     """The joint fit: its terms in the order of the members, their parameters, what is left (N, C) in m and rad, the sum
-    of squares of that in whitened units, and its degrees of freedom."""
+    of squares of that in whitened units, and its degrees of freedom. `weights` are those that nobody knows and that
+    products among the sizes share, in their order (empty: those of the arm file, or none)."""
 
     terms: tuple[Term, ...]
     parameters: tuple[tuple[FittedParameter, ...], ...]
     residual: Array
     rss: float
     freedom: int
+    weights: tuple[Weight, ...] = ()
 
 
 def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fitted: Fit) -> Refit:
@@ -76,15 +103,96 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
     if not terms:
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
+    terms, weights = _under_one_set_of_weights(prepared, terms)
     terms = _shapes_found(prepared, terms, fitted.unit)
-    prepared, terms = _solved(prepared, terms, fitted.unit)
+    given = prepared
+    prepared, terms = _solved(given, terms, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     errors, told = _errors(prepared, terms, rss / max(freedom, 1))
+    doubtful = _not_under_known_loads(prepared, terms, errors, told, freedom)
+    if doubtful:
+        prepared, terms = _solved(
+            given, [_less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
+        )
+        residual, rss, freedom = _left(prepared, terms)
+        errors, told = _errors(prepared, terms, rss / max(freedom, 1))
     parameters = tuple(
         _parameters(prepared, terms, place, error, sure, freedom, rss / max(freedom, 1))
         for place, (error, sure) in enumerate(zip(errors, told, strict=True))
     )
-    return Refit(tuple(terms), parameters, residual, rss, freedom)
+    return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
+
+
+def _under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
+    """The terms, those that give under unknown weights with a column for each weight that any of them shows."""
+    observed = prepared.observed
+    places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
+    if not places or weights_given(observed):
+        return [replace(t, weights=() if k in places else None) for k, t in enumerate(terms)], ()
+    masses = any(masses_show(EFFECTS[terms[k].candidate.effect]) for k in places)
+    weights = unknown_weights(observed, masses=masses)
+    found, begun = list(terms), np.zeros(len(weights))
+    # The weights of what moves most to begin with, and of each other term what comes nearest to its own with them.
+    for k in sorted(places, key=lambda k: -float(np.sum(observed.whitened(terms[k].moved) ** 2))):
+        candidate, own = terms[k].candidate, observed.whitened(terms[k].moved)
+        columns = columns_under_weights(observed, candidate.effect, candidate.at, weights)
+        white = observed.whitened(columns)
+        sizes = solved(white, own)
+        if begun.any():
+            pattern = white[:, :-1] @ begun
+            amount, sizes[-1] = solved(np.stack([pattern, white[:, -1]], axis=1), own).tolist()
+            sizes[:-1] = amount * begun
+        begun = begun if begun.any() else sizes[:-1]
+        found[k] = Term(candidate, sizes, columns, columns @ sizes, weights=weights)
+    return found, weights
+
+
+def _only_products(observed: Observed, candidate: Candidate) -> bool:
+    inside = not (candidate.outside or candidate.share)
+    return inside and only_products(observed, EFFECTS[candidate.effect], candidate.at)
+
+
+def _not_under_known_loads(
+    prepared: Prepared, terms: Sequence[Term], errors: Sequence[Array], told: Sequence[NDArray[np.bool_]], freedom: int
+) -> set[int]:
+    """The places of the terms under unknown weights whose own size the known loads do not tell, or would make what
+    cannot be."""
+    factor, found = t_quantile(freedom), set[int]()
+    for k, term in enumerate(terms):
+        if not term.shared or not term.columns[:, :, -1].any():
+            continue
+        candidate, value = term.candidate, float(term.sizes[-1])
+        least = -file_compliance(prepared.observed.arm, candidate.at[0]) if candidate.of_drives else 0.0
+        telling = prepared.observed.rules.fitting.telling
+        if value <= least or not told[k][-1] or factor * float(errors[k][-1]) > telling * abs(value):
+            found.add(k)
+    return found
+
+
+def _less_known(term: Term) -> Term:
+    """A term under unknown weights that known loads do not move."""
+    columns, sizes = term.columns.copy(), term.sizes.copy()
+    columns[:, :, -1], sizes[-1] = 0.0, 0.0
+    return replace(term, columns=columns, sizes=sizes, moved=columns @ sizes)
+
+
+def _steps(terms: Sequence[Term], spans: Sequence[slice], count: int) -> Steps | None:
+    """The coordinates of a fit's steps where terms share unknown weights, None where none do (or the file has them)."""
+    shared = [span for term, span in zip(terms, spans, strict=True) if term.shared]
+    if not shared:
+        return None
+    return steps(count, shared, factors(np.stack([term.sizes[:-1] for term in terms if term.shared])))
+
+
+def _held(prepared: Prepared, terms: Sequence[Term], unit: float) -> Array:
+    """How strongly unknown weights (K,) are held to nought where data do not show them: `unit`, the scatter of whitened
+    residuals, over how large one may be against the largest. A first moment is a mass, no more than all of them, times
+    a lever, no longer than what lies beyond the joint."""
+    weights = next((term.weights for term in terms if term.weights is not None), None)
+    if not weights:
+        return np.zeros(0 if weights is None else 1)
+    rules = prepared.observed.rules.fitting
+    return unit / (rules.weights_alike * levers(prepared.observed.arm, weights, rules.least_lever))
 
 
 def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
@@ -206,15 +314,20 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
     flexibility found in it beside the terms."""
     prepared, terms = _coupled(prepared, terms)
     value = _to_be_least(prepared, terms, unit)
-    for _ in range(_NEWTON):
+    for _ in range(_TOGETHER if any(term.shared for term in terms) else _NEWTON):
         design, spans = _design(prepared, terms, through=True)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
-        white = np.concatenate([prepared.observed.whitened(target), wanted])
-        step = solved(np.vstack([design, rows]), white)
+        design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
+        together = _steps(terms, spans, design.shape[1])
+        if together is not None:
+            held, asked = together.held(_held(prepared, terms, unit))
+            design, white = np.vstack([design @ together.slopes, held]), np.concatenate([white, asked])
+        step, before = solved(design, white), value
         for share in _SHARES:
+            moved = share * step if together is None else together.taken(step, share)
             new = [
-                _term(prepared, term.candidate, term.sizes + share * step[span], term.columns)
+                replace(_term(prepared, term.candidate, term.sizes + moved[span], term.columns), weights=term.weights)
                 for term, span in zip(terms, spans, strict=True)
             ]
             trial = _coupled(
@@ -226,7 +339,8 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
         else:
             break
         (prepared, terms), value = trial, reached
-        if all(_linear(term.candidate) and term.through is None for term in terms):
+        plain = all(_linear(term.candidate) and term.through is None and not term.shared for term in terms)
+        if plain or value > before * (1.0 - _SETTLED):
             break
     return prepared, terms
 
@@ -236,11 +350,16 @@ def _to_be_least(prepared: Prepared, terms: Sequence[Term], unit: float) -> floa
     left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
     white = prepared.observed.whitened(beyond_nuisances(prepared, left))
     _, wanted = _tethers(prepared, terms, unit)
-    return float(white @ white) + float(wanted @ wanted)
+    shared = [term.sizes[:-1] for term in terms if term.shared]
+    held = _held(prepared, terms, unit) * (factors(np.stack(shared)).weight if shared else np.zeros(0))
+    return float(white @ white) + float(wanted @ wanted) + float(held @ held)
 
 
 def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:
-    design, _ = _design(prepared, terms)
+    design, spans = _design(prepared, terms)
+    together = _steps(terms, spans, design.shape[1])
+    if together is not None:
+        design = design @ together.slopes
     left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
     left = beyond_nuisances(prepared, left)
     white = prepared.observed.whitened(left)
@@ -320,16 +439,24 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
             if other is not None:
                 change = (other @ term.sizes - terms[place].columns @ term.sizes) / 1e-3
                 further.append(prepared.observed.whitened(change))
+    unit = float(np.sqrt(variance))
+    rows, _ = _tethers(prepared, terms, unit)
+    together = _steps(terms, spans, design.shape[1])
+    slopes = np.eye(design.shape[1]) if together is None else together.slopes
+    if together is not None:
+        held, _ = together.held(_held(prepared, terms, unit))
+        design, rows = design @ slopes, np.vstack([rows @ slopes, held])
     full = np.column_stack([design, *further]) if further else design
-    rows, _ = _tethers(prepared, terms, float(np.sqrt(variance)))
     full = np.vstack([full, np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])])
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
     good = singular > 1e-9 * singular[0]
     covariance = (vt[good].T / singular[good] ** 2) @ vt[good] * variance
-    error = np.sqrt(np.diag(covariance)) / size
-    sure = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
+    covariance = (covariance / size / size[:, None])[: slopes.shape[1], : slopes.shape[1]]
+    error = np.sqrt(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))
+    blurred = np.diag(vt[good].T @ vt[good])[: slopes.shape[1]] <= 1.0 - 1e-6
+    sure = ~((slopes != 0.0) @ blurred.astype(float) > 0.0)
     return [error[span] for span in spans], [sure[span] for span in spans]
 
 
@@ -347,7 +474,7 @@ def _parameters(
     factor = t_quantile(freedom)
     at = candidate.numbers
     ending = f"_{at[0]}" if len(at) == 1 else ""
-    if candidate.of_drives and prepared.observed.unknown_masses:
+    if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
         known = _known_load(term, kind, errors, told, factor, at, rules.telling)
         return (_sag(prepared, term, factor, variance, at), *known)
@@ -379,28 +506,35 @@ def _parameters(
 def _known_load(
     term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...], telling: float
 ) -> tuple[FittedParameter, ...]:
-    """The drive's compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
+    """The compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
     its own column, the last, tells it. Nothing where the data hardly do."""
     value, error = float(term.sizes[-1]), float(errors[-1])
     if not told[-1] or factor * error > telling * abs(value):
         return ()
     interval = (value - factor * error, value + factor * error)
     name = term.candidate.sizes[0]
-    return (FittedParameter(f"{name}_{at[0]}", name, at, kind, value, interval),)
+    return (FittedParameter("_".join([name, *map(str, at)]), name, at, kind, value, interval),)
 
 
 def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
-    """Where the links' masses are unknown, the drive's compliance cannot be had by itself: the most that the joint sags
-    under their weight over the recording stands for it, with the relative error of the whole displacement."""
-    index = at[0] - 1
-    unit = prepared.observed.drive_moved(index)
-    reach = np.sum(unit**2, axis=1)
-    angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
-    value = float(angle[np.argmax(np.abs(angle))])
-    shown = prepared.pool.projected(prepared.observed.whitened(term.moved))
+    """Where the links' masses are unknown, a compliance cannot be had by itself: the most that something sags under
+    their weight over the recording stands for it, with the relative error of the whole displacement."""
+    observed, candidate = prepared.observed, term.candidate
+    slides = candidate.of_drives and not observed.arm.joints[candidate.at[0]].revolute
+    if candidate.of_drives:
+        unit = observed.drive_moved(candidate.at[0])
+        reach = np.sum(unit**2, axis=1)
+        angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
+        value = float(angle[np.argmax(np.abs(angle))])
+    else:
+        turn = turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), term.sizes[:-1])
+        value = float(np.max(np.linalg.norm(turn, axis=1)))
+    shown = prepared.pool.projected(observed.whitened(term.moved))
     error = abs(value) * float(np.sqrt(variance / max(float(shown @ shown), 1e-300)))
-    kind = "angle" if prepared.observed.arm.joints[index].revolute else "length"
-    return FittedParameter(f"sag_{at[0]}", "sag", at, kind, value, (value - factor * error, value + factor * error))
+    interval = (value - factor * error, value + factor * error)
+    return FittedParameter(
+        "_".join(["sag", *map(str, at)]), "sag", at, "length" if slides else "angle", value, interval
+    )
 
 
 def _profile(

@@ -10,18 +10,17 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import PoseState, solve
+from arm.chain.chain import Arm
 from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
 from arm.effects.effect import Condition
 from arm.files.read import acts_on_slides
 from diagnose.residual.observed import Observed
 from sections.numeric import Array
+
+from .unknown_weights import columns_under_weights, only_products
 
 _STEP = 1e-3
 """Sizes are tried at this share of their typical upper end: small enough for what is linear to first order only."""
@@ -103,11 +102,9 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
     if candidate.share:
         pattern = observed.signature(effect.id, Settings())
         return pattern[:, :, None] if pattern.any() else None
-    if effect.of_drives and observed.unknown_masses:
-        settings = candidate.settings({candidate.sizes[0]: 1.0})
-        extra = _unknown_weight(observed, effect.id, settings)
-        known = observed.signature(effect.id, settings)
-        return np.concatenate([extra, known[:, :, None]], axis=2)
+    if only_products(observed, effect, candidate.at):
+        columns = columns_under_weights(observed, effect.id, candidate.at)
+        return columns if columns.any() else None
     parts: list[Array] = []
     for name in candidate.sizes:
         parameter = parameter_of(effect, name)
@@ -157,6 +154,9 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         if not _needs_met(observed, effect, at, shapes):
             continue
         own = common if shared else alone
+        if only_products(observed, effect, at):
+            # About its own z a base does not turn under weights.
+            own = own[:1]
         yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
         needed = tuple(name for name in own if not parameter_of(effect, name).optional)
         less = [needed] if needed else [(name,) for name in own]
@@ -188,34 +188,3 @@ def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
     """The greatest load (N*m, N) on the drives at these places; one where they carry none."""
     joints = [observed.state.joints[index] for index in at] if at else list(observed.state.joints)
     return max(float(np.max(np.abs(joint.drive_load))) for joint in joints) or 1.0
-
-
-def _unknown_weight(observed: Observed, effect: str, settings: Settings) -> Array:
-    """How a drive gives, by an effect of one unit there, under links of unknown weight, (N, C, d): for each of them
-    beyond the joint its mass at its own joint and its first moments along and across itself, times the compliance, in
-    rad/(N*m) * kg and kg*m."""
-    parts: list[Array] = []
-    for index in observed.unknown_masses:
-        if index < settings.at[0]:
-            continue
-        for towards in (None, "along", "height", "width"):
-            state = _weighing(observed.state, index, towards)
-            weighed = replace(observed, state=state)
-            parts.append(weighed.signature(effect, settings))
-    return np.stack(parts, axis=2)
-
-
-def _weighing(state: PoseState, link: int, towards: Literal["along", "height", "width"] | None) -> PoseState:
-    """The same poses where only one link weighs: 1 kg at its joint, or a metre from there in one of its directions."""
-    arm = state.arm
-    bare = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
-    beams = [
-        Beam(length=each.beam.length, lumped_mass=float(index == link), lumped_at=float(towards is not None))
-        for index, each in enumerate(state.links)
-    ]
-    links = list(state.frames.links)
-    if towards is not None:
-        links[link] = replace(links[link], along=getattr(links[link], towards))
-    frames = replace(state.frames, links=tuple(links))
-    coordinates = [joint.coordinate for joint in state.joints]
-    return solve(bare, coordinates, beams, LoadCase(), conditions=state.conditions, frames=frames)

@@ -79,9 +79,21 @@ class FittingRules:
         rows="The weight shifts evenly with the readings.",
     )
     softest: float = rule(
-        1e-3,
-        "rad/(N*m) kg",
-        "The compliance of a soft drive times a light link's mass, or of a stiff one times a heavy one's.",
+        1e-2,
+        "rad, m",
+        "A sag under unknown weights: a soft drive's under a light link, or a stiff one's under a heavy link.",
+        JUDGED,
+    )
+    weights_alike: float = rule(
+        1.0,
+        "times the largest and the share of the arm beyond the joint",
+        "What unknown first moments are held to where the data do not show them: masses of one arm on its own levers.",
+        JUDGED,
+    )
+    least_lever: float = rule(
+        0.01,
+        "share of the arm's reach",
+        "No link's centre lies nearer to its joint for sure: a wrist without length has a tool of some size.",
         JUDGED,
     )
     tether: float = rule(

@@ -10,6 +10,7 @@ import numpy as np
 
 from arm.chain.chain import Arm as Model
 from arm.errors.model import beam_values, beams_of, error_model
+from arm.errors.unknown_mass import unknown_taken_out
 from arm.evaluation import ErrorMap, error_map
 from arm.evaluation import Evaluation as Found
 from arm.evaluation import evaluate as evaluated
@@ -56,8 +57,8 @@ class Evaluation(Result):
         return None if bound is None else 1e3 * bound
 
     @property
-    def mass_kg(self) -> float:
-        """The links' mass, kg."""
+    def mass_kg(self) -> float | None:
+        """The links' mass, kg; None where some link's is unknown."""
         return self.found.mass
 
     @property
@@ -147,6 +148,7 @@ def pose_of(model: Model, pose: Sequence[Quantity]) -> tuple[float, ...]:
 
 def field_of(found: Found) -> ErrorMap:
     """The worst error at each place of the tip."""
-    model = error_model(found.arm, found.load_cases)
-    beams = beams_of(found.arm, found.load_cases)
+    arm = unknown_taken_out(found.arm, found.load_cases)
+    model = error_model(arm, found.load_cases)
+    beams = beams_of(arm, found.load_cases)
     return error_map(WorstSearch(model, found.workspace), beam_values(beams))

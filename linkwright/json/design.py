@@ -81,7 +81,7 @@ def _rounded_section(link: Link) -> dict[str, Any] | None:
     return content
 
 
-def links_json(arm: Arm, masses: Sequence[float]) -> list[dict[str, Any]]:
+def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]:
     """Each link's length, section and material as an arm file writes them, and their figures."""
     return [
         {
@@ -165,7 +165,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "first_frequency_pose": None
         if frequency is None
         else {**coordinates(arm, frequency.q), "load_case": frequency.load_case + 1},
-        "compliance": _compliance(arm, evaluation.compliance),
+        "compliance": None if "compliance" in evaluation.unknown else _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "drives": _drives(evaluation),
         "links": links_json(arm, evaluation.link_masses),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from arm.effects.loads.unknown_weight import unit_weights
 from arm.files.read import arm_from
 from arm.files.write import arm_to_yaml
 from diagnose.answer.sentences import name_of
@@ -38,7 +39,7 @@ def _lacks(found: Diagnosis) -> tuple[str, ...]:
         for number, link in enumerate(found.corrected.links, start=1)
         if link.section is None and link.mass is None
     ]
-    if weightless:
+    if weightless and not unit_weights(found.corrected):
         lost.append(f"the weight of link{'s' if len(weightless) > 1 else ''} {', '.join(weightless)}, which is unknown")
     if found.unknown is not None:
         lost.append("what nothing in the library explains")

@@ -46,6 +46,8 @@ def describe(evaluation: Evaluation) -> Description:
 
 def _compliance(evaluation: Evaluation) -> Item:
     """The compliance matrix, and the ellipse that the tip draws under a turning force."""
+    if "compliance" in evaluation.unknown:
+        return section("Compliance", Paragraph(f"not known: {evaluation.unknown['compliance']}"))
     compliance = evaluation.compliance
     axes = "xyz"[: len(compliance.matrix)]
     largest = max(compliance.principal, default=0.0)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from arm.chain.statics import PoseState
 from arm.chain.vectors import Vector, add, cross, is_zero, scale, times
 from arm.effects.effect import Effect, Settings, Twist, size
+from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def base_moment(state: PoseState) -> Vector:
@@ -17,6 +18,13 @@ def base_moment(state: PoseState) -> Vector:
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    product = settings.values.get("unit_sag", 0.0)
+    weighed = under_unit_weights(state) if product != 0.0 else None
+    if weighed is not None:
+        # About its own z a weight does not turn the base; in the plane there is no other way.
+        moment = base_moment(weighed)
+        sagged: Vector = (times(product, moment[0]), times(product, moment[1]), 0.0)
+        yield Twist("base", 0, rotation=(0.0, 0.0, times(product, moment[2])) if state.planar else sagged)
     compliance = settings.values.get("compliance", 0.0)
     about_z = compliance if state.planar else settings.values.get("compliance_about_z", 0.0)
     if compliance == 0.0 and about_z == 0.0:
@@ -45,7 +53,9 @@ BASE_COMPLIANCE = Effect(
             "turn about the base's z for one unit of moment (nothing in a planar arm)",
             "anchored pedestals: 1e6 to 1e7 N*m/rad",
         ),
+        unit_sag("the base"),
     ),
+    enough=(("compliance",), ("compliance_about_z",), ("unit_sag",)),
     twists=_twists,
     rank=230,
     linear=True,

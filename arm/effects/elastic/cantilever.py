@@ -16,6 +16,7 @@ from arm.chain.chain import LoadCase
 from arm.chain.statics import PoseState, solve
 from arm.chain.vectors import ZERO, Scalar, Vector
 from arm.effects.effect import Settings, Twist
+from arm.effects.loads.unknown_weight import without_unit_weights
 from arm.effects.registry import EFFECTS
 
 
@@ -47,6 +48,8 @@ def under_other_loads(
     With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
     arm, case, beams = state.arm, state.load, [link.beam for link in state.links]
+    if weightless or link_masses is not None:
+        arm = without_unit_weights(arm)
     carried = state.payload_mass if payload_mass is None else payload_mass
     pushed = state.tip_force if tip_force is None else tip_force
     if weightless:
@@ -75,7 +78,7 @@ def under_other_loads(
 def _weighing(beam: Beam, mass: Scalar) -> Beam:
     """The beam with another mass (kg), spread along it as its own is."""
     if isinstance(mass, float) and mass == 0.0:
-        return replace(beam, mass_per_length=0.0, lumped_mass=0.0)
+        return replace(beam, mass_per_length=0.0, lumped_mass=0.0, first_moment=ZERO)
     if isinstance(beam.length, float) and beam.length == 0.0:
         return replace(beam, mass_per_length=0.0, lumped_mass=mass, lumped_at=0.0)
     return replace(beam, mass_per_length=mass / beam.length, lumped_mass=0.0)

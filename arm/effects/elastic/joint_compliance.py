@@ -10,14 +10,20 @@ from arm.chain.chain import Arm, EffectEntry
 from arm.chain.statics import PoseState
 from arm.chain.vectors import times
 from arm.effects.effect import Effect, Settings, Twist, drive_motion, given, size
+from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    product = settings.values.get("unit_sag", 0.0)
+    weighed = under_unit_weights(state) if product != 0.0 else None
     for index, joint in enumerate(state.joints):
         if not settings.acts_at(index):
             continue
+        if weighed is not None:
+            yield from drive_motion(state, index, times(product, weighed.joints[index].drive_load))
         if "compliance" in settings.values:
             yield from drive_motion(state, index, times(settings.values["compliance"], joint.drive_load))
+        if "compliance" in settings.values or "unit_sag" in settings.values:
             continue
         stiffness = settings.values.get("stiffness", joint.stiffness)
         if stiffness is not None:
@@ -39,7 +45,7 @@ def drive_compliance(arm: Arm, joint: int) -> float:
                 total += entry.parameters["compliance"]
             elif "stiffness" in entry.parameters:
                 total += 1.0 / entry.parameters["stiffness"]
-            else:
+            elif "unit_sag" not in entry.parameters:
                 total += 0.0 if stiffness is None else 1.0 / stiffness
     return total
 
@@ -68,6 +74,7 @@ JOINT_COMPLIANCE = Effect(
         size("compliance", "compliance", -1e-2, 1e-2, (2.5e-7, 1e-4)).means(
             "compliance of the drive beyond what the arm file gives it", "the reciprocal of the same stiffnesses"
         ),
+        unit_sag("the drive"),
     ),
     twists=_twists,
     rank=10,

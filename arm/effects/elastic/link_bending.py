@@ -9,6 +9,7 @@ from arm.chain.chain import Arm
 from arm.chain.statics import LinkState, PoseState
 from arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
 from arm.effects.effect import Effect, Settings, Twist, size
+from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:
@@ -51,11 +52,16 @@ def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    product = settings.values.get("unit_sag", 0.0)
+    weighed = under_unit_weights(state) if product != 0.0 else None
     for index, link in enumerate(state.links):
         if not settings.acts_at(index):
             continue
+        if weighed is not None and not (isinstance(link.beam.length, float) and link.beam.length == 0.0):
+            yield _more_flexible(weighed, index, product / link.beam.length)
         if "flexibility" in settings.values:
             yield _more_flexible(state, index, settings.values["flexibility"])
+        if "flexibility" in settings.values or "unit_sag" in settings.values:
             continue
         if link.beam.flexural_rigidity_height is None:
             continue
@@ -71,8 +77,13 @@ def _more_flexible(state: PoseState, index: int, flexibility: Scalar) -> Twist:
     """
     link = state.links[index]
     length = link.beam.length
-    lean = 0.0 if isinstance(length, float) and length == 0.0 else 3.0 * (2.0 * link.beam.lumped_at / length - 1.0)
-    lumped = _across(link, scale(times(link.beam.lumped_mass, times(length, length)), state.gravity))
+    square, mass = times(length, length), link.beam.lumped_mass
+    # The mass times k and the length: linear in the link's first moment, whatever that is.
+    leaning = minus(
+        times(6.0, plus(times(mass, link.beam.lumped_at), link.beam.first_moment[0])), times(3.0 * mass, length)
+    )
+    heavy = _across(link, scale(times(mass, square), state.gravity))
+    leaned = _across(link, scale(times(leaning, length), state.gravity))
     across = _across(link, add(scale(1.0 / 3.0, link.force), scale(0.125, link.weight)))
     turning = _across(link, add(scale(0.5, link.force), scale(1.0 / 6.0, link.weight)))
     moment = _across(link, link.moment)
@@ -80,8 +91,8 @@ def _more_flexible(state: PoseState, index: int, flexibility: Scalar) -> Twist:
     shift = add(scale(times(length, times(length, length)), across), scale(times(0.5, times(length, length)),
                 cross(moment, link.along)))  # fmt: skip
     turn = add(scale(times(length, length), cross(link.along, turning)), scale(length, moment))
-    shift = add(shift, scale(length * (0.125 + 7.0 * lean / 120.0), lumped))
-    turn = add(turn, scale(1.0 / 6.0 + lean / 12.0, cross(link.along, lumped)))
+    shift = add(shift, scale(length, add(scale(0.125, heavy), scale(7.0 / 120.0, leaned))))
+    turn = add(turn, cross(link.along, add(scale(1.0 / 6.0, heavy), scale(1.0 / 12.0, leaned))))
     return Twist("link", index, scale(flexibility, shift), scale(flexibility, turn))
 
 
@@ -111,6 +122,7 @@ LINK_BENDING = Effect(
             "1/EI of the link beyond what the arm file gives it, its end's slope included",
             "the reciprocal of EI from 1e4 to 1e7 N*m^2, links of industrial robots",
         ),
+        unit_sag("the link's far end"),
     ),
     twists=_twists,
     rank=70,

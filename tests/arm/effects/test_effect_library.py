@@ -79,7 +79,7 @@ def test_the_whole_table_is_there() -> None:
     gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale
     axis_misalignment counterbalance
     latency stale_reading dynamic_deflection torsion rail_straightness rail_pitch joint_waviness
-    screw_expansion column_bending lateral_compliance"""
+    screw_expansion column_bending lateral_compliance unknown_weight"""
     assert set(EFFECTS) == set(table.split())
 
 

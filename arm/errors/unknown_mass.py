@@ -1,0 +1,106 @@
+"""Links of unknown mass: an arm may be asked all that does not depend on what they weigh.
+
+Where nothing gives under them, or what gives says so as a product of compliance and weight (`unknown_weight`), the tip
+is where it is whatever they weigh, and they count as weightless. Where their mass moves the tip, the question cannot be
+put, and the error says which link and what gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from arm.chain.arrays import columns
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.statics import PoseState, solve
+from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
+from sections.numeric import Array
+
+from .model import PropertyNeeded, beams_of
+from .tip import ActiveEffect, active_effects, carried_to_tip
+
+_POSES, _SEED = 8, 1
+_MOVED = 1e-12
+"""m; a kilogram that moves the tip by less moves nothing but rounding."""
+
+
+def of_unknown_mass(arm: Arm) -> tuple[int, ...]:
+    """The links (from 0) that have neither a section nor a known mass."""
+    return tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
+
+
+def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
+    """The arm with its links of unknown mass weightless, where that changes nothing of its tip's error.
+
+    Raises `PropertyNeeded` where it would: it names the link and what gives under it.
+    """
+    unknown = of_unknown_mass(arm)
+    if not unknown:
+        return arm
+    bare = _with_masses(arm, unknown, {})
+    if not any(arm.gravity):
+        return bare
+    told = _without_what_products_say(bare)
+    lower, upper = np.array([joint.range for joint in arm.joints]).T
+    q = lower + (upper - lower) * np.random.default_rng(_SEED).random((_POSES, arm.size))
+    cases = tuple(loads) or (arm.payload,)
+    for link in unknown:
+        heavier = _with_masses(told, unknown, {link: 1.0})
+        for active in active_effects(told):
+            if any(_differ(told, heavier, active, q, case) for case in cases):
+                raise PropertyNeeded(
+                    f"link {link + 1} has neither a section nor a known mass, and {_named(active)} moves the tip by "
+                    "its weight; say its mass, or take what a diagnosis finds of it"
+                )
+    return bare
+
+
+def gives_unknown(arm: Arm) -> tuple[str, ...]:
+    """What gives in the arm by a compliance of which only the product with an unknown weight is known, in words."""
+    found: list[str] = []
+    for entry in arm.effects:
+        own = {"compliance", "compliance_about_z", "flexibility", "stiffness"} & set(entry.parameters)
+        if "unit_sag" in entry.parameters and not own:
+            active = next(each for each in active_effects(replace(arm, effects=(entry,))) if each.settings.values)
+            found.append(_named(active))
+    return tuple(found)
+
+
+def _with_masses(arm: Arm, unknown: Sequence[int], masses: dict[int, float]) -> Arm:
+    links = tuple(
+        replace(link, mass=masses.get(index, 0.0)) if index in unknown else link for index, link in enumerate(arm.links)
+    )
+    return arm.with_links(links)
+
+
+def _without_what_products_say(arm: Arm) -> Arm:
+    """The arm without what gives under unknown weights by products: they say all that the weights do there."""
+    entries = [entry for entry in arm.effects if "unit_sag" in entry.parameters]
+    told = {(entry.effect, number) for entry in entries for number in entry.at}
+    joints = tuple(
+        replace(joint, stiffness=None) if (JOINT_COMPLIANCE.id, number) in told else joint
+        for number, joint in enumerate(arm.joints, start=1)
+    )
+    return replace(arm, joints=joints, effects=tuple(entry for entry in arm.effects if entry not in entries))
+
+
+def _differ(arm: Arm, other: Arm, active: ActiveEffect, q: Array, case: LoadCase) -> bool:
+    """Whether an effect moves the tips of two arms otherwise, at poses q (N, n)."""
+    moved = [_moved(each, active, q, case) for each in (arm, other)]
+    return bool(np.abs(moved[0] - moved[1]).max() > _MOVED)
+
+
+def _moved(arm: Arm, active: ActiveEffect, q: Array, case: LoadCase) -> Array:
+    state: PoseState = solve(arm, [q[:, index] for index in range(arm.size)], beams_of(arm, (case,)), case)
+    twists = list(active.effect.twists(state, active.settings))
+    if arm.play == "loaded":
+        twists += active.effect.seated(state, active.settings)
+    return columns(carried_to_tip(state, twists), len(q))
+
+
+def _named(active: ActiveEffect) -> str:
+    at = [index + 1 for index in active.settings.at]
+    where = f" at {active.effect.place}{'s' if len(at) > 1 else ''} {', '.join(map(str, at))}" if at else ""
+    return f"{active.effect.title}{where}"

@@ -1,0 +1,96 @@
+"""One set of unknown weights under all that gives: products of compliance and weight that are of rank one together.
+
+Each drive that sags under links nobody has weighed has a column for each unknown weight; but the weights are the same
+for all of them, so the coefficients are c_i w_j with one w. The steps of a fit are taken in c and w (Gauss-Newton), the
+factor between the two being fixed by making the largest of w one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sections.numeric import Array
+
+
+@dataclass(frozen=True)
+class Products:
+    """Coefficients of several terms, (m, K), as `compliance` (m,) times `weight` (K,), the largest of which is 1."""
+
+    compliance: Array
+    weight: Array
+
+    @property
+    def largest(self) -> int:
+        """Where the largest weight is."""
+        return int(np.argmax(np.abs(self.weight)))
+
+
+def factors(coefficients: Array) -> Products:
+    """The products of rank one that come nearest to coefficients (m, K)."""
+    left, singular, right = np.linalg.svd(coefficients, full_matrices=False)
+    weight = right[0]
+    largest = float(weight[np.argmax(np.abs(weight))])
+    compliance = left[:, 0] * singular[0] * (largest or 1.0)
+    weight = weight / (largest or 1.0)
+    if compliance[np.argmax(np.abs(compliance))] < 0.0:
+        # What gives yields to its load: it is the weights that point the other way.
+        compliance, weight = -compliance, -weight
+    return Products(compliance, weight)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The coordinates in which a fit takes its steps: `slopes` (P, Q) turns a step of theirs into one of all sizes to
+    first order, `own` and `common` are where the compliances and the weights are among them. `spans` are where the
+    shared terms' sizes are among the P (the products first, then one under known loads)."""
+
+    slopes: Array
+    products: Products
+    own: tuple[int, ...]
+    common: slice
+    spans: tuple[slice, ...]
+
+    def held(self, how: Array) -> tuple[Array, Array]:
+        """Rows (K, Q) that hold the weights but the largest where data do not show them, by `how` strongly (K,), and
+        what they ask for (K,)."""
+        how = np.where(np.arange(len(how)) == self.products.largest, 0.0, how)
+        rows = np.zeros((len(self.products.weight), self.slopes.shape[1]))
+        rows[:, self.common] = np.diag(how)
+        return rows, -how * self.products.weight
+
+    def taken(self, step: Array, share: float) -> Array:
+        """What a share of a step (Q,) adds to all sizes (P,)."""
+        added = share * (self.slopes @ step)
+        change = np.where(np.arange(len(self.products.weight)) == self.products.largest, 0.0, step[self.common])
+        weight = self.products.weight + share * change
+        for place, span, compliance in zip(self.own, self.spans, self.products.compliance.tolist(), strict=True):
+            product = (compliance + share * float(step[place])) * weight
+            added[span.start : span.stop - 1] = product - compliance * self.products.weight
+        return added
+
+
+def steps(count: int, spans: Sequence[slice], products: Products) -> Steps:
+    """The coordinates for `count` sizes in all, those at `spans` shared: the others' own, for each shared term its
+    compliance and its size under known loads, and last the weights."""
+    number = len(products.weight)
+    shared = {index for span in spans for index in range(span.start, span.stop)}
+    plain = [index for index in range(count) if index not in shared]
+    width = len(plain) + 2 * len(spans) + number
+    slopes = np.zeros((count, width))
+    slopes[plain, np.arange(len(plain))] = 1.0
+    common = slice(width - number, width)
+    free = np.eye(number)
+    # The largest weight stays what it is: else compliances could grow as weights fall, and steps go nowhere.
+    free[products.largest, products.largest] = 0.0
+    own: list[int] = []
+    for place, (span, compliance) in enumerate(zip(spans, products.compliance.tolist(), strict=True)):
+        at = len(plain) + 2 * place
+        own.append(at)
+        rows = np.arange(span.start, span.stop - 1)
+        slopes[rows, at] = products.weight
+        slopes[rows[:, None], np.arange(common.start, common.stop)[None, :]] = compliance * free
+        slopes[span.stop - 1, at + 1] = 1.0
+    return Steps(slopes, products, tuple(own), common, tuple(spans))
