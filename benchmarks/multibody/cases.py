@@ -11,7 +11,7 @@ from benchmarks.blind.generator.arms import Ranges
 from benchmarks.blind.generator.measurement import Tracker, draw_ratio
 from benchmarks.blind.generator.vectors import Array
 from benchmarks.multibody.arms import FAMILIES, draw_arm
-from benchmarks.multibody.causes import KINDS, Cause, Stage, draw_cause, possible
+from benchmarks.multibody.causes import KINDS, Cause, Stage, credible, draw_cause, possible
 from benchmarks.multibody.doses import basis, dosed, geometry_columns, library_spans, sized
 from benchmarks.multibody.engine import NotSettledError, machine
 from benchmarks.multibody.instrument import MISLABELLED, STILL, Mount, draw_mount, errors, oracle_rms
@@ -53,6 +53,40 @@ class Placed:
 
 
 @dataclass(frozen=True)
+class Scene:
+    """Who measures what: an arm in a session, the instrument, and what is free."""
+
+    stage: Stage
+    ranges: Ranges
+    tracker: Tracker
+    vice: str
+    frame_free: bool
+    tool_free: bool
+
+    @property
+    def planar(self) -> bool:
+        """Whether the arm moves in a plane."""
+        return self.stage.machine.arm.planar
+
+    @property
+    def noise(self) -> float:
+        """RMS length of the noise, m."""
+        return self.tracker.sigma * math.sqrt(2 if self.planar else 3)
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """What is wrong: the library's causes, an unknown at a size, columns under wrong names (which, at which joint)."""
+
+    causes: tuple[Placed, ...] = ()
+    unknown: Unknown | None = None
+    amount: float = 0.0
+    unknown_snr: tuple[float, float] = (0.0, 0.0)  # beyond the library, and beside geometry
+    mislabelled: tuple[str, int] = ("", 1)
+    dose: float = 0.0
+
+
+@dataclass(frozen=True)
 class Case:
     """All that is written of a case, and all that is sealed."""
 
@@ -60,22 +94,12 @@ class Case:
     seed: tuple[int, ...]
     half: str
     kind: str
-    stage: Stage
-    ranges: Ranges
-    tracker: Tracker
-    vice: str
+    scene: Scene
+    wrong: Wrong
     return_scatter: float  # rad, of every joint from visit to visit
-    frame_free: bool
-    tool_free: bool
     mounts: tuple[Mount, ...]
-    causes: tuple[Placed, ...]
-    unknown: Unknown | None
-    unknown_snr: tuple[float, float]  # beyond the library, and beside geometry
-    mislabelled: tuple[str, int]
-    dose: float
     readings: Array  # (3, rows) in the tracker's frame, m
-    oracle: float  # m
-    noise: float  # m, RMS length
+    oracle: float  # m, of the rows that are no outliers
     sag: float  # m, the greatest deflection of the arm as its file has it
 
 
@@ -96,23 +120,16 @@ def make_case(name: str, seed: tuple[int, ...], half: str, kind: str, number: in
     rng = np.random.default_rng(seed)
     for _ in range(60):
         try:
-            case = _drawn(name, seed, half, kind, number, remounts, rng)
+            scene = _scene(kind, number, remounts, rng)
+            wrong = _wrong(kind, number, half, scene, rng)
+            if wrong is not None:
+                return _measured(name, seed, half, kind, scene, wrong, rng)
         except NotSettledError:
             continue
-        if case is not None:
-            return case
     raise NoCaseError(f"case {name}: no {kind} came out in sixty draws")
 
 
-def _drawn(
-    name: str,
-    seed: tuple[int, ...],
-    half: str,
-    kind: str,
-    number: int,
-    remounts: float,
-    rng: np.random.Generator,
-) -> Case | None:
+def _scene(kind: str, number: int, remounts: float, rng: np.random.Generator) -> Scene:
     family = FAMILIES[int(rng.integers(0, len(FAMILIES)))]
     arm, ranges = draw_arm(family, rng)
     design = "twenty" if rng.random() < 0.15 else str(rng.choice(DESIGNS[:3]))
@@ -126,103 +143,93 @@ def _drawn(
     stage = Stage(body, session, played(Plan(body, session)))
     vice = VICES[number % len(VICES)] if kind == "null" else str(rng.choice(VICES)) if kind == "many" else "plain"
     sigma = round(float(rng.uniform(10.0, 30.0)), 1) * 1e-6
-    tracker = _tracker(sigma, vice, arm.planar, rng)
-    axes = 2 if arm.planar else 3
-    size = sigma * math.sqrt(axes)
+    return Scene(stage, ranges, _tracker(sigma, vice, arm.planar, rng), vice, frame_free, tool_free)
 
-    causes: list[Placed] = []
-    unknown: Unknown | None = None
-    unknown_snr = (0.0, 0.0)
-    amount, dose = 0.0, 0.0
-    free = {"frame_free": frame_free, "tool_free": tool_free}
+
+def _wrong(kind: str, number: int, half: str, scene: Scene, rng: np.random.Generator) -> Wrong | None:
+    """What a case of this kind has wrong; None where the draw does not come out."""
+    if kind == "null":
+        return Wrong()
+    if kind == "unknown":
+        return _unknown(number, half, scene, rng)
+    if kind == "mislabelled":
+        label = list(MISLABELLED)[number % len(MISLABELLED)]
+        needs = {"two joints' sides changed places": "sides", "grams under kilograms": "payloads"}.get(label)
+        can = needs is None or _can(frozenset({needs}), scene.stage)
+        return Wrong(mislabelled=(label, int(rng.integers(1, scene.stage.machine.arm.count + 1)))) if can else None
+    effects: tuple[str, ...] = ()
     if kind == "power":
         dose = DOSES[number % len(DOSES)]
-        found = _some(stage, [(dose, True)], size, rng, free)
+        wanted = [(dose, True)]
     elif kind == "many":
-        large = [
-            (float(np.exp(rng.uniform(math.log(2.0), math.log(20.0)))), True) for _ in range(int(rng.integers(1, 3)))
-        ]
-        small = [(float(rng.uniform(0.1, 0.5)), False) for _ in range(int(rng.integers(4, 9)))]
-        found = _some(stage, large + small, size, rng, free)
-    elif kind == "pair":
-        dose = float(rng.uniform(1.0, 4.0))
-        found = _some(
-            stage,
-            [(dose, True), (dose * float(rng.uniform(0.6, 1.0)), True)],
-            size,
-            rng,
-            free,
-            PAIRS[number % len(PAIRS)],
-        )
+        sizes = np.exp(rng.uniform(math.log(2.0), math.log(20.0), int(rng.integers(1, 3))))
+        dose = float(sizes.max())
+        wanted = [*((float(each), True) for each in sizes), *_small(int(rng.integers(4, 9)), rng)]
     else:
-        found = []
-    if found is None:
-        return None
-    causes = found
-    if kind == "unknown":
-        classes = classes_of(half)
-        each = classes[number % len(classes)]
-        if not _can(each.needs, stage):
-            return None
-        unknown = each.draw(stage, rng)
-        dose = (1.0, 2.0, 4.0)[number % 3] * float(rng.uniform(1.0, 1.6))
-        came = sized(unknown, stage, dose * size, library_spans(stage), basis(geometry_columns(stage)))
-        if came is None:
-            return None
-        amount, unknown_snr = came[0], (came[1] / size, came[2] / size)
-    reach = sum(link.length for link in arm.links)
-    scatter = float(rng.uniform(0.3, 1.5)) * size / reach if vice == "returns_badly" else 0.0
-    wrong = list(MISLABELLED)[number % len(MISLABELLED)] if kind == "mislabelled" else ""
-    if wrong in ("two joints' sides changed places",) and design not in ("full", "sides"):
-        return None
-    if wrong == "grams under kilograms" and design not in ("full", "payloads"):
-        return None
+        dose, effects = float(rng.uniform(1.0, 4.0)), PAIRS[number % len(PAIRS)]
+        wanted = [(dose, True), (dose * float(rng.uniform(0.6, 1.0)), True)]
+    causes = _some(scene, wanted, rng, effects)
+    return None if causes is None else Wrong(causes=causes, dose=dose)
 
+
+def _small(count: int, rng: np.random.Generator) -> list[tuple[float, bool]]:
+    return [(float(rng.uniform(0.1, 0.5)), False) for _ in range(count)]
+
+
+def _unknown(number: int, half: str, scene: Scene, rng: np.random.Generator) -> Wrong | None:
+    """An unknown of the half's classes in their turn, every other one among two or three small causes."""
+    classes = classes_of(half)
+    each = classes[number % len(classes)]
+    if not _can(each.needs, scene.stage):
+        return None
+    unknown = each.draw(scene.stage, rng)
+    dose = (1.0, 2.0, 4.0)[number % 3] * float(rng.uniform(1.0, 1.6))
+    spans, geometry = library_spans(scene.stage), basis(geometry_columns(scene.stage))
+    came = sized(unknown, scene.stage, dose * scene.noise, spans, geometry)
+    if came is None:
+        return None
+    causes = _some(scene, _small(int(rng.integers(2, 4)) if number % 2 else 0, rng), rng)
+    if causes is None:
+        return None
+    amount, beyond, beside = came
+    return Wrong(causes, unknown, amount, (beyond / scene.noise, beside / scene.noise), dose=dose)
+
+
+def _measured(
+    name: str, seed: tuple[int, ...], half: str, kind: str, scene: Scene, wrong: Wrong, rng: np.random.Generator
+) -> Case:
+    """The session played with all that is wrong, and read by the tracker."""
+    body, session, planar = scene.stage.machine, scene.stage.session, scene.planar
     plan = Plan(body, session)
-    if tool_free:
-        for coordinate in body.tool[: 2 if arm.planar else 3]:
+    if scene.tool_free:
+        for coordinate in body.tool[: 2 if planar else 3]:
             plan.rest[coordinate] += float(rng.uniform(-2e-3, 2e-3))
-    for placed in causes:
+    for placed in wrong.causes:
         placed.cause.write(plan)
-    if unknown is not None:
-        unknown.act(plan, amount)
+    if wrong.unknown is not None:
+        wrong.unknown.act(plan, wrong.amount)
     true = played(plan)
-    if scatter:
-        plan.rest[list(body.drive)] += scatter * rng.standard_normal(session.q.shape)
+    reach = sum(link.length for link in body.arm.links)
+    scatter = float(rng.uniform(0.3, 1.5)) * scene.noise / reach if scene.vice == "returns_badly" else 0.0
+    plan.rest[list(body.drive)] += scatter * rng.standard_normal(session.q.shape)
     stood = played(plan) if scatter else true
     rows = np.repeat(np.arange(session.visits), session.repeats)
-    measured = stood.reading[:, rows] + errors(tracker, arm.planar, session.visits, session.repeats, rng)
+    erring, sound = errors(scene.tracker, planar, session.visits, session.repeats, rng)
+    measured, known = stood.reading[:, rows] + erring, true.reading[:, rows]
+    mounted = np.array(session.mount)[rows]
     turns = np.stack([true.rests[v].turn for v in rows], axis=2)
-    of_row = np.array(session.mount)[rows]
     oracle = oracle_rms(
-        true.reading[:, rows], measured, of_row, frame_free=frame_free, tool_turns=turns if tool_free else None
+        known[:, sound],
+        measured[:, sound],
+        mounted[sound],
+        frame_free=scene.frame_free,
+        tool_turns=turns[:, :, sound] if scene.tool_free else None,
     )
-    stands = tuple(draw_mount(arm.planar, rng) for _ in range(mounts)) if frame_free else (STILL,)
-    readings = np.stack(
-        [stands[of_row[k]].turn @ measured[:, k] + stands[of_row[k]].shift for k in range(rows.size)], axis=1
-    )
+    count = int(mounted.max()) + 1
+    stands = tuple(draw_mount(planar, rng) for _ in range(count)) if scene.frame_free else (STILL,)
+    readings = [stands[m].turn @ measured[:, k] + stands[m].shift for k, m in enumerate(mounted)]
     return Case(
-        name,
-        seed,
-        half,
-        kind,
-        stage,
-        ranges,
-        tracker,
-        vice,
-        scatter,
-        frame_free,
-        tool_free,
-        stands,
-        tuple(causes),
-        unknown,
-        unknown_snr,
-        (wrong, int(rng.integers(1, arm.count + 1))),
-        dose,
-        readings,
-        oracle,
-        size,
-        _sag(stage),
+        name, seed, half, kind, scene, wrong, scatter, stands, np.stack(readings, axis=1), oracle, _sag(scene.stage)
     )
 
 
@@ -257,40 +264,48 @@ def _can(needs: frozenset[str], stage: Stage) -> bool:
 
 
 def _some(
-    stage: Stage,
-    wanted: list[tuple[float, bool]],
-    noise: float,
-    rng: np.random.Generator,
-    free: dict[str, bool],
-    effects: tuple[str, ...] = (),
-) -> list[Placed] | None:
-    """Causes at the doses wanted, no two of one effect at one place, no large one nearly a case of another."""
+    scene: Scene, wanted: list[tuple[float, bool]], rng: np.random.Generator, effects: tuple[str, ...] = ()
+) -> tuple[Placed, ...] | None:
+    """Causes at the doses wanted (and large or not), of these effects or of any; no two of one effect at one place, no
+    large one nearly a case of another. None where a dose does not come out."""
     chosen: list[Placed] = []
     seen: list[Array] = []
     for k, (dose, large) in enumerate(wanted):
+        effect = effects[k] if effects else None
         for _ in range(12):
-            names = [effects[k]] if effects else [name for name in KINDS if possible(name, stage)]
-            if not all(possible(name, stage) for name in names):
-                return None
-            name = "link_mass" if not effects and not large and rng.random() < 0.2 else str(rng.choice(names))
-            cause = draw_cause(name, stage, rng)
-            if effects and k and len(cause.at) == 1 and effects[0] != effects[1] and effects[0] in SAME_JOINT:
-                cause = replace(cause, at=chosen[0].cause.at)
-            if any((p.cause.effect, p.cause.at) == (cause.effect, cause.at) for p in chosen):
-                continue
-            came = dosed(cause, stage, dose * noise, **free)
+            came = _one(scene, dose, large, chosen, rng, effect)
             if came is None:
                 continue
-            left = came[2] / np.linalg.norm(came[2])
+            placed, vector = came
+            left = vector / np.linalg.norm(vector)
             if large and any(abs(float(left @ other)) > ALIKE for other in seen):
                 continue
-            if large:
-                seen.append(left)
-            chosen.append(Placed(came[0], came[1] / noise, large))
+            seen += [left] if large else []
+            chosen.append(placed)
             break
         else:
             return None
-    return chosen
+    return tuple(chosen)
+
+
+def _one(
+    scene: Scene, dose: float, large: bool, chosen: list[Placed], rng: np.random.Generator, effect: str | None
+) -> tuple[Placed, Array] | None:
+    """A cause at a dose, and what geometry leaves of its change."""
+    stage = scene.stage
+    names = [name for name in KINDS if possible(name, stage) and effect in (None, name)]
+    if not names:
+        return None
+    some_weight = effect is None and not large and rng.random() < 0.2  # files are wrong in weights above all
+    cause = draw_cause("link_mass" if some_weight else str(rng.choice(names)), stage, rng)
+    if effect and chosen and chosen[0].cause.effect in SAME_JOINT and chosen[0].cause.effect != effect:
+        cause = replace(cause, at=chosen[0].cause.at)
+    if any((p.cause.effect, p.cause.at) == (cause.effect, cause.at) for p in chosen):
+        return None
+    came = dosed(cause, stage, dose * scene.noise, frame_free=scene.frame_free, tool_free=scene.tool_free)
+    if came is None or not credible(came[0], stage):
+        return None
+    return Placed(came[0], came[1] / scene.noise, large), came[2]
 
 
 SAME_JOINT = frozenset({"encoder_scale", "backlash"})

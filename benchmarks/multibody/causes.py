@@ -254,7 +254,7 @@ def _askew(plan: Plan, i: int, p: Parameters) -> None:
 
 
 def _draw_mass(stage: Stage, rng: np.random.Generator) -> tuple[tuple[int, ...], dict[str, float]]:
-    return (int(rng.integers(0, stage.machine.arm.count)) + 1,), {"mass": 0.5}
+    return (int(rng.integers(0, stage.machine.arm.count)) + 1,), {"mass": 0.5 * _sign(rng)}
 
 
 def _mass(plan: Plan, i: int, p: Parameters) -> None:
@@ -422,6 +422,14 @@ def possible(effect: str, stage: Stage) -> bool:
         "drives": any(j.compliance > 0.0 for j in arm.joints),
     }
     return all(has[need] for need in needs)
+
+
+def credible(cause: Cause, stage: Stage) -> bool:
+    """Whether an arm can have it: no link weighs less than half of what its file says."""
+    if cause.effect != "link_mass":
+        return True
+    link = stage.machine.arm.links[cause.at[0] - 1]
+    return cause.parameters["mass"] > -0.5 * link.line_mass * link.length
 
 
 def draw_cause(effect: str, stage: Stage, rng: np.random.Generator) -> Cause:

@@ -60,25 +60,25 @@ def true_parameters(placed: Placed) -> dict[str, dict[str, float | str]]:
 
 def truth_of(case: Case) -> dict[str, Any]:
     """What is sealed."""
-    unknown, session = case.unknown, case.stage.session
+    unknown, session = case.wrong.unknown, case.scene.stage.session
     return {
         "case": case.name,
         "seed": list(case.seed),
         "half": case.half,
         "kind": case.kind,
-        "arm": case.stage.machine.arm.family,
+        "arm": case.scene.stage.machine.arm.family,
         "design": session.design,
         "rows": session.visits * session.repeats,
-        "frame": "free" if case.frame_free else "known",
-        "tool": "free" if case.tool_free else "known",
+        "frame": "free" if case.scene.frame_free else "known",
+        "tool": "free" if case.scene.tool_free else "known",
         "mounts": len(case.mounts),
-        "vice": case.vice,
+        "vice": case.scene.vice,
         "return_scatter_mrad": case.return_scatter * 1e3,
         "sag_mm": case.sag * 1e3,
-        "sigma_mm": case.tracker.sigma * 1e3,
-        "noise_rms_mm": case.noise * 1e3,
+        "sigma_mm": case.scene.tracker.sigma * 1e3,
+        "noise_rms_mm": case.scene.noise * 1e3,
         "oracle_rms_mm": case.oracle * 1e3,
-        "dose": case.dose,
+        "dose": case.wrong.dose,
         "effects": [
             {
                 "effect": p.cause.effect,
@@ -87,7 +87,7 @@ def truth_of(case: Case) -> dict[str, Any]:
                 "large": p.large,
                 "parameters": true_parameters(p),
             }
-            for p in case.causes
+            for p in case.wrong.causes
         ],
         "unknown": None
         if unknown is None
@@ -97,28 +97,28 @@ def truth_of(case: Case) -> dict[str, Any]:
             "depends_on": sorted(unknown.depends_on),
             "since_s": unknown.since,
             "until_s": unknown.until,
-            "snr_beyond_library": case.unknown_snr[0],
-            "snr_beside_geometry": case.unknown_snr[1],
+            "snr_beyond_library": case.wrong.unknown_snr[0],
+            "snr_beside_geometry": case.wrong.unknown_snr[1],
         },
-        "mislabelled": case.mislabelled[0] or None,
+        "mislabelled": case.wrong.mislabelled[0] or None,
         "file": _of_file(case),
     }
 
 
 def _of_file(case: Case) -> dict[str, Any]:
     """What the arm file says of masses and stiffness, against which a stated size is possible or not."""
-    arm = case.stage.machine.arm
+    arm = case.scene.stage.machine.arm
     return {
         "link_mass_kg": [k.line_mass * k.length for k in arm.links],
         "link_length_m": [k.length for k in arm.links],
-        "payload_kg": float(case.stage.session.payload.min()),
+        "payload_kg": float(case.scene.stage.session.payload.min()),
         "drive_compliance": [j.compliance for j in arm.joints],
     }
 
 
 def table_of(case: Case) -> pd.DataFrame:
     """All rows, with their columns' units, and a column `mount`."""
-    session, arm = case.stage.session, case.stage.machine.arm
+    session, arm = case.scene.stage.session, case.scene.stage.machine.arm
     rows = np.repeat(np.arange(session.visits), session.repeats)
     again = np.tile(np.arange(session.repeats), session.visits)
     columns: dict[str, Any] = {"time_s": np.round(session.time[rows] + BETWEEN_REPEATS * again, 1)}
@@ -137,12 +137,12 @@ def write_case(case: Case, root: Path) -> str:
     """Writes the case's files under root/cases/<name> and its truth under root/truth; returns the truth's text."""
     folder = root / "cases" / case.name
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "arm.yaml").write_text(arm_file(case.stage.machine.arm, case.ranges), encoding="utf-8")
-    table, (wrong, joint) = table_of(case), case.mislabelled
+    (folder / "arm.yaml").write_text(arm_file(case.scene.stage.machine.arm, case.scene.ranges), encoding="utf-8")
+    table, (wrong, joint) = table_of(case), case.wrong.mislabelled
     if wrong:
         table = MISLABELLED[wrong](table, joint)
-    settings: dict[str, str] = {"frame": "free" if case.frame_free else "known"}
-    if case.tool_free:
+    settings: dict[str, str] = {"frame": "free" if case.scene.frame_free else "known"}
+    if case.scene.tool_free:
         settings["tool"] = "free"
     for mount in range(len(case.mounts)):
         stem = "recording" if len(case.mounts) == 1 else f"recording-{mount + 1}"

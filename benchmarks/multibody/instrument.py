@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from benchmarks.blind.generator.measurement import Tracker, noise
 from benchmarks.blind.generator.vectors import Array
@@ -36,11 +37,15 @@ def draw_mount(planar: bool, rng: np.random.Generator) -> Mount:
 STILL = Mount(np.eye(3), np.zeros(3))
 
 
-def errors(tracker: Tracker, planar: bool, visits: int, repeats: int, rng: np.random.Generator) -> Array:
-    """Errors (3, rows) in m; a wander goes on from row to row."""
-    axes = 2 if planar else 3
-    made, _ = noise(tracker, axes, visits * repeats, rng)
-    return np.vstack([made, np.zeros((1, visits * repeats))]) if planar else made
+def errors(
+    tracker: Tracker, planar: bool, visits: int, repeats: int, rng: np.random.Generator
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Errors (3, rows) in m, a wander going on from row to row, and which rows are sound: no outliers."""
+    rows = visits * repeats
+    made, gross = noise(tracker, 2 if planar else 3, rows, rng)
+    sound = np.ones(rows, dtype=bool)
+    sound[gross] = False
+    return (np.vstack([made, np.zeros((1, rows))]) if planar else made), sound
 
 
 def oracle_rms(true: Array, measured: Array, mounts: Array, *, frame_free: bool, tool_turns: Array | None) -> float:

@@ -56,11 +56,14 @@ def impossible(entry: Mapping[str, Any], file: Mapping[str, Any]) -> list[str]:
         if stated.get("value") is None or unit is None:
             continue
         base = str(stated.get("parameter") or name.rstrip("0123456789").rstrip("_"))
-        place = int(stated.get("at") or (places[0] if len(places) == 1 else 0))
+        where = stated.get("at") or places
         value = float(stated["value"]) * unit[1]
-        reason = _why(effect, base, place, value, file)
-        if reason:
-            found.append(f"{effect} at {places}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
+        for place in where if isinstance(where, list) else [where]:
+            reason = _why(effect, base, int(place), value, file)
+            if reason:
+                found.append(f"{effect} at {places}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
+        if not where and (reason := _why(effect, base, 0, value, file)):
+            found.append(f"{effect}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
     return found
 
 

@@ -348,8 +348,8 @@ def test_kinds_come_in_their_shares():
 def test_mislabelled_columns_differ_from_the_true_ones(wrong):
     case = make_case("x", (11, 0, 14), "development", "mislabelled", list(MISLABELLED).index(wrong))
     table = table_of(case)
-    other = MISLABELLED[case.mislabelled[0]](table, case.mislabelled[1])
-    assert case.mislabelled[0] == wrong
+    other = MISLABELLED[case.wrong.mislabelled[0]](table, case.wrong.mislabelled[1])
+    assert case.wrong.mislabelled[0] == wrong
     assert set(other.columns) == set(table.columns)
     assert not other[list(table.columns)].equals(table)
 
@@ -491,6 +491,8 @@ def test_impossible_sizes_are_those_that_no_machine_has():
     assert not why("link_modulus", [1], "excess_1", 0.5, "1")
     assert why("instrument_scale", [], "scale", 0.02, "1")
     assert not why("encoder_offset", [1], "offset_1", 3.0, "mrad")
+    everywhere = {"mass": {"value": -2.5, "unit": "kg", "at": [1, 2]}}
+    assert len(impossible(entry("link_mass", [1, 2], everywhere), file)) == 1  # too much for the second alone
 
 
 def test_the_page_keeps_its_other_parts_and_the_section_is_replaced(tmp_path):
