@@ -69,6 +69,7 @@ def truth_of(case: Case) -> dict[str, Any]:
         "arm": case.scene.stage.machine.arm.family,
         "design": session.design,
         "rows": session.visits * session.repeats,
+        "duration_s": float(session.time[-1]),
         "frame": "free" if case.scene.frame_free else "known",
         "tool": "free" if case.scene.tool_free else "known",
         "mounts": len(case.mounts),

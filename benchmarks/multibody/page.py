@@ -58,18 +58,17 @@ def section(score: Score) -> str:
     for paragraph in WORDS:
         lines += [_wrapped(paragraph), ""]
     kinds = ", ".join(f"{name} {number}" for name, number in score.cases)
-    half = "proof" if score.half == "sealed" else "development"
-    lines += [
-        _wrapped(
-            f"**What was run: {count} cases of the {half} half** ({kinds}); {len(score.failed)} without an answer; "
-            f"{_spread(score.seconds)} seconds a case. "
-            + ("The proof half has not been opened. " if half == "development" else "")
-            + "Shares with their 95 % Clopper-Pearson interval."
-        ),
-        "",
-        "| | target | reached |",
-        "|---|---|---|",
+    half, two = "proof" if score.half == "sealed" else "development", score.remounted
+    ran = [
+        f"**What was run: {count} cases of the {half} half**, seed {' and '.join(map(str, score.seeds))} ({kinds});",
+        f"{len(score.failed)} without an answer; {_spread(score.seconds)} seconds a case.",
+        f"{two.total} of them have two mountings of the tracker, and {two.count} of these an answer."
+        if two.total
+        else "None of them has two mountings of the tracker.",
+        "The proof half has not been opened." if half == "development" else "",
+        "Shares with their 95 % Clopper-Pearson interval.",
     ]
+    lines += [_wrapped(" ".join(ran)), "", "| | target | reached |", "|---|---|---|"]
     for target in score.targets:
         reached = _rate(target.reached) if isinstance(target.reached, Rate) else _spread(target.reached)
         verdict = "**MISSED** " if target.met is False else ""

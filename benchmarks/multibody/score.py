@@ -64,6 +64,8 @@ class Score:
 
     half: str
     seal: str
+    seeds: tuple[int, ...]
+    remounted: Rate
     cases: tuple[tuple[str, int], ...]
     failed: tuple[str, ...]
     targets: tuple[Target, ...]
@@ -160,6 +162,8 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
     return Score(
         half=half,
         seal=seal,
+        seeds=tuple(sorted({int(t["seed"][0]) for t in truths})),
+        remounted=rate(a.verdict != "failed" for t, a in rows if t["mounts"] > 1),
         cases=tuple(sorted(Counter(t["kind"] for t, _ in rows).items())),
         failed=tuple(t["case"] for t, a in rows if a.verdict == "failed" and t["kind"] != "mislabelled"),
         targets=targets,
@@ -281,8 +285,7 @@ def _joints(rows: Sequence[Row]) -> Harmonic:
 
 
 def _times(rows: Sequence[Row]) -> Harmonic:
-    """A moment since which something is so: right within a tenth of the recording's usual six hours of a true beginning
-    or end."""
+    """A moment since which something is so: right within a tenth of the recording of a true beginning or end."""
     hits = claimed = true = 0
     for t, a in rows:
         since = ((a.diagnosis or {}).get("where") or {}).get("since_s")
@@ -291,7 +294,7 @@ def _times(rows: Sequence[Row]) -> Harmonic:
         ]
         claimed += since is not None
         true += bool(moments)
-        hits += since is not None and any(abs(float(since) - m) <= 2160.0 for m in moments)
+        hits += since is not None and any(abs(float(since) - m) <= 0.1 * t["duration_s"] for m in moments)
     return Harmonic(hits, claimed, true)
 
 

@@ -394,7 +394,16 @@ def entry(effect, at, parameters=None, alternatives=()):
 
 
 def truth(case, kind, *effects, unknown=None, **more):
-    about = {"arm": "seven_axes", "design": "full", "rows": 100, "frame": "free", "tool": "known", "mounts": 1}
+    about = {
+        "arm": "seven_axes",
+        "design": "full",
+        "rows": 100,
+        "frame": "free",
+        "tool": "known",
+        "mounts": 1,
+        "seed": [3, 0],
+        "duration_s": 9e3,
+    }
     file = {
         "link_mass_kg": [3.0, 2.0],
         "payload_kg": 1.0,
@@ -471,7 +480,8 @@ def test_scores_by_hand():
     assert "cannot be negative" in found.impossible[0]
     text = section(found)
     assert text.startswith(HEADING)
-    assert "7 cases of the development half" in text
+    assert "7 cases of the development half**, seed 3 (" in text
+    assert "None of them has two mountings" in text
     assert "**MISSED** 50.0 % (1/2" in text
 
 
