@@ -62,7 +62,10 @@ def diagnose(
 
     too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
     too_few |= prepared.criterion.count < rules.search.least_observations
-    if not prepared.pool.groups or too_few or one_condition(prepared.observed):
+    nothing = not prepared.pool.groups or one_condition(prepared.observed)
+    # The namer goes on with pools of its own; of a long recording this one is hundreds of megabytes.
+    del prepared
+    if nothing or too_few:
         named = None
     else:
         named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.3 * share))
@@ -105,10 +108,11 @@ def _with_labels(
 def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:
     """Whole visits of a long recording, picked at random: what to look for is plain from a few thousand readings."""
     longest = asked.rules.search.longest
-    if recording.size <= longest:
+    observations = recording.tip.size
+    if observations <= longest:
         return recording
     visit = visits(recording, arm, rules=asked.rules.residual)
-    share = longest / recording.size
+    share = longest / observations
     taken = np.random.default_rng(asked.seed).random(int(visit[-1]) + 1) < share
     return recording.kept(taken[visit])
 

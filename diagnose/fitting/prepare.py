@@ -118,8 +118,10 @@ def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, 
     """The pool of patterns for a recording as it stands."""
     beside, names = nuisances(observed)
     own = observed.rules.fitting
-    white = [(each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns]
-    pool = make_pool(observed.whitened(beside), white, rules=observed.rules)
+    # One after the other: all whitened patterns at once are hundreds of megabytes for a long recording.
+    white = ((each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns)
+    widest = sum(columns.shape[2] for _, columns in patterns)
+    pool = make_pool(observed.whitened(beside), white, widest=widest, rules=observed.rules)
     seen = {id(group.candidate) for group in pool.groups}
     columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
     vector = pool.projected(observed.whitened(observed.residual))

@@ -5,7 +5,7 @@ With the Gram matrix in hand, what any subset of candidates explains is small li
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -158,12 +158,23 @@ def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array |
 
 
 def make_pool(
-    nuisance: Array, patterns: Sequence[tuple[Candidate, Array, Array | None]], *, rules: Rules = RULES
+    nuisance: Array,
+    patterns: Iterable[tuple[Candidate, Array, Array | None]],
+    *,
+    widest: int | None = None,
+    rules: Rules = RULES,
 ) -> Pool:
-    """The pool of candidates with whitened columns (n, d) and limits of their sizes, beside nuisance columns (n, b)."""
+    """The pool of candidates with whitened columns (n, d) and limits of their sizes, beside nuisance columns (n, b).
+
+    `widest` is how many columns all patterns have together, at most (None: they are counted, and held at once for it).
+    """
+    if widest is None:
+        patterns = list(patterns)
+        widest = sum(columns.shape[1] for _, columns, _ in patterns)
     beside = orthonormal(nuisance)
     groups: list[Group] = []
-    bases: list[Array] = []
+    # Column by column, so that those in use are one piece of memory, and the rest is never touched.
+    basis = np.empty((len(nuisance), widest), order="F")
     invisible: list[Candidate] = []
     at = 0
     for candidate, columns, limits in patterns:
@@ -172,7 +183,7 @@ def make_pool(
             invisible.append(candidate)
             continue
         groups.append(made[0])
-        bases.append(made[1])
+        basis[:, at : made[0].stop] = made[1]
         at = made[0].stop
-    basis = np.concatenate(bases, axis=1) if bases else np.zeros((len(nuisance), 0))
-    return Pool(beside, tuple(groups), basis, basis.T @ basis, tuple(invisible), rules)
+    used = basis[:, :at]
+    return Pool(beside, tuple(groups), used, used.T @ used, tuple(invisible), rules)

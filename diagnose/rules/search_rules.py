@@ -12,11 +12,11 @@ class SearchRules:
     """Tests, criteria and how far a search goes."""
 
     longest: int = rule(
-        3000,
-        "readings",
-        "So many are searched at most; the findings are then fitted to all of them.",
+        7500,
+        "observations",
+        "So many are searched at most, 2500 readings in space; the findings are then fitted to all. Memory goes by it.",
         TIME,
-        rows="Of a longer recording visits are picked at random with the share 3000/N, which changes evenly with N.",
+        rows="Of a longer recording visits are picked at random with the share 7500/N, which changes evenly with N.",
     )
     least_visits: int = rule(
         8,

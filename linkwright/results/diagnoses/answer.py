@@ -39,9 +39,10 @@ def answer(diagnosis: Diagnosis) -> str:
     clauses = _clauses(diagnosis)
     said = clauses[0]
     for clause in clauses[1:]:
-        longer = said + clause
-        if len(longer.split()) <= MOST_WORDS:
-            said = longer
+        # What follows belongs to what stands before it: after a clause without room there is no further one.
+        if len((said + clause).split()) > MOST_WORDS:
+            break
+        said += clause
     words = said.split()
     cut = said if len(words) <= MOST_WORDS else " ".join(words[: MOST_WORDS - 1]).rstrip(",;") + " …"
     return f"{cut[:1].upper()}{cut[1:]}."
