@@ -12,7 +12,7 @@ import linkwright as lw
 from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_markdown, write_result
 from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
+from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of, one_thread
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -39,6 +39,7 @@ def evaluate(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
+    one_thread()
     from linkwright.results.evaluation import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
