@@ -155,6 +155,10 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         ("small causes named (0.1 to 0.5)", by((e["effect"], _right(a, e)) for _, a, e in small)),
         ("unknown classes called unknown", by((t["unknown"]["class"], a.verdict == "unknown") for t, a in unknowns)),
         ("false alarms on nulls, by vice", by((t["vice"], a.verdict in ALARMS) for t, a in nulls)),
+        (
+            "of these, said to be of time, where the tracker wanders",
+            by((t["vice"], _of_time(a)) for t, a in nulls if t["vice"] == "wander" and a.verdict in ALARMS),
+        ),
         ("false alarms on nulls, by arm", by((t["arm"], a.verdict in ALARMS) for t, a in nulls)),
         ("mislabelled columns refused or told", by((t["mislabelled"], _told(a)) for t, a in kind("mislabelled"))),
     )
@@ -233,6 +237,14 @@ def _written(t: Truth, a: Answer) -> float:
 
 def _impossible(t: Truth, a: Answer) -> list[str]:
     return [sentence for entry in a.entries for sentence in impossible(entry, t["file"])]
+
+
+def _of_time(a: Answer) -> bool:
+    """Whether all that is said is of time: the frame's drift, or an unknown that depends on time alone."""
+    where = (a.diagnosis or {}).get("where") or {}
+    if a.verdict in NAMES:
+        return all(entry["effect"] == "frame_drift" for entry in a.entries)
+    return list(where.get("depends_on") or []) == ["time"]
 
 
 def _told(a: Answer) -> bool:

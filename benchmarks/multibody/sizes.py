@@ -40,11 +40,12 @@ GREATEST: Mapping[tuple[str, str], float] = MappingProxyType(
         ("base_tilt", "about_z"): 0.15,
         ("thermal_expansion", "expansion"): 2e-4,
         ("gearbox_thermal", "per_kelvin"): 1e-3,
-        ("link_mass", "mass"): 50.0,
-        ("payload", "mass"): 50.0,
     }
 )
 """Beyond these, in SI, no machine of the proof's size can be: twenty and more times what any case holds."""
+
+
+CABLES = 5.0  # kg
 
 
 def impossible(entry: Mapping[str, Any], file: Mapping[str, Any]) -> list[str]:
@@ -79,10 +80,11 @@ def _why(effect: str, base: str, place: int, value: float, file: Mapping[str, An
         declared = float(file["drive_compliance"][place - 1])
         if declared + value < 0.0:
             return "the drive would give against its load"
-    if effect == "link_mass" and base == "mass" and place and float(file["link_mass_kg"][place - 1]) + value <= 0.0:
-        return "the link would weigh nothing or less"
-    if effect == "payload" and base == "mass":
-        whole = float(file["payload_kg"]) + float(file["link_mass_kg"][-1])
-        if whole + value <= 0.0:
-            return "payload and last link would weigh nothing or less"
+    if base == "mass" and (effect == "payload" or (effect == "link_mass" and place)):
+        there = float(file["link_mass_kg"][place - 1 if effect == "link_mass" else -1])
+        there += float(file["payload_kg"]) if effect == "payload" else 0.0
+        if there + value <= 0.0:
+            return f"what weighs {there:.3g} kg would weigh nothing or less"
+        if value > 2.0 * there + CABLES:
+            return f"what weighs {there:.3g} kg would weigh three times that and {CABLES:g} kg more"
     return ""

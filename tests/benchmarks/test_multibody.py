@@ -477,6 +477,7 @@ def test_scores_by_hand():
     assert where["joint"].f1 == pytest.approx(6 / 8)
     assert [line[0] for line in found.misses] == ["b", "f"]
     assert not found.failed
+    assert dict(found.tables)["of these, said to be of time, where the tracker wanders"][0][1].count == 1
     assert "cannot be negative" in found.impossible[0]
     text = section(found)
     assert text.startswith(HEADING)
@@ -501,6 +502,8 @@ def test_impossible_sizes_are_those_that_no_machine_has():
     assert not why("link_modulus", [1], "excess_1", 0.5, "1")
     assert why("instrument_scale", [], "scale", 0.02, "1")
     assert not why("encoder_offset", [1], "offset_1", 3.0, "mrad")
+    assert why("link_mass", [1], "mass_1", 11.5, "kg")  # 2 * 3 kg and 5 kg of cables
+    assert not why("link_mass", [1], "mass_1", 10.5, "kg")
     everywhere = {"mass": {"value": -2.5, "unit": "kg", "at": [1, 2]}}
     assert len(impossible(entry("link_mass", [1, 2], everywhere), file)) == 1  # too much for the second alone
 
