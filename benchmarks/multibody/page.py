@@ -26,12 +26,19 @@ WORDS = (
     """,
     """
     Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, which is asked
-    once). The oracle knows every cause at its true size and fits frame and tool where they are free. Bias, F1 and false
-    discoveries are the three figures of arXiv:2606.23215 in a recording's terms: relative errors of parameters rightly
-    named; joints, moments and covariates that are pointed at (a small cause's joint is no false one); names that are
-    neither a cause's nor declare it.
+    once); `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. A
+    tracker set up anew half-way gives a case two recordings, which are asked together; `PROOF_REMOUNTS=0`
+    draws none, for a `diagnose` that takes one recording at a time. The oracle knows every cause at its true size and
+    fits frame and tool where they are free. Bias, F1 and false discoveries are the three figures of arXiv:2606.23215 in
+    a recording's terms: relative errors of parameters rightly named; joints, moments and covariates that are pointed at
+    (a small cause's joint is no false one); names that are neither a cause's nor declare it.
     """,
 )
+
+
+ENOUGH = 100
+"""Cases from which on the fine tables say anything; the JSON of a score has them always."""
+FINE = ("by effect", "by arm", "by recording", "by parameter", "small causes")
 
 
 def _rate(rate: Rate) -> str:
@@ -87,7 +94,7 @@ def section(score: Score) -> str:
     lines.append(f"| false discoveries | {_rate(score.false_discoveries)} |")
     for title, table in score.tables:
         shown = [(label, rate) for label, rate in table if rate.total]
-        if shown:
+        if shown and (count >= ENOUGH or not any(word in title for word in FINE)):
             lines += ["", f"| {title} | |", "|---|---|", *(f"| {label} | {_rate(rate)} |" for label, rate in shown)]
     lines += ["", "Verdicts by kind: " + "; ".join(f"{kind}: {_tally(tally)}" for kind, tally in score.verdicts) + "."]
     if score.impossible:

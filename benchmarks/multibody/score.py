@@ -178,7 +178,7 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         ),
         localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(unknowns))),
         false_discoveries=rate(not _true_one(t, e) for t, a in rows if a.verdict in NAMES for e in a.entries),
-        verdicts=_counts((t["kind"], a.verdict) for t, a in rows),
+        verdicts=_counts((t["kind"], _verdict(t, a)) for t, a in rows),
         impossible=cannot,
         seconds=spread(a.seconds for _, a in rows if a.seconds is not None),
         misses=tuple(line for t, a in rows if (line := _miss(t, a))),
@@ -203,6 +203,11 @@ def _counts(items: Iterable[tuple[str, str]]) -> tuple[tuple[str, tuple[tuple[st
     for key, value in items:
         table.setdefault(key, Counter())[value] += 1
     return tuple((key, tuple(count.most_common())) for key, count in sorted(table.items()))
+
+
+def _verdict(t: Truth, a: Answer) -> str:
+    refused = t["kind"] == "mislabelled" and a.verdict == "failed" and a.status == 2
+    return "refused" if refused else a.verdict
 
 
 def _recording(t: Truth) -> str:
@@ -249,7 +254,7 @@ def _of_time(a: Answer) -> bool:
 
 def _told(a: Answer) -> bool:
     """Refused with a line of its own, or neither named nor passed as sound."""
-    return a.diagnosis is None or a.verdict not in {*NAMES, "none"}
+    return a.status == 2 or a.verdict not in {*NAMES, "none", "failed"}
 
 
 def _errors(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[str, float]]:

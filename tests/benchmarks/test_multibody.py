@@ -483,6 +483,8 @@ def test_scores_by_hand():
     assert text.startswith(HEADING)
     assert "7 cases of the development half**, seed 3 (" in text
     assert "None of them has two mountings" in text
+    assert "mislabelled: refused 1" in text
+    assert "by effect" not in text
     assert "**MISSED** 50.0 % (1/2" in text
 
 
