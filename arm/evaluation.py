@@ -20,7 +20,7 @@ from arm.errors.tip import active_effects
 from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
 from arm.limits.sideways import least_sideways
-from arm.limits.slowest_pose import Frequency, least_frequency
+from arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
 from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance
 from arm.limits.walls import WallsResult, slender_walls, walls_of
@@ -106,6 +106,8 @@ class Evaluation:
     """The least stiffness of a planar arm's tip out of its plane; None in space, or where nothing gives."""
     seam: SeamErrors | None = None
     """On a path: the worst error, what of it is across the path and what along it."""
+    frequency_of_drives: Frequency | None = None
+    """The least first frequency that the drives would have on rigid links; None where no drive gives."""
 
     @property
     def relative_to(self) -> Calibrated | None:
@@ -170,6 +172,7 @@ def evaluate(
     frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
     if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
+    of_drives = frequency_of_drives(arm, search, beams, p, cases)
     drives = None
     if not unweighed and any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
@@ -216,6 +219,7 @@ def evaluate(
         growth=growth,
         sideways=sideways,
         seam=seam,
+        frequency_of_drives=of_drives,
     )
 
 

@@ -25,6 +25,7 @@ actuators:
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -78,6 +79,12 @@ class Actuator:
     def stiffness(self) -> float:
         """The stiffness (N*m/rad) of the softest zone: under no torque does the gear give more than by this one."""
         return min(self.stiffnesses)
+
+    @property
+    def zones(self) -> tuple[tuple[float, float], ...]:
+        """The torque at which each zone ends (the last: infinite) and its stiffness; none where there is but one."""
+        ends = (*self.zone_torques, math.inf)
+        return tuple(zip(ends, self.stiffnesses, strict=True)) if self.zone_torques else ()
 
     def wind_up(self, torque: float) -> float:
         """How far the gear gives (rad) under a torque (N*m, either sign), zone by zone."""

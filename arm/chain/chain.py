@@ -30,6 +30,10 @@ PlayMode = Literal["worst", "loaded", "statistical"]
 AngleConvention = Literal["relative", "absolute"]
 
 
+Zones = tuple[tuple[float, float], ...]
+"""Zones of load, each with the load at which it ends (the last: infinite) and the stiffness within it."""
+
+
 @dataclass(frozen=True)
 class Joint:
     """A joint and its drive. Angles in rad, lengths in m; a prismatic joint's range and backlash are lengths.
@@ -39,7 +43,9 @@ class Joint:
     the coordinate. `stiffness` is in N*m/rad (revolute) or N/m (prismatic); None is a rigid drive. `backlash` is
     the total lost motion, `clearance` the radius of the disc in which the pin's centre can lie. `spans` is how many of
     the following links make up the body that the drive turns: one, unless a link was cut into segments. `actuator` is
-    the catalogue's entry that the drive was named by: its rated torque and cost count with it.
+    the catalogue's entry that the drive was named by: its rated torque and cost count with it. `zones` are those of a
+    drive that is stiffer under more load, each the load (N*m) at which it ends and its stiffness; `stiffness` is then
+    that of the softest. None: the same under any load.
     """
 
     type: JointType = "revolute"
@@ -54,6 +60,7 @@ class Joint:
     origin_rotation: Rotation = IDENTITY
     origin_translation: FloatVector = ZERO
     actuator: Actuator | None = None
+    zones: Zones = ()
 
     @property
     def revolute(self) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from units.temperature import REFERENCE_TEMPERATURE
 
 from .beam import Beam
-from .chain import Arm, LoadCase
+from .chain import Arm, LoadCase, Zones
 from .conditions import Conditions
 from .kinematics import Frames, place
 from .vectors import Scalar, Vector, add, cross, dot, is_zero, scale, subtract, times
@@ -61,6 +61,7 @@ class JointState:
     mass: float
     coordinate: Scalar
     spans: int
+    zones: Zones = ()
 
 
 @dataclass(frozen=True)
@@ -176,6 +177,7 @@ def solve(
                 joint.mass,
                 q[index],
                 joint.spans,
+                joint.zones,
             )
         )
         force = add(base_force, scale(joint.mass, pull))

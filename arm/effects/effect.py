@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.beam import Beam
-from arm.chain.chain import Arm
+from arm.chain.chain import Arm, Zones
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Scalar, Vector, scale
 
@@ -53,6 +53,16 @@ class Interval:
 
     twists: tuple[Twist, ...]
     seating: Scalar
+
+
+@dataclass(frozen=True)
+class Kink:
+    """A displacement that is piecewise linear in a load: how far a drive of these `zones` winds up under `load`, times
+    `twists`. It is among the effect's twists already; this tells where it bends."""
+
+    twists: tuple[Twist, ...]
+    load: Scalar
+    zones: Zones
 
 
 @dataclass(frozen=True)
@@ -158,6 +168,12 @@ def no_play(state: PoseState, settings: Settings) -> Iterable[Interval | Disc]:
     return ()
 
 
+def no_kinks(state: PoseState, settings: Settings) -> Iterable[Kink]:
+    """Nothing: for effects that are smooth in the loads."""
+    del state, settings
+    return ()
+
+
 @dataclass(frozen=True)
 class Readings:
     """What a recording of N readings holds, for an effect to say whether it shows there: the arm's state at them, the
@@ -215,6 +231,7 @@ class Effect:
     what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
     `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
     (from 0), in its unit: file and finding together are not less than nought (infinite: nobody knows).
+    `kinks` tells which of the twists are piecewise linear in a load, and where they bend.
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
     """
@@ -256,6 +273,7 @@ class Effect:
     turns_along_the_link: bool = False
     declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
     repeats: bool = False
+    kinks: Callable[[PoseState, Settings], Iterable[Kink]] = no_kinks
 
     @property
     def belongs_to_link(self) -> bool:

@@ -87,4 +87,5 @@ def error_since_calibrated(state: PoseState, effects: Sequence[ActiveEffect], mo
             for each in there.discs
             if not EFFECTS[each.effect].repeats and not is_zero(each.seating)
         ]
-    return TipError(subtract(now.vector, there.vector), tuple(intervals), tuple(discs))
+    kinks = (*now.kinks, *(replace(each, vector=scale(-1.0, each.vector)) for each in there.kinks))
+    return TipError(subtract(now.vector, there.vector), tuple(intervals), tuple(discs), kinks)

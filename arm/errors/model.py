@@ -7,7 +7,7 @@ that a changed design needs no new code.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from arm.chain.beam import UNIFORM, Beam, elastic_beam
-from arm.chain.chain import Arm, Link, LoadCase, askew
+from arm.chain.chain import Arm, Link, LoadCase, Zones, askew
 from arm.chain.kinematics import parts, place, symbols
 from arm.chain.statics import PoseState, solve
 from arm.chain.taper import tapered_beam
@@ -122,6 +122,10 @@ class PoseArrays:
     load_scale: Array
     taken: tuple[int, int] = (0, 0)
     projection: Array | None = None
+    kinks: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    """(N, z, 3), m/rad: what each drive with zones of stiffness moves, per turn; it is in `vector` already."""
+    kink_loads: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    """(N, z): the loads (N*m) on those drives."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +163,7 @@ class CaseModel:
 
     def arrays(self, q: Array, p: Array) -> PoseArrays:
         """The model's figures at N poses q (N, n) for a design p (see `beam_values`)."""
-        vector, intervals, seating, normals, loads, scale = self.vectorised(q, p)
+        vector, intervals, seating, normals, loads, scale, kinks, kink_loads = self.vectorised(q, p)
         count = len(q)
         return PoseArrays(
             vector,
@@ -170,7 +174,14 @@ class CaseModel:
             scale[:, 0],
             self.taken,
             self.projection,
+            np.reshape(kinks, (count, -1, 3)),
+            kink_loads,
         )
+
+    @property
+    def zones(self) -> tuple[Zones, ...]:
+        """The zones of each drive that has some (see `PoseArrays.kinks`)."""
+        return tuple(kink.zones for kink in self.error.kinks)
 
     @property
     def taken(self) -> tuple[int, int]:
@@ -236,6 +247,8 @@ def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
         _column([component for disc in error.discs for component in disc.normal]),
         _column([component for disc in error.discs for component in disc.seating]),
         _load_scale(state),
+        _column([component for kink in error.kinks for component in kink.vector]),
+        _column([kink.load for kink in error.kinks]),
     )
     function = ca.Function("error", [q, p], list(outputs))
     return CaseModel(load, q, p, state, error, outputs, function)

@@ -38,18 +38,18 @@ def part_of(model: ErrorModel, projections: Sequence[Array]) -> ErrorModel:
 
 
 def _case(case: CaseModel, projection: Array) -> CaseModel:
-    vector, intervals, *rest = case.outputs
-    count = intervals.numel() // 3
-    rows = [_projected(projection, intervals[3 * k : 3 * k + 3]) for k in range(count)]
-    outputs = (_projected(projection, vector), ca.vertcat(*rows) if rows else intervals, *rest)
+    vector, intervals, *rest, kinks, kink_loads = case.outputs
+    outputs = tuple(_projected(projection, each) for each in (vector, intervals))
+    outputs = (*outputs, *rest, _projected(projection, kinks), kink_loads)
     function = ca.Function("part", [case.q, case.p], list(outputs))
     return replace(case, outputs=outputs, function=function, projection=projection)
 
 
 def _projected(projection: Array, column: Any) -> Any:
-    """A projection of a column of symbols, with nothing where the projection has nothing."""
+    """A projection of each vector of a column of symbols, with nothing where the projection has nothing."""
     rows: list[Any] = []
-    for row in projection:
-        terms = [float(x) * column[k] for k, x in enumerate(row) if abs(x) > 1e-15]
-        rows.append(sum(terms[1:], terms[0]) if terms else ca.SX(0.0))
-    return ca.vertcat(*rows)
+    for start in range(0, column.numel(), 3):
+        for row in projection:
+            terms = [float(x) * column[start + k] for k, x in enumerate(row) if abs(x) > 1e-15]
+            rows.append(sum(terms[1:], terms[0]) if terms else ca.SX(0.0))
+    return ca.vertcat(*rows) if rows else column

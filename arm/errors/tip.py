@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from arm.chain.chain import Arm
+from arm.chain.chain import Arm, Zones
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Scalar, Vector, add, cross
 from arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
@@ -48,12 +48,23 @@ class TipDisc:
 
 
 @dataclass(frozen=True)
+class TipKink:
+    """A part of the deterministic vector that is piecewise linear in a load: what a drive of these `zones` winds up by
+    under `load`, times `vector` (m/rad)."""
+
+    vector: Vector
+    load: Scalar
+    zones: Zones
+
+
+@dataclass(frozen=True)
 class TipError:
-    """The tip's error at a pose: the deterministic vector (m) and the play around it."""
+    """The tip's error at a pose: the deterministic vector (m), with the kinks in it, and the play around it."""
 
     vector: Vector
     intervals: tuple[TipInterval, ...]
     discs: tuple[TipDisc, ...]
+    kinks: tuple[TipKink, ...] = ()
 
 
 def active_effects(arm: Arm) -> tuple[ActiveEffect, ...]:
@@ -127,7 +138,12 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:
                 intervals.append(TipInterval(active.effect.id, play.twists[0].index, vector, play.seating))
             else:
                 discs.append(_disc(active.effect.id, play))
-    return TipError(carried_to_tip(state, twists), tuple(intervals), tuple(discs))
+    kinks = tuple(
+        TipKink(carried_to_tip(state, kink.twists), kink.load, kink.zones)
+        for active in effects
+        for kink in active.effect.kinks(state, active.settings)
+    )
+    return TipError(carried_to_tip(state, twists), tuple(intervals), tuple(discs), kinks)
 
 
 def _disc(effect: str, play: Disc) -> TipDisc:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import cast
 
 from arm.actuators import Actuator, load_actuators
-from arm.chain.chain import FloatVector, Joint, JointType, Link
+from arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 from materials.catalogue import Catalogue
 from sections import SectionError, load_stock
@@ -94,8 +94,9 @@ def _joint(mapping: Mapping) -> Joint:
         if stiffness is not None and stiffness <= 0.0:
             raise mapping.error("stiffness", "must be positive; leave it out for a rigid drive")
         actuator = _actuator(mapping, turns)
+        zones: Zones = ()
         if actuator is not None and stiffness is None:
-            stiffness = actuator.stiffness
+            stiffness, zones = actuator.stiffness, actuator.zones
         return Joint(
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
@@ -106,6 +107,7 @@ def _joint(mapping: Mapping) -> Joint:
             mass=not_negative(mapping, "mass", "mass", 0.0 if actuator is None else actuator.mass),
             zero=mapping.quantity("zero", motion, 0.0),
             actuator=actuator,
+            zones=zones,
         )
 
 

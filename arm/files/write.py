@@ -89,7 +89,8 @@ def _joint(joint: Joint) -> dict[str, Any]:
         backlash, stiffness, mass = joint.actuator.backlash, joint.actuator.stiffness, joint.actuator.mass
     if joint.backlash != backlash:
         out["backlash"] = _neatest(joint.backlash, motion)
-    if joint.stiffness is not None and joint.stiffness != stiffness:
+    zones = () if joint.actuator is None else joint.actuator.zones
+    if joint.stiffness is not None and (joint.stiffness != stiffness or joint.zones != zones):
         kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
         out["stiffness"] = format_quantity(joint.stiffness, kind)
     if joint.mass != mass:

@@ -3,7 +3,8 @@
 Every link is cut into segments; unit forces at their ends, through the same effects as the tip's error, give the
 compliance matrix F; masses sit at the same points, the links' own by Simpson's rule, a rigid link's at its centre of
 mass. The first frequency belongs to the largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi
-(Rayleigh). Drives count with their stiffness; rotary inertia is left out, as it is small for bending.
+(Rayleigh). Drives count with their stiffness, that of the softest zone; rotary inertia is left out, as it is small for
+bending.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def segmented(arm: Arm) -> SegmentedArm:
         kinds += own
         height, _ = section_directions(link, joint)
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
-        joints.append(replace(joint, spans=pieces))
+        joints.append(replace(joint, spans=pieces, zones=()))
         joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
         piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height)
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]

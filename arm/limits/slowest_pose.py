@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,6 +67,37 @@ def least_frequency(
         if best is None or values[lowest] < best.value:
             best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
     return best
+
+
+def frequency_of_drives(
+    arm: Arm,
+    search: WorstSearch,
+    beams: Sequence[Beam],
+    p: Array,
+    cases: Sequence[LoadCase],
+    *,
+    weightless: bool = False,
+) -> Frequency | None:
+    """The least first frequency that the drives would have alone, on rigid links: no stiffer links make the arm faster.
+
+    The links keep their masses, each at its centre (what turning about it adds is left out, which only makes the bound
+    higher), or are `weightless`: then it bounds every arm with these joints, lengths and loads. None where no drive
+    gives.
+    """
+    masses = [0.0 if weightless else float(beam.mass) for beam in beams]
+    centers = [
+        float(beam.lumped_at) if beam.flexural_rigidity_height is None else beam.taper.balance * float(beam.length)
+        for beam in beams
+    ]
+    links = tuple(
+        replace(link, section=None, section_name=None, material=None, mass=mass, center_of_mass=center)
+        for link, mass, center in zip(arm.links, masses, centers, strict=True)
+    )
+    rigid = [
+        Beam(length=float(beam.length), lumped_mass=mass, lumped_at=center)
+        for beam, mass, center in zip(beams, masses, centers, strict=True)
+    ]
+    return least_frequency(arm.with_links(links), search, rigid, p, cases)
 
 
 def _starts(poses: Array, slowness: Array) -> list[int]:

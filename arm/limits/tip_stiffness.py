@@ -56,7 +56,8 @@ def tip_compliance(arm: Arm, *, planar: bool) -> TipCompliance:
 
 def compliance_along(arm: Arm, axes: Sequence[int]) -> TipCompliance:
     """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them."""
-    still = replace(arm, gravity=(0.0, 0.0, 0.0))
+    drives = tuple(replace(joint, zones=()) for joint in arm.joints)  # each with the stiffness of its softest zone
+    still = replace(arm, gravity=(0.0, 0.0, 0.0), joints=drives)
     forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in axes)]
     q, p = ca.SX.sym("q", arm.size), beam_symbols(arm)  # pyright: ignore[reportCallIssue]
     cases = error_model(still, [LoadCase(force=force) for force in forces]).cases

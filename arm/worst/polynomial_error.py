@@ -1,13 +1,18 @@
-"""A load case's squared error as trigonometric polynomials: one function for each way in which the play can stand."""
+"""A load case's squared error as trigonometric polynomials: one function for each way in which the play can stand, and
+for each zone in which drives that stiffen under load can be."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.chain import PlayMode
+from arm.effects.functions import wound_up
+from arm.errors.drive_zones import Way, ways
 from arm.errors.lost_motion import played, pushed_discs, sign_vertices
 from arm.errors.model import CaseModel
 from sections.numeric import Array
@@ -27,35 +32,39 @@ from .polynomial import (
 
 MOST_JOINTS = 4
 """Branch and bound over more joints than this takes too many cells."""
-_MOST_VERTICES = 256
+_MOST_FUNCTIONS = 512
 
 
 @dataclass(frozen=True)
 class ErrorPolynomials:
-    """|e + sum_j s_j I_j|^2 for each row of `signs`, as functions of the joints in `joints` (the others do not matter).
+    """|e + sum_j w_j V_j|^2 for each row of `weights`, as functions of the joints in `joints` (the others do not
+    matter): V_j are the intervals of play, and what drives with zones of stiffness move.
 
-    The error is the root plus `radius` (m): exactly where `exact`, else at most that. With `seatings` a function counts
-    only at poses where every load has the sign of its play (`loaded`).
+    The error is the root plus `radius` (m): exactly where `exact`, else at most that. With `seatings` (loads, in parts
+    of all loads) a function counts only at poses where each load is between its `least` and `most` (functions, loads):
+    where it has the sign of its play (`loaded`), and lies in the zone.
     """
 
     case: int
     joints: tuple[int, ...]
     functions: Coefficients
     terms: Terms
-    signs: Array
+    weights: Array
     radius: float
     exact: bool
     seatings: Coefficients | None
     seating_terms: Terms | None
+    least: Array
+    most: Array
 
     def values(self, q: Array) -> Array:
-        """Squares (N, functions) at joint coordinates q (N, n), -inf where the play does not stand so."""
+        """Squares (N, functions) at joint coordinates q (N, n), -inf where the play and the drives do not stand so."""
         values = evaluate(self.functions, q[:, self.joints])
         if self.seatings is None:
             return values
-        loads = evaluate(self.seatings, q[:, self.joints])
+        loads = evaluate(self.seatings, q[:, self.joints])[:, None, :]
         slack = 1e-12 * np.abs(self.seatings.tensor).max(initial=0.0)
-        seated = np.all(loads[:, None, :] * self.signs[None] >= -slack, axis=2)
+        seated = np.all((loads >= self.least[None] - slack) & (loads <= self.most[None] + slack), axis=2)
         return np.where(seated, values, -np.inf)
 
     def may_be_seated(self, centers: Array, half: Array, which: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -66,11 +75,11 @@ class ErrorPolynomials:
         terms = self.seating_terms
         second = terms.remainder(half, 1)
         slack = 1e-12 * np.abs(terms.amplitude).sum(axis=1)
-        for play in range(len(terms.amplitude)):
-            index = np.full(len(centers), play, dtype=np.intp)
+        for load in range(len(terms.amplitude)):
+            index = np.full(len(centers), load, dtype=np.intp)
             value, gradient, _ = terms.at(centers, index, order=1)
-            most = self.signs[which, play] * value + (np.abs(gradient) * half).sum(axis=1) + second[play]
-            inside &= most >= -slack[play]
+            reach = (np.abs(gradient) * half).sum(axis=1) + second[load] + slack[load]
+            inside &= (value + reach >= self.least[which, load]) & (value - reach <= self.most[which, load])
         return inside
 
 
@@ -90,12 +99,15 @@ def error_polynomials(
     Raises `NotPolynomial` where the error is none (loaded clearance in space, statistical play) or has too many joints
     or ways of play.
     """
-    count = len(case.error.intervals)
-    if mode == "statistical" or 2**count > _MOST_VERTICES:
+    count, zones = len(case.error.intervals), case.zones
+    if mode == "statistical" or 2**count > _MOST_FUNCTIONS:
         raise NotPolynomial("statistical play, or too much of it")
     loaded = mode == "loaded"
     pushed = _pushed(case, p, coordinates) if loaded else np.zeros(len(case.error.discs), dtype=bool)
     held = bool(pushed.any())
+    size = 1.0
+    if zones:
+        size = max(float(case.arrays(sample_grid(coordinates, 1), p).load_scale.max()), 1e-300)
 
     def columns(q: Array) -> Array:
         arrays = case.arrays(q, p)
@@ -109,22 +121,39 @@ def error_polynomials(
                 taken=(0, arrays.taken[1]),
             )
             vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
-        rows = [vector, arrays.intervals.reshape(len(q), -1)]
-        # Only the signs of the loads count: in parts of all loads they are pure numbers.
-        loads = arrays.interval_seating / np.maximum(arrays.load_scale, 1e-300)[:, None]
-        return np.concatenate([*rows, loads] if loaded else rows, axis=1)
+        rows = [arrays.intervals.reshape(len(q), -1)]
+        for k, own in enumerate(zones):
+            # What a drive winds up by is no polynomial, but within each zone it is its load and a constant.
+            load, moved = arrays.kink_loads[:, k], arrays.kinks[:, k]
+            vector = vector - wound_up(load, own)[:, None] * moved
+            rows += [load[:, None] * moved / own[0][1], moved * (own[0][0] / own[0][1])]
+        rows = [vector, *rows]
+        if loaded:
+            # Only the signs of the loads count: in parts of all loads they are pure numbers.
+            rows.append(arrays.interval_seating / np.maximum(arrays.load_scale, 1e-300)[:, None])
+        return np.concatenate([*rows, arrays.kink_loads / size] if zones else rows, axis=1)
 
-    matter = coordinates.moving if confined else joints_that_matter(columns, 3 + 3 * count, case.state.arm, coordinates)
+    vectors = 3 + 3 * count + 6 * len(zones)
+    matter = coordinates.moving if confined else joints_that_matter(columns, vectors, case.state.arm, coordinates)
     if len(matter) > MOST_JOINTS:
         raise NotPolynomial("the error depends on too many joints")
     kept = coordinates.of(matter)
     # Vectors and loads are fitted apart, each by the measure of its own size.
-    shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, : 3 + 3 * count], kept)
-    signs = sign_vertices(count)
-    functions = _squares(shapes, signs)
+    shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, :vectors], kept)
     seatings = None
-    if loaded and count:
-        seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, 3 + 3 * count :], kept)
+    if (loaded and count) or zones:
+        seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, vectors:], kept)
+    seating_terms = None if seatings is None else terms_of(seatings)
+    greatest = np.zeros(0)
+    if seating_terms is not None and zones:
+        greatest = size * (np.abs(seating_terms.amplitude).sum(axis=1) + seating_terms.neglected)[-len(zones) :]
+    regions = ways(zones, greatest, size, _MOST_FUNCTIONS // 2**count)
+    signs = sign_vertices(count)
+    weights = np.array([[*own, *region.weights] for own, region in _pairs(signs, regions)])
+    seats = signs if loaded else np.zeros((len(signs), 0))
+    least = np.array([[*np.where(own > 0.0, 0.0, -np.inf), *region.least] for own, region in _pairs(seats, regions)])
+    most = np.array([[*np.where(own > 0.0, np.inf, 0.0), *region.most] for own, region in _pairs(seats, regions)])
+    functions = _squares(shapes, weights)
     # Of a pin that nothing pushed a calibration took the middle.
     free = np.arange(len(pushed)) < len(pushed) - case.taken[1]
     radius = float(case.radii[~pushed & free].sum())
@@ -133,12 +162,18 @@ def error_polynomials(
         matter,
         functions,
         terms_of(functions),
-        signs,
+        weights,
         radius,
-        planar or radius == 0.0,
+        (planar or radius == 0.0) and all(region.exact for region in regions),
         seatings,
-        terms_of(seatings) if seatings is not None else None,
+        seating_terms,
+        least.reshape(len(weights), -1),
+        most.reshape(len(weights), -1),
     )
+
+
+def _pairs(signs: Array, regions: Sequence[Way]) -> list[tuple[Array, Way]]:
+    return list(itertools.product(signs, regions))
 
 
 def _pushed(case: CaseModel, p: Array, coordinates: Coordinates) -> NDArray[np.bool_]:
@@ -154,13 +189,13 @@ def _pushed(case: CaseModel, p: Array, coordinates: Coordinates) -> NDArray[np.b
     return always
 
 
-def _squares(shapes: Coefficients, signs: Array) -> Coefficients:
-    """|vector + signs . intervals|^2 for each row of signs, of twice the degree."""
-    count = signs.shape[1]
+def _squares(shapes: Coefficients, weights: Array) -> Coefficients:
+    """|vector + weights . vectors|^2 for each row of weights, of twice the degree."""
+    count = weights.shape[1]
     values = shapes.values_on(2 * shapes.degree)
     grid = values.shape[1:]
     points = int(np.prod(grid, dtype=int))
     vector, reach = values[:3].reshape(3, points), values[3:].reshape(count, 3, points)
-    vertices = vector[None] + np.einsum("vk,kix->vix", signs, reach)
-    squares = (vertices * vertices).sum(axis=1).reshape(len(signs), *grid)
+    vertices = vector[None] + np.einsum("vk,kix->vix", weights, reach)
+    squares = (vertices * vertices).sum(axis=1).reshape(len(weights), *grid)
     return from_values(shapes.coordinates, 2 * shapes.degree, squares)

@@ -238,12 +238,14 @@ class WorstSearch:
         return loose_bound(model, p, self._coordinates, known, planar=planar, gap=self.gap, effort=effort)
 
     def _climbed(self, p: Array, polynomials: ErrorPolynomials, starts: Array) -> list[WorstPose]:
-        functions = len(polynomials.signs)
+        functions = len(polynomials.weights)
         values = polynomials.values(starts)
         each = 12 if functions <= 8 else 4
         order = np.argsort(-values, axis=0, kind="stable")[:each]
         which = np.tile(np.arange(functions, dtype=np.intp), len(order))
-        q = starts[order.ravel()].copy()
+        counts = np.isfinite(values[order.ravel(), which])
+        order, which = order.ravel()[counts], which[counts]
+        q = starts[order].copy()
         joints = list(polynomials.joints)
         scaled = self._coordinates.scaled
         if self.workspace.kind == "joints":
@@ -253,7 +255,7 @@ class WorstSearch:
             q = self._in_range(self._coordinates.unscaled(x))
             poses = self.worst_poses_at(q, p, polynomials.case)
         else:
-            best = np.argsort(-values[order.ravel(), which], kind="stable")[:16]
+            best = np.argsort(-values[order, which], kind="stable")[:16]
             q = np.array([self._climb_in_region(p, polynomials, int(which[k]), q[k]) for k in best])
             poses = self.worst_poses_at(q, p, polynomials.case)
         if not polynomials.exact or polynomials.seatings is not None:

@@ -165,6 +165,9 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "first_frequency_pose": None
         if frequency is None
         else {**coordinates(arm, frequency.q), "load_case": frequency.load_case + 1},
+        "first_frequency_of_drives_Hz": None
+        if evaluation.frequency_of_drives is None
+        else evaluation.frequency_of_drives.value,
         "compliance": None if "compliance" in evaluation.unknown else _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "drives": _drives(evaluation),

@@ -11,6 +11,7 @@ from itertools import zip_longest
 
 from arm.evaluation import Evaluation
 from optimize.limits import FIGURES, Figure
+from optimize.limits.frequency import FIRST_FREQUENCY
 from optimize.limits.sideways import SIDEWAYS_STIFFNESS
 from optimize.worse import MUCH_LESS, Worse, softened_links
 
@@ -97,6 +98,9 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
         at = None if each.where is None else each.where(evaluation)
         note = each.note if at is None else f"{each.note}, at {pose(evaluation.arm, at)}"
         found.append((each.title_for(evaluation.arm), amount(value, each.unit), note))
+        if each.name == FIRST_FREQUENCY.name and evaluation.frequency_of_drives is not None:
+            drives = amount(evaluation.frequency_of_drives.value, each.unit)
+            found.append(("first frequency of the drives alone", drives, "least, were the links rigid"))
     return found
 
 

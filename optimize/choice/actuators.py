@@ -23,6 +23,7 @@ from optimize.result import DriveCandidate, Iteration
 from units.quantities import NoAnswer
 
 from .combinations import Choice, NoChoice, Progress, chosen
+from .drive_frequency import frequency_allowed, frequency_asked
 
 Log = Callable[[Iteration], None]
 Assignment = tuple[Actuator | None, ...]
@@ -58,6 +59,7 @@ def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
             joint,
             actuator=actuator,
             stiffness=actuator.stiffness,
+            zones=actuator.zones,
             backlash=actuator.backlash,
             mass=actuator.mass,
         )
@@ -123,9 +125,15 @@ class _Search:
         problem = self.problem_with(pick)
         heavy = any(x.relation != ">=" and carried_mass(problem) >= x.value for x in problem.limit("total_mass"))
         dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
-        if heavy or dear:
+        hopeless = heavy or dear or self._too_soft(problem)
+        if hopeless:
             self._note(pick, None, "infeasible")
-        return heavy or dear
+        return hopeless
+
+    def _too_soft(self, problem: Problem) -> bool:
+        """Whether the drives alone, on rigid links without weight, are slower than the problem asks."""
+        asked = frequency_asked(problem)
+        return asked > 0.0 and frequency_allowed(problem) < asked
 
     def _error(self, pick: Assignment) -> float:
         problem = self.problem_with(pick)

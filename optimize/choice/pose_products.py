@@ -70,11 +70,14 @@ def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
 def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | None:
     """The error (m) at a pose along the direction that it has for a design p: never more than the error itself.
 
-    None where the error counts from a calibration at another temperature: what materials were like there is no feature.
+    None where the error counts from a calibration at another temperature (what materials were like there is no
+    feature), and with drives whose zones of stiffness end somewhere.
     """
     size = model.arm.size
     since = model.cases[cut.load_case].load.relative_to
     if since is not None and since.temperature not in (None, model.arm.temperature):
+        return None
+    if model.cases[cut.load_case].zones:
         return None
     own = p.reshape(size, len(BEAM_FIELDS))
     weights = [(link, WEIGHT) for link in range(size) if own[link, WEIGHT] != 0.0]

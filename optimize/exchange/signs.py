@@ -42,7 +42,9 @@ def _agree(terms: Array | None) -> bool:
 
 
 def _terms(model: ErrorModel, cut: ErrorCut, p: Array) -> Array | None:
-    """The terms (N, 3) of a pose's error; None where it is no such sum."""
+    """The terms (N, 3) of a pose's error; None where it is no such sum, be it in another zone of a drive."""
+    if model.cases[cut.load_case].zones:
+        return None
     size, width = model.arm.size, len(BEAM_FIELDS)
     own = p.reshape(size, width)
     weights = [(link, _WEIGHT) for link in range(size) if own[link, _WEIGHT] != 0.0]

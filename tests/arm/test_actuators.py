@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arm.actuators import ACTUATORS_VARIABLE, Actuator, load_actuators, read_actuators, shipped_actuators
-from arm.chain.chain import LoadCase
+from arm.chain.chain import EffectEntry, LoadCase
 from arm.errors.model import beam_values, beams_of, error_model
 from arm.evaluation import evaluate
 from arm.files.read import read_arm
@@ -124,10 +125,17 @@ def test_keys_beside_an_actuator_win_and_are_written_back(tmp_path: Path) -> Non
 def test_the_error_is_that_of_the_figures_given_by_hand(tmp_path: Path) -> None:
     named = arm_with(tmp_path, ", actuator: RV-20E", ", actuator: CSG-17-100-2UH")
     inner = ", stiffness: 49 N*m/arcmin, backlash: 1 arcmin, mass: 4.7 kg"
-    by_hand = arm_with(tmp_path, inner, ", stiffness: 10 kN*m/rad, mass: 0.68 kg")
+    softest = arm_with(tmp_path, inner, ", stiffness: 10 kN*m/rad, mass: 0.68 kg")
+    zones = {"stiffness_1": 1e4, "stiffness_2": 1.4e4, "stiffness_3": 1.6e4, "torque_1": 3.9, "torque_2": 12.0}
+    by_hand = replace(
+        arm_with(tmp_path, inner, ", mass: 0.68 kg"), effects=(EffectEntry("joint_hardening", (2,), zones),)
+    )
     one, other = evaluate(named), evaluate(by_hand)
-    assert one.max_error == other.max_error
+    assert one.max_error == pytest.approx(other.max_error, rel=1e-12)
+    assert one.worst.certified
+    assert other.worst.certified
     assert one.total_mass == other.total_mass
+    assert evaluate(softest).max_error > 1.1 * one.max_error
 
 
 @pytest.mark.parametrize(

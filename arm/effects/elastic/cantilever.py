@@ -1,8 +1,9 @@
 """All that gives in an arm under load, as one response: for effects that are loads the model does not know of.
 
 A payload heavier than declared, hoses along a link or a tilted base move the tip through everything that bends. The
-response is linear in the loads, so it is that of the additional loads alone. What does not answer in proportion
-(hardening drives, creep) or is seen by the encoder (a servo's droop) does not take part.
+response is linear in the loads, so it is that of the additional loads alone, drives being as soft as in their softest
+zone. What does not answer in proportion (hardening drives, creep) or is seen by the encoder (a servo's droop) does not
+take part.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from arm.effects.registry import EFFECTS
 def elastic_twists(state: PoseState) -> Iterator[Twist]:
     """What gives under the loads of `state`: the arm's own physics less `leave_out`, and what its `effects` add."""
     arm = state.arm
+    state = replace(state, joints=tuple(replace(joint, zones=()) for joint in state.joints))
     for effect in (each for each in EFFECTS.values() if each.flexible):
         if effect.automatic and effect.id not in arm.leave_out:
             yield from effect.twists(state, Settings())

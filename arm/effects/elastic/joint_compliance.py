@@ -9,7 +9,8 @@ from types import MappingProxyType
 from arm.chain.chain import Arm, EffectEntry
 from arm.chain.statics import PoseState
 from arm.chain.vectors import times
-from arm.effects.effect import Effect, Settings, Twist, drive_motion, given, size
+from arm.effects.effect import Effect, Kink, Settings, Twist, drive_motion, given, size
+from arm.effects.functions import wound_up
 from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
@@ -25,9 +26,19 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
             yield from drive_motion(state, index, times(settings.values["compliance"], joint.drive_load))
         if "compliance" in settings.values or "unit_sag" in settings.values:
             continue
+        if joint.zones and "stiffness" not in settings.values:
+            yield from drive_motion(state, index, wound_up(joint.drive_load, joint.zones))
+            continue
         stiffness = settings.values.get("stiffness", joint.stiffness)
         if stiffness is not None:
             yield from drive_motion(state, index, joint.drive_load / stiffness)
+
+
+def _kinks(state: PoseState, settings: Settings) -> Iterator[Kink]:
+    if not {"stiffness", "compliance", "unit_sag"} & set(settings.values):
+        for index, joint in enumerate(state.joints):
+            if joint.zones and settings.acts_at(index):
+                yield Kink(drive_motion(state, index, 1.0), joint.drive_load, joint.zones)
 
 
 def file_compliance(arm: Arm, joint: int) -> float:
@@ -59,7 +70,7 @@ def with_compliance(arm: Arm, joint: int, more: float) -> Arm:
 JOINT_COMPLIANCE = Effect(
     id="joint_compliance",
     title="compliance of the drives",
-    formula="sum J_i tau_i / K_i",
+    formula="sum J_i tau_i / K_i; of an actuator whose catalogue has zones of stiffness zone by zone",
     place="joint",
     cause="flexibility",
     automatic=True,
@@ -77,6 +88,7 @@ JOINT_COMPLIANCE = Effect(
         unit_sag("the drive"),
     ),
     twists=_twists,
+    kinks=_kinks,
     rank=10,
     linear=True,
     of_drives=True,

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
+from arm.chain.chain import Zones
 from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar
-from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, given, shape, size
-from arm.effects.functions import saturated
+from arm.effects.effect import Effect, Kink, Parameter, Settings, Twist, drive_motion, given, shape, size
+from arm.effects.functions import saturated, wound_up
 from sections.numeric import tanh
 
 ZONES = ("stiffness_1", "stiffness_2", "stiffness_3", "torque_1", "torque_2")
 
 
-def three_zones(load: Scalar, values: Mapping[str, float]) -> Scalar:
-    """The wind-up (rad, m) of a drive of stiffness K1 up to the load T1, K2 up to T2 and K3 beyond, either way."""
-    first, second, third = (1.0 / values[name] for name in ZONES[:3])
-    within_first = saturated(load, values["torque_1"])
-    within_second = saturated(load, values["torque_2"])
-    return third * load + (first - second) * within_first + (second - third) * within_second
+def _zones(values: Mapping[str, float]) -> Zones:
+    """Stiffness K1 up to the load T1, K2 up to T2 and K3 beyond."""
+    ends = (values["torque_1"], values["torque_2"], math.inf)
+    return tuple(zip(ends, (values[name] for name in ZONES[:3]), strict=True))
+
+
+def _kinks(state: PoseState, settings: Settings) -> Iterator[Kink]:
+    if all(name in settings.values for name in ZONES):
+        for index, joint in enumerate(state.joints):
+            if settings.acts_at(index):
+                yield Kink(drive_motion(state, index, 1.0), joint.drive_load, _zones(settings.values))
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -30,7 +36,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if not settings.acts_at(index):
             continue
         if all(name in values for name in ZONES):
-            yield from drive_motion(state, index, three_zones(load, values))
+            yield from drive_motion(state, index, wound_up(load, _zones(values)))
         if compliance != 0.0 and knee > 0.0:
             bent = saturated(load, knee) if sharp else knee * tanh(load / knee)
             yield from drive_motion(state, index, compliance * bent)
@@ -82,6 +88,7 @@ JOINT_HARDENING = Effect(
         _limit(2),
     ),
     twists=_twists,
+    kinks=_kinks,
     enough=(("compliance", "knee"), ("remaining",), ZONES),
     rank=150,
     linear=True,

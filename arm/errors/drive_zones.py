@@ -1,0 +1,74 @@
+"""In which zones drives that stiffen under load can be, all together: in each way what they wind up by is linear."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.chain import Zones
+from arm.effects.functions import wound_up
+from sections.numeric import Array
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way: the wind-up of drive k is `weights[2k]` times its load over its first stiffness, and `weights[2k + 1]`
+    times what it winds up by in its whole first zone, while its load (in parts of a size) is between `least[k]` and
+    `most[k]`. `exact`: no bound about the curve, but the curve itself.
+    """
+
+    weights: tuple[float, ...]
+    least: tuple[float, ...]
+    most: tuple[float, ...]
+    exact: bool = True
+
+
+def ways(zones: Sequence[Zones], greatest: Array, size: float, most: int) -> list[Way]:
+    """The ways in which drives of these `zones` can be, under loads that none exceeds (`greatest`, N*m), in parts of
+    `size`; where there are more than `most`, the ends of a band about the curves of some, which are a bound."""
+    own = [_zones_of(each, float(load), size) for each, load in zip(zones, greatest, strict=True)]
+    while math.prod(len(each) for each in own) > most:
+        longest = max(range(len(own)), key=lambda k: len(own[k]))
+        if len(own[longest]) <= 2:
+            break
+        own[longest] = _band(zones[longest], float(greatest[longest]))
+    return [
+        Way(
+            tuple(itertools.chain.from_iterable(each.weights for each in pick)),
+            tuple(each.least[0] for each in pick),
+            tuple(each.most[0] for each in pick),
+            all(each.exact for each in pick),
+        )
+        for pick in itertools.product(*own)
+    ]
+
+
+def _zones_of(zones: Zones, greatest: float, size: float) -> list[Way]:
+    """The zones of one drive that its load can reach, either way."""
+    first_end, first = zones[0]
+    found = [Way((1.0, 0.0), (-first_end / size,), (first_end / size,))]
+    for (start, _), (end, stiffness) in itertools.pairwise(zones):
+        if start >= greatest:
+            break
+        slope = first / stiffness
+        rest = (float(wound_up(start, zones)) - start / stiffness) * first / first_end
+        found.append(Way((slope, rest), (start / size,), (end / size,)))
+        found.append(Way((slope, -rest), (-end / size,), (-start / size,)))
+    return found
+
+
+def _band(zones: Zones, greatest: float) -> list[Way]:
+    """The ends of the narrowest band about a straight line that holds the whole curve up to the greatest load."""
+    first_end, first = zones[0]
+    loads = np.array([*(end for end, _ in zones if end < greatest), greatest])
+    turned = np.array([float(wound_up(load, zones)) for load in loads])
+    slopes = np.linspace((turned / loads).min(), (turned / loads).max(), 201)
+    widths = np.abs(turned[None] - slopes[:, None] * loads[None]).max(axis=1)
+    best = int(np.argmin(widths))
+    away = float(widths[best]) * (1.0 + 1e-12) * first / first_end
+    slope = float(slopes[best]) * first
+    return [Way((slope, side * away), (-math.inf,), (math.inf,), exact=False) for side in (-1.0, 1.0)]

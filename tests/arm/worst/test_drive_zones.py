@@ -1,0 +1,121 @@
+"""Drives that stiffen under load: their wind-up zone by zone, and worst cases certified in spite of the kinks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arm.actuators import load_actuators
+from arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
+from arm.errors.drive_zones import ways
+from arm.evaluation import evaluate
+from arm.files.read import read_arm
+from arm.files.write import write_arm
+from optimize.run import optimise
+from tests.optimize.builders import problem_of, scanned_error
+
+CSG = load_actuators(user=False).find("CSG-25-100-2UH")  # K 31, 50, 57 kN*m/rad; T 14, 48 N*m
+
+
+def joint(**more: object) -> Joint:
+    own = Joint(range=(-3.1, 3.1), stiffness=CSG.stiffness, zones=CSG.zones, actuator=CSG)
+    return replace(own, **more)
+
+
+def rigid(*lengths: float, play: str = "worst", **more: object) -> Arm:
+    """Weightless rigid links on drives with zones."""
+    links = tuple(Link(length, mass=0.0) for length in lengths)
+    return Arm("drives", tuple(joint(**more) for _ in links), links, play=play)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("torque", "turned"), [(10.0, 10 / 31), (30.0, 14 / 31 + 16 / 50), (87.0, 14 / 31 + 34 / 50 + 39 / 57)]
+)
+def test_a_drive_winds_up_by_the_zones_of_its_catalogue(torque: float, turned: float) -> None:
+    """By hand, in mrad: 1.816 under the rated 87 N*m, where the softest zone alone would give 2.806, 55 % more."""
+    found = evaluate(rigid(0.8), load_cases=[LoadCase(torque / 0.8 / 9.81)])
+    assert found.max_error == pytest.approx(0.8e-3 * turned, rel=1e-9)
+    assert found.worst.certified
+    assert found.by_effect["joint_compliance"] == pytest.approx(found.max_error)
+
+
+def test_two_drives_in_different_zones_are_certified_by_zones() -> None:
+    """Each joint is seen in all its zones over the workspace; a scan of poses finds nothing worse."""
+    arm, cases = rigid(0.5, 0.45, backlash=1e-4), [LoadCase(6.0), LoadCase(0.0, force=(60.0, 40.0, 0.0))]
+    found = evaluate(arm, load_cases=cases)
+    scanned = scanned_error(arm, cases, poses=40_000)
+    assert found.worst.certified
+    assert found.worst.upper_bound is not None
+    assert scanned * (1.0 - 1e-9) <= found.max_error <= scanned * (1.0 + 2e-3)
+    assert (
+        found.max_error
+        < 0.9 * evaluate(replace(arm, joints=(joint(zones=(), backlash=1e-4),) * 2), load_cases=cases).max_error
+    )
+    seated = evaluate(replace(arm, play="loaded"), load_cases=cases)
+    assert seated.worst.certified
+    assert seated.max_error <= found.max_error * (1.0 + 1e-9)
+
+
+def test_too_many_ways_leave_a_bound_that_holds_and_says_its_gap() -> None:
+    """512 // 2^7 = 4 ways for two drives with five zones each: the curves lie within bands about straight lines."""
+    plays = tuple(EffectEntry("backlash", (k,), {"total": 1e-6}) for k in (1, 2, 1, 2, 1, 2, 1))
+    arm = replace(rigid(0.5, 0.45), effects=plays)
+    found = evaluate(arm, load_cases=[LoadCase(8.0)])
+    exact = evaluate(replace(arm, effects=()), load_cases=[LoadCase(8.0)])
+    assert not found.worst.certified
+    assert found.worst.upper_bound is not None
+    assert exact.max_error < found.max_error < found.worst.upper_bound < 1.25 * found.max_error
+
+
+def test_a_band_holds_the_whole_curve() -> None:
+    greatest = 87.0
+    one, other = ways([CSG.zones], np.array([greatest]), 1.0, 2)
+    first_end, first = CSG.zones[0]
+    for load in np.linspace(0.0, greatest, 500):
+        low, high = (each.weights[0] * load / first + each.weights[1] * first_end / first for each in (one, other))
+        assert low * (1.0 + 1e-12) - 1e-15 <= CSG.wind_up(load) <= high * (1.0 + 1e-12)
+    assert other.weights[1] * first_end / first < 0.08 * CSG.wind_up(greatest)
+
+
+def test_calibration_takes_the_wind_up_of_its_own_zone() -> None:
+    """From 20 N*m on to 60 N*m, by the catalogue's own curve."""
+    case = LoadCase(60.0 / 0.8 / 9.81, relative_to=Calibrated(LoadCase(20.0 / 0.8 / 9.81)))
+    arm = replace(rigid(0.8), joints=(joint(range=(-0.02, 0.02)),))
+    found = evaluate(arm, load_cases=[case])
+    assert found.max_error == pytest.approx(0.8 * (CSG.wind_up(60.0) - CSG.wind_up(20.0)), rel=1e-9)
+    assert found.worst.certified
+
+
+def test_a_stiffness_beside_the_actuator_has_no_zones(tmp_path: Path) -> None:
+    path = tmp_path / "arm.yaml"
+    link = "link: {length: 800 mm, rigid: true, mass: 0 kg}\npayload: {mass: 10 kg}\n"
+    errors: list[float] = []
+    for more in ("", ", stiffness: 31 kN*m/rad"):
+        path.write_text(f"chain:\n  - joint: {{actuator: CSG-25-100-2UH{more}}}\n    {link}", encoding="utf-8")
+        errors.append(evaluate(read_arm(path)).max_error)
+        write_arm(read_arm(path), path)
+        assert evaluate(read_arm(path)).max_error == errors[-1]
+    torque = 10.0 * 9.81 * 0.8
+    assert errors == pytest.approx([0.8 * CSG.wind_up(torque), 0.8 * torque / 31e3], rel=1e-9)
+
+
+ARM = """
+chain:
+  - joint: {range: [-60 deg, 60 deg], actuator: CSG-25-100-2UH}
+    link: {length: 450 mm, section: {shape: circle, diameter: 50 mm}, material: aluminium-6061-t6}
+  - joint: {range: [-60 deg, 60 deg], actuator: CSG-17-100-2UH}
+    link: {length: 350 mm, section: {shape: circle, diameter: 50 mm}, material: aluminium-6061-t6}
+payload: {mass: 3 kg}
+"""
+
+
+def test_an_optimum_on_such_drives_is_certified_and_called_local(tmp_path: Path) -> None:
+    problem = problem_of(tmp_path, ARM, "subject_to: {mass: '<= 4 kg', section_size: [10 mm, 120 mm]}\n")
+    found = optimise(problem)
+    assert found.status == "certified"
+    assert found.optimum == "local"
+    assert found.objective >= scanned_error(found.arm, problem.load_cases, poses=4000) * (1.0 - 2e-4)
+    assert found.objective < found.before.max_error
