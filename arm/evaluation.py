@@ -152,7 +152,7 @@ def evaluate(
     search = worst_search(model, space, gap=gap)
     worst = search.of_loads(search.worst(p))
     masses = link_masses(beams)
-    carried = sum(joint.mass for joint in arm.joints) + max(case.mass for case in cases)
+    carried = arm.carried_mass + max(case.mass for case in cases)
     poses = search.poses(p, _STRENGTH_POSES)
     poses = np.vstack([poses, [entry.q for entry in worst.poses]])
     strength = strength_over(arm, cases, poses, p, search)
@@ -172,7 +172,7 @@ def evaluate(
     frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
     if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
-    of_drives = frequency_of_drives(arm, search, beams, p, cases)
+    of_drives = None if frequency is None else frequency_of_drives(arm, search, beams, p, cases)
     drives = None
     if not unweighed and any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from units.temperature import REFERENCE_TEMPERATURE
 
+from .balance import Counterbalance, PointMass
 from .vectors import IDENTITY, ZERO, Rotation
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ class Joint:
     the following links make up the body that the drive turns: one, unless a link was cut into segments. `actuator` is
     the catalogue's entry that the drive was named by: its rated torque and cost count with it. `zones` are those of a
     drive that is stiffer under more load, each the load (N*m) at which it ends and its stiffness; `stiffness` is then
-    that of the softest. None: the same under any load.
+    that of the softest. None: the same under any load. `counterbalance` takes load off the drive, `motor_on_base` (kg)
+    is the mass of a motor of the joint that stands on the base.
     """
 
     type: JointType = "revolute"
@@ -61,6 +63,8 @@ class Joint:
     origin_translation: FloatVector = ZERO
     actuator: Actuator | None = None
     zones: Zones = ()
+    counterbalance: Counterbalance | None = None
+    motor_on_base: float = 0.0
 
     @property
     def revolute(self) -> bool:
@@ -76,7 +80,7 @@ class Link:
     at `center_of_mass` m from its joint (the middle by default). `height_direction` is the direction in the
     link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
     `section_name` is the stock size that the section was named by, `material_given` what the file said of the
-    material; both are for writing it back.
+    material; both are for writing it back. `masses` hang on its ends.
     """
 
     length: float
@@ -89,6 +93,7 @@ class Link:
     height_direction: FloatVector | None = None
     section_name: str | None = None
     material_given: object = field(default=None, compare=False)
+    masses: tuple[PointMass, ...] = ()
 
     @property
     def elastic(self) -> bool:
@@ -197,6 +202,12 @@ class Arm:
             return False
         case = self.payload if load is None else load
         return case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
+
+    @property
+    def carried_mass(self) -> float:
+        """The masses beside links and payload, kg: joints, motors wherever they stand, and what hangs on links."""
+        hung = sum(each.mass for link in self.links for each in link.masses)
+        return hung + sum(joint.mass + joint.motor_on_base for joint in self.joints)
 
     def with_links(self, links: tuple[Link, ...]) -> Arm:
         """The same arm with other links."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from .balance import PointMass
 from .beam import Beam
 from .chain import Arm, EffectEntry, Joint, Link
 from .conditions import Conditions
@@ -65,7 +66,11 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         joints += [replace(joint, spans=count), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
         piece = replace(link, length=link.length / count, end_rotation=IDENTITY, height_direction=height)
-        links += [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
+        parts = [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
+        links += [
+            replace(each, masses=_at_ends(link, first=number == 0, last=number == count - 1))
+            for number, each in enumerate(parts)
+        ]
     effects = tuple(_at_first_pieces(entry, first) for entry in arm.effects)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), effects=effects)
     return Pieces(whole, tuple(owner), tuple(first))
@@ -74,3 +79,8 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
 def _at_first_pieces(entry: EffectEntry, first: Sequence[int]) -> EffectEntry:
     """An entry of the arm's effects where the cut arm has it: what a link weighs is about its joint."""
     return replace(entry, at=tuple(first[number - 1] + 1 for number in entry.at or range(1, len(first) + 1)))
+
+
+def _at_ends(link: Link, *, first: bool, last: bool) -> tuple[PointMass, ...]:
+    """What hangs on a piece of a link: at the link's own ends alone."""
+    return tuple(each for each in link.masses if (first if each.on == "joint" else last))

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 from units.temperature import REFERENCE_TEMPERATURE
 
+from .balance import End, PointMass
 from .beam import Beam
 from .chain import Arm, LoadCase, Zones
 from .conditions import Conditions
-from .kinematics import Frames, place
-from .vectors import Scalar, Vector, add, cross, dot, is_zero, scale, subtract, times
+from .kinematics import Frames, LinkFrame, place
+from .vectors import Scalar, Vector, add, cross, dot, is_zero, plus, scale, subtract, times
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,8 @@ def solve(
         if point_forces is not None:
             force = add(force, point_forces[index])
         ends[index] = moment
+        own = arm.links[index].masses
+        force, moment = _hung(own, "end", frame, pull, force, moment)
         weight = scale(times(beam.mass_per_length, beam.length), pull)
         half = add(force, scale(beam.taper.balance, weight))
         base_moment = add(moment, cross(frame.vector, half))
@@ -155,6 +158,7 @@ def solve(
                 base_moment,
             )
         )
+        base_force, base_moment = _hung(own, "joint", frame, pull, base_force, base_moment)
         axis = placed.joints[index].axis
         if not joint.revolute:
             # A slide's mass rides on it, so its drive holds that too.
@@ -164,6 +168,8 @@ def solve(
             drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))
         else:
             drive_load = dot(axis, base_moment)
+        if joint.counterbalance is not None:
+            drive_load = plus(drive_load, joint.counterbalance.turning(q[index]))
         joints.append(
             JointState(
                 joint.revolute,
@@ -198,3 +204,17 @@ def solve(
         carried,
         pushed,
     )
+
+
+def _hung(
+    masses: Sequence[PointMass], end: End, frame: LinkFrame, pull: Vector, force: Vector, moment: Vector
+) -> tuple[Vector, Vector]:
+    """Force and moment at one end of a link with the weights of what hangs there."""
+    for each in masses:
+        if each.on != end:
+            continue
+        weight = scale(each.mass, pull)
+        along, height, width = each.at
+        arm = add(add(scale(along, frame.along), scale(height, frame.height)), scale(width, frame.width))
+        force, moment = add(force, weight), add(moment, cross(arm, weight))
+    return force, moment

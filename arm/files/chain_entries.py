@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import cast
 
 from arm.actuators import Actuator, load_actuators
+from arm.chain.balance import PointMass
 from arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 from materials.catalogue import Catalogue
@@ -17,6 +18,7 @@ from sections.taper import build_tapered
 from units.quantities import InputError, read_number, read_quantity, shown
 from units.reading import Mapping
 
+from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
@@ -32,12 +34,13 @@ class Entry:
     origin: tuple[Rotation, FloatVector] | None
     has_link: bool = False
     modified_dh: bool = False
+    motor: Motor | None = None
 
 
-def read_entry(mapping: Mapping, catalogue: Catalogue) -> Entry:
-    """A joint and the link that it carries."""
+def read_entry(mapping: Mapping, catalogue: Catalogue, size: int) -> Entry:
+    """A joint and the link that it carries, of an arm of so many."""
     with mapping.reading():
-        joint = _joint(mapping.mapping("joint"))
+        joint, motor = _joint(mapping.mapping("joint"), size)
         has_link = mapping.has("link")
         body = mapping.mapping("link") if has_link else None
         given = body is not None and body.has("length")
@@ -69,7 +72,7 @@ def read_entry(mapping: Mapping, catalogue: Catalogue) -> Entry:
                 xyz = read_vector(frame, "xyz", "length", ZERO)
                 rpy = read_vector(frame, "rpy", "angle", ZERO)
             origin = (from_roll_pitch_yaw(*rpy), xyz)
-    return Entry(joint, link, given, origin, has_link, modified)
+    return Entry(joint, link, given, origin, has_link, modified, motor)
 
 
 def _length(body: Mapping) -> float:
@@ -79,8 +82,9 @@ def _length(body: Mapping) -> float:
     return length
 
 
-def _joint(mapping: Mapping) -> Joint:
+def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
     with mapping.reading():
+        motor = read_motor(mapping, size)
         kind = cast(JointType, mapping.choice("type", ("revolute", "prismatic"), "revolute"))
         turns = kind == "revolute"
         motion = "angle" if turns else "length"
@@ -97,7 +101,7 @@ def _joint(mapping: Mapping) -> Joint:
         zones: Zones = ()
         if actuator is not None and stiffness is None:
             stiffness, zones = actuator.stiffness, actuator.zones
-        return Joint(
+        joint = Joint(
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
             range=limits,
@@ -108,7 +112,16 @@ def _joint(mapping: Mapping) -> Joint:
             zero=mapping.quantity("zero", motion, 0.0),
             actuator=actuator,
             zones=zones,
+            counterbalance=read_counterbalance(mapping) if _balanced(mapping, turns) else None,
+            motor_on_base=0.0 if motor is None or motor.on else motor.mass,
         )
+        return joint, motor
+
+
+def _balanced(mapping: Mapping, turns: bool) -> bool:
+    if mapping.has("balancer") and not turns:
+        raise mapping.error("balancer", "takes a torque off a joint that turns; a slide has none")
+    return mapping.has("balancer")
 
 
 def _actuator(mapping: Mapping, turns: bool) -> Actuator | None:
@@ -139,6 +152,8 @@ def _axis(mapping: Mapping, default: str) -> FloatVector:
 
 def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
     with mapping.reading("length"):
+        if mapping.has("masses"):
+            link = replace(link, masses=read_masses(mapping))
         rigid = mapping.boolean("rigid", False)
         height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
         if any(height):
@@ -235,7 +250,7 @@ def product_of_exponentials(mapping: Mapping, entries: list[Entry]) -> tuple[lis
         joint = replace(entry.joint, axis=unit(directions[index]))
         if index == 0:
             joint = replace(joint, origin_translation=steps[0])
-        found.append(Entry(joint, along(steps[index + 1], entry.link), True, None))
+        found.append(Entry(joint, along(steps[index + 1], entry.link), True, None, motor=entry.motor))
     return found, ZERO
 
 
@@ -267,6 +282,11 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
                 joint = replace(joint, origin_translation=snap_vector(xyz))
         joints.append(joint)
         links.append(entry.link)
+    for number, entry in enumerate(entries, start=1):
+        if entry.motor is not None and entry.motor.on:
+            link = links[entry.motor.on - 1]
+            motor = PointMass(entry.motor.mass, motor_of=number)
+            links[entry.motor.on - 1] = replace(link, masses=(*link.masses, motor))
     return tuple(joints), tuple(links)
 
 

@@ -29,7 +29,8 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
         gravity = read_vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
         angles = cast(AngleConvention, mapping.choice("angles", ("relative", "absolute"), "relative"))
         temperature = mapping.quantity("temperature", "temperature", REFERENCE_TEMPERATURE)
-        entries = [read_entry(each, catalogue) for each in mapping.mappings("chain")]
+        chain = mapping.mappings("chain")
+        entries = [read_entry(each, catalogue, len(chain)) for each in chain]
         if not entries:
             raise mapping.error("chain", "is empty; an arm has at least one joint with its link")
         if mapping.has("product_of_exponentials"):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import yaml
@@ -16,6 +18,20 @@ from units.quantities import format_quantity
 
 from .read import acts_on_slides
 
+_COUNTERBALANCES = MappingProxyType(
+    {
+        "torque": "torque",
+        "greatest_at": "angle",
+        "stiffness": "linear_stiffness",
+        "on_link": "length",
+        "on_base": "length",
+        "base_at": "angle",
+        "free_length": "length",
+        "preload": "force",
+    }
+)
+"""The kinds of quantity of a counterbalance's figures."""
+
 
 def arm_to_yaml(arm: Arm) -> str:
     """The arm as the text of an arm file."""
@@ -24,8 +40,13 @@ def arm_to_yaml(arm: Arm) -> str:
     lines.append(f"angles: {arm.angles}")
     lines.append(f"temperature: {format_quantity(arm.temperature, 'temperature')}")
     lines.append("chain:")
-    for joint, link in zip(arm.joints, arm.links, strict=True):
-        lines.append(f"  - joint: {_flow(_joint(joint))}")
+    motors = {each.motor_of: (each.mass, number) for number, link in enumerate(arm.links, 1) for each in link.masses}
+    for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True), start=1):
+        own = _joint(joint)
+        mass, on = motors.get(number, (joint.motor_on_base, "base"))
+        if mass:
+            own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
+        lines.append(f"  - joint: {_flow(own)}")
         if joint.origin_rotation != IDENTITY or any(joint.origin_translation):
             lines.append(f"    origin: {_flow(_origin(joint))}")
         lines.append(f"    link: {_flow(_link(link))}")
@@ -97,6 +118,11 @@ def _joint(joint: Joint) -> dict[str, Any]:
         out["mass"] = format_quantity(joint.mass, "mass")
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)
+    if joint.counterbalance is not None:
+        kinds = _COUNTERBALANCES
+        out["balancer"] = {
+            name: format_quantity(value, kinds[name]) for name, value in asdict(joint.counterbalance).items()
+        }
     return out
 
 
@@ -130,7 +156,18 @@ def _link(link: Link) -> dict[str, Any]:
         body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
         if link.center_of_mass is not None:
             body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
+    if _masses(link):
+        body["masses"] = _masses(link)
     return body
+
+
+def _masses(link: Link) -> list[dict[str, Any]]:
+    """What hangs on a link but for joints' motors, which stand with their joints."""
+    return [
+        {"mass": format_quantity(each.mass, "mass"), "at": _vector(each.at, "length"), "on": each.on}
+        for each in link.masses
+        if each.motor_of is None
+    ]
 
 
 def section_to_mapping(section: Section) -> dict[str, Any]:

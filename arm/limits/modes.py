@@ -10,7 +10,7 @@ bending.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -62,9 +62,9 @@ def segmented(arm: Arm) -> SegmentedArm:
         kinds += own
         height, _ = section_directions(link, joint)
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
-        joints.append(replace(joint, spans=pieces, zones=()))
+        joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None))
         joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
-        piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height)
+        piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height, masses=())
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
         owner += [index] * pieces
     active = {each.effect.id for each in active_effects(arm)}
@@ -116,6 +116,8 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
             start = nodes.pop(0)
         if start >= 0:
             masses[start] = masses[start] + arm.joints[index].mass
+        for node, mass in _hung(arm.links[index], beam, start, nodes):
+            masses[node] = masses[node] + mass
         if segments.kinds[nodes[0]] == "before":
             masses[nodes[0]] = masses[nodes[0]] + beam.lumped_mass
             continue
@@ -126,6 +128,35 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
                 masses[node] = masses[node] + weight * share * total
     masses[-1] = masses[-1] + payload
     return masses
+
+
+def _hung(link: Link, beam: Beam, start: int, nodes: Sequence[int]) -> Iterator[tuple[int, Scalar]]:
+    """What hangs on a link, as masses at the nodes along it.
+
+    A mass at the joint's end keeps its moment of inertia about the joint: part of it sits at a node at least as far out
+    (a counterweight's on the other side), the rest at the joint. One at the far end sits there.
+    """
+    elastic = link.elastic
+    centre = link.length / 2.0 if link.center_of_mass is None else link.center_of_mass
+    shares = [(k + 1) / len(nodes) for k in range(len(nodes))]
+    if not elastic:
+        shares = [centre / link.length if link.length else 0.0, 1.0]
+    for each in link.masses:
+        away = math.hypot(*each.at)
+        if each.on == "end":
+            yield nodes[-1], each.mass
+            continue
+        far = [k for k, share in enumerate(shares) if share * link.length >= away > 0.0]
+        if away == 0.0 or link.length == 0.0:
+            part: Scalar = 0.0
+        else:
+            k = far[0] if far else len(nodes) - 1
+            reach = times(shares[k], beam.length)
+            part = each.mass * away**2 / (reach * reach)
+            yield nodes[k], part
+        if start >= 0:
+            # A mass beyond the far end counts by more than itself there, and no less at the joint.
+            yield start, (each.mass if not far and away > 0.0 else each.mass - part)
 
 
 def response(

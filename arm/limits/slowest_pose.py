@@ -90,7 +90,16 @@ def frequency_of_drives(
         for beam in beams
     ]
     links = tuple(
-        replace(link, section=None, section_name=None, material=None, mass=mass, center_of_mass=center)
+        replace(
+            link,
+            section=None,
+            section_name=None,
+            material=None,
+            mass=mass,
+            center_of_mass=center,
+            # Less mass is never slower, and where these sit along a link depends on its pieces (see `modes`).
+            masses=tuple(x for x in link.masses if not weightless or x.on == "end" or not any(x.at)),
+        )
         for link, mass, center in zip(arm.links, masses, centers, strict=True)
     )
     rigid = [

@@ -50,6 +50,7 @@ def under_other_loads(
     With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
     arm, case, beams = state.arm, state.load, [link.beam for link in state.links]
+    arm = replace(arm, joints=tuple(replace(joint, counterbalance=None) for joint in arm.joints))
     if weightless or link_masses is not None:
         arm = without_unit_weights(arm)
     carried = state.payload_mass if payload_mass is None else payload_mass
@@ -59,6 +60,7 @@ def under_other_loads(
         carried = 0.0 if payload_mass is None else payload_mass
         pushed = ZERO if tip_force is None else tip_force
         arm = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
+        arm = arm.with_links(tuple(replace(link, masses=()) for link in arm.links))
         link_masses = link_masses or (0.0,) * len(beams)
     if tip_moment is not None:
         case = replace(case, moment=tip_moment)
