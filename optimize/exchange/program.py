@@ -51,6 +51,8 @@ _GIVEN, _SMOOTH = 0.5, 1e-7
 """Where the slacks of limits that may give way start, and what rounds the corner of one that may give either way."""
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
+ROUNDINGS = (3e-2, 1e-3, 2e-5)
+"""Of the corners between drives' zones, one solution after the other, as parts of the load at which a zone ends."""
 TURN = 0.5
 """An anchored pose may turn its joints by this (rad) in one round: further, it could flip to another way of reaching
 its place, with another error."""
@@ -100,8 +102,9 @@ class Solution:
 
 
 def carried_mass(problem: Problem) -> float:
-    """The mass (kg) that counts in `total_mass` beside the links': joints and the heaviest payload."""
-    return sum(joint.mass for joint in problem.arm.joints) + max(case.mass for case in problem.load_cases)
+    """The mass (kg) that counts in `total_mass` beside that of the links: joints, motors, what hangs on links, and the
+    heaviest payload."""
+    return problem.arm.carried_mass + max(case.mass for case in problem.load_cases)
 
 
 def drives_cost(problem: Problem) -> float:
@@ -164,6 +167,7 @@ class Program:
         levels = symbol("level", len(problem.limits))
         limits = tuple(replace(limit, value=levels[k]) for k, limit in enumerate(problem.limits))
         self._anchored = anchored(space)
+        self._cornered = any(case.zones for case in model.cases)
         x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
         materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
         pushed, elastic = symbol("pushed", len(limits)), symbol("elastic", len(limits))
@@ -172,7 +176,8 @@ class Program:
         self.fixed_error = fixed_error(model)
         floor = symbol("floor")
         worst = self.fixed_error + ca.exp(y) * ca.sqrt(ca.fmax(1.0 - floor * ca.exp(-2.0 * y), 1e-12)) / MM
-        errors = error_rows(model, design, y, room.errors, floor, anchored=self._anchored)
+        rounding = symbol("rounding")
+        errors = error_rows(model, design, y, room.errors, floor, rounding=rounding, anchored=self._anchored)
         held = Held(limits, slack)
         by_pose = {
             family.name: pose_rows(
@@ -198,7 +203,7 @@ class Program:
         if isinstance(follows, OfDesign):
             totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem))
             objective = ca.log(ca.SX(follows.value(totals)))
-        parameters = [materials, weights, pushed, elastic, levels, floor, *errors.parameters]
+        parameters = [materials, weights, pushed, elastic, levels, floor, rounding, *errors.parameters]
         parameters += [parameter for block in by_pose.values() for parameter in block.parameters]
         every = [*rows, *errors.equalities]
         program = {
@@ -261,7 +266,47 @@ class Program:
         `floor` (m) is that of the error rows: about the error itself where it may pass through zero. `within` keeps the
         design so near (in each of the optimiser's numbers) to another one. With `elastic` the sum of the limits'
         slacks, each times its own number of those, is made least instead; a limit with 0 is kept.
+
+        Where drives have zones of stiffness an optimum is often at the corner between two, where the error has no
+        derivative: their corners are rounded, less and less, each time from the solution before.
         """
+        best: Solution | None = None
+        for rounding in ROUNDINGS if self._cornered else ROUNDINGS[-1:]:
+            near, size = (start, error) if best is None else (best.x, best.error)
+            found = self._solve(
+                near,
+                materials,
+                pool,
+                error=size,
+                relax=relax,
+                turn=turn,
+                limits=limits,
+                push=push,
+                floor=floor,
+                within=within,
+                elastic=elastic,
+                rounding=rounding,
+            )
+            best = found if found.solved or best is None or not best.solved else best
+        assert best is not None
+        return best
+
+    def _solve(
+        self,
+        start: Array,
+        materials: Array,
+        pool: Pool,
+        *,
+        error: float,
+        relax: bool,
+        turn: float,
+        limits: Sequence[Limit] | None,
+        push: int | None,
+        floor: float,
+        within: tuple[Array, float] | None,
+        elastic: Sequence[float] | None,
+        rounding: float,
+    ) -> Solution:
         lower, upper = self.space.bounds()
         if within is not None:
             lower, upper = np.maximum(lower, within[0] - within[1]), np.minimum(upper, within[0] + within[1])
@@ -290,7 +335,7 @@ class Program:
         least, most = self._turns(np.array(unknowns), turn)
         result = self._solver(
             x0=[*inside, y, *slack, *unknowns],
-            p=[*materials, *weights, *pushed, *price, *(limit.value for limit in own), squared, *values],
+            p=[*materials, *weights, *pushed, *price, *(limit.value for limit in own), squared, rounding, *values],
             lbx=[*lower, -40.0, *equal, *least],
             ubx=[*upper, 40.0, *give, *most],
             lbg=self._lower,
@@ -334,7 +379,7 @@ class Program:
         """The worst error (m) of a design over a pool, the radii that no design changes left out; 0 without poses."""
         values, unknowns = self._pose_values(*self.slotted(pool))
         count = len(self.space.problem.limits)
-        fixed = [*materials, 1.0, 0.0, *[0.0] * (2 * count), *[1.0] * count, FLOOR_MM2]
+        fixed = [*materials, 1.0, 0.0, *[0.0] * (2 * count), *[1.0] * count, FLOOR_MM2, ROUNDINGS[-1]]
         squares = np.array(self._squares(x, unknowns, [*fixed, *values])).ravel()
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 

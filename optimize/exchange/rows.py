@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import casadi as ca
 
 from arm.chain.kinematics import place
+from arm.effects.functions import wound_up
 from arm.errors.model import ErrorModel
 from optimize.limits import Cut, DesignExpressions, Held, Limit, OfLinks, PoseFamily, ThroughPoses, Totals, WorstError
 
@@ -42,12 +43,20 @@ def symbol(name: str, size: int = 1) -> Any:
 
 
 def error_rows(
-    model: ErrorModel, design: DesignExpressions, y: Any, slots: Sequence[int], floor: Any, *, anchored: bool
+    model: ErrorModel,
+    design: DesignExpressions,
+    y: Any,
+    slots: Sequence[int],
+    floor: Any,
+    *,
+    rounding: Any,
+    anchored: bool,
 ) -> Rows:
     """log (|e|^2 + floor) <= 2 y (in mm^2) at as many poses of each load case as `slots` says.
 
     The floor moves no optimum, as the logarithm only grows. One as large as the error keeps the row smooth where terms
-    of either sign cancel and the error passes through zero.
+    of either sign cancel and the error passes through zero. `rounding` is that of the corners between the zones of
+    stiffness of drives (see `arm.effects.functions.saturated`).
     """
     out = Rows()
     size = model.arm.size
@@ -70,6 +79,10 @@ def error_rows(
                 out.sides.append(same_side)
             outputs = case.function(at, design.beam_column)
             vector = MM * (outputs[0] + shift)
+            for k, zones in enumerate(case.zones):
+                load = outputs[-1][k]
+                rounded = wound_up(load, zones, rounding) - wound_up(load, zones)
+                vector = vector + MM * rounded * outputs[-2][3 * k : 3 * k + 3]
             for play in range(len(case.error.intervals)):
                 vector = vector + MM * signs[play] * outputs[1][3 * play : 3 * play + 3]
             out.rows.append(ca.log(ca.dot(vector, vector) + floor) - 2.0 * y)

@@ -15,6 +15,7 @@ from arm.evaluation import evaluate
 from arm.files.read import read_arm
 from arm.files.write import write_arm
 from optimize.run import optimise
+from sections import Tube
 from tests.optimize.builders import problem_of, scanned_error
 
 CSG = load_actuators(user=False).find("CSG-25-100-2UH")  # K 31, 50, 57 kN*m/rad; T 14, 48 N*m
@@ -119,3 +120,32 @@ def test_an_optimum_on_such_drives_is_certified_and_called_local(tmp_path: Path)
     assert found.optimum == "local"
     assert found.objective >= scanned_error(found.arm, problem.load_cases, poses=4000) * (1.0 - 2e-4)
     assert found.objective < found.before.max_error
+
+
+TUBES = """
+chain:
+  - joint: {range: [-30 deg, 90 deg], actuator: CSG-32-100-2UH}
+    link: {length: 600 mm, section: {shape: tube, diameter: 90 mm, thickness: 4 mm}, material: aluminium-6061-t6}
+  - joint: {range: [-120 deg, 0 deg], actuator: CSG-25-100-2UH}
+    link: {length: 500 mm, section: {shape: tube, diameter: 80 mm, thickness: 3 mm}, material: aluminium-6061-t6}
+payload: {mass: 5 kg}
+"""
+CORNERS = """
+workspace: {path: [[700 mm, 200 mm], [900 mm, 200 mm]]}
+relative_to: {payload: {mass: 2 kg}}
+subject_to: {mass: "<= 6 kg", section_size: [20 mm, 140 mm], thickness: [2 mm, 10 mm]}
+"""
+
+
+def test_corners_between_zones_do_not_end_a_search(tmp_path: Path) -> None:
+    """The load of the calibration grows with the links and passes from zone to zone, where the error has no derivative:
+    a design of round sizes tells how far a search has to come."""
+    problem = problem_of(tmp_path, TUBES, CORNERS)
+    sizes = ((0.14, 0.0054), (0.127, 0.0043))
+    links = [replace(k, section=Tube(*own)) for k, own in zip(problem.arm.links, sizes, strict=True)]
+    known = evaluate(problem.arm.with_links(tuple(links)), problem.workspace, problem.load_cases)
+    found = optimise(problem)
+    assert known.mass <= 6.0
+    assert found.status == "certified"
+    assert found.objective <= known.max_error
+    assert found.objective == pytest.approx(known.max_error, rel=0.02)
