@@ -106,11 +106,23 @@ class Confirmed:
     def _refuted(self) -> tuple[int, None] | None:
         """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
         was fitted to, and no others. What forms make of readings that they have not seen is no finding's fault."""
+        nothing = self._under_weights_for_nothing()
+        if nothing is not None:
+            return nothing, None
         whole = self._rms_held_out(self.members)
         without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
         if not without or min(without) >= (1.0 - self.rules.answer.refuted) * whole:
             return None
         return int(np.argmin(without)), None
+
+    def _under_weights_for_nothing(self) -> int | None:
+        """The place of what gives under unknown weights, if any, that the weights which all share leave no part: by
+        itself it took weights of its own for one."""
+        for place, term in enumerate(self.refit.terms):
+            low, high = self.refit.parameters[place][0].interval if term.shared else (1.0, 1.0)
+            if low <= 0.0 <= high:
+                return place
+        return None
 
     def _fitted_to(self, whole: Recording | None) -> tuple[Prepared, dict[int, int]]:
         """What the findings are fitted to: all readings where only some were searched (and no form won, whose places

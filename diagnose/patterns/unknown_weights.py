@@ -16,6 +16,7 @@ import numpy as np
 from arm.chain.chain import Arm, EffectEntry
 from arm.chain.statics import PoseState
 from arm.effects import EFFECTS, Effect, Settings
+from arm.effects.elastic.column_bending import COLUMN_BENDING
 from arm.effects.elastic.link_bending import LINK_BENDING
 from arm.effects.loads.unknown_weight import MOMENTS, UNKNOWN_WEIGHT, unit_weights, without_unit_weights
 from arm.errors.recorded import Asked, seen
@@ -33,13 +34,18 @@ _SPANNED = 1e-6
 
 def gives_under_weights(effect: Effect) -> bool:
     """Whether an effect has a product of compliance and unknown weight for a parameter."""
-    return effect.of_drives and any(parameter.name in _SAG for parameter in effect.parameters)
+    return any(parameter.name in _SAG for parameter in effect.parameters)
 
 
 def only_products(observed: Observed, effect: Effect, at: Sequence[int]) -> bool:
-    """Whether an effect at places (from 0) gives under links of unknown weight."""
+    """Whether an effect at places (from 0) gives under links of unknown weight.
+
+    Links whose bending would have weights of its own to choose could do almost anything: they do under weights given.
+    """
     first = min(at, default=0)
-    return gives_under_weights(effect) and any(link >= first for link in observed.unknown_masses)
+    if not gives_under_weights(effect) or not any(link >= first for link in observed.unknown_masses):
+        return False
+    return effect.id != LINK_BENDING.id or weights_given(observed)
 
 
 def weights_given(observed: Observed) -> bool:
@@ -63,7 +69,7 @@ def unknown_weights(observed: Observed, *, masses: bool) -> tuple[Weight, ...]:
 
 def masses_show(effect: Effect) -> bool:
     """Whether an effect gives under forces, and not just under moments about where it is."""
-    return effect.id == LINK_BENDING.id
+    return effect.id in (LINK_BENDING.id, COLUMN_BENDING.id)
 
 
 def weighed(observed: Observed, effect: Effect, at: tuple[int, ...], weights: Sequence[Weight]) -> Array:

@@ -146,10 +146,14 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
     """The criterion for a pool's candidates and `count` observations."""
     alike = families(pool)
     price: Array = pool.ranks.astype(float) * math.log(count)
+    weighed = [g for g in pool.groups if not g.candidate.outside and len(g.candidate.sizes) < len(g.length)]
+    widest = max((group.rank for group in weighed if group.candidate.of_drives), default=0)
     for number, group in enumerate(pool.groups):
         if not group.candidate.outside and len(group.candidate.sizes) < len(group.length):
             # Links of unknown weight still have masses, positive and of an ordinary size: no free coefficient each.
-            price[number] = min(group.rank, 2) * math.log(count)
+            # What can do more with them than any drive pays for that.
+            further = 0 if group.candidate.of_drives else max(group.rank - widest, 0)
+            price[number] = (min(group.rank, 2) + further) * math.log(count)
     for members in alike:
         # A shape found anywhere on a line is a coefficient like any other; one of a few is a choice among so many.
         choice = 2.0 * math.log(len(members))

@@ -5,14 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from arm.chain.statics import PoseState
-from arm.chain.vectors import add, cross, dot, is_zero, scale, subtract, times
+from arm.chain.vectors import Scalar, add, cross, dot, is_zero, scale, subtract, times
 from arm.effects.effect import Effect, Settings, Twist, given, size
+from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 from sections.numeric import absolute
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     """What bends is a cantilever between the slide's zero (or `length_at_zero` before it) and its carriage."""
-    flexibility = settings.values.get("flexibility", 0.0)
+    product = settings.values.get("unit_sag", 0.0)
+    weighed = under_unit_weights(state) if product != 0.0 else None
+    if weighed is not None:
+        yield from _bent(weighed, settings, product)
+    yield from _bent(state, settings, settings.values.get("flexibility", 0.0))
+
+
+def _bent(state: PoseState, settings: Settings, flexibility: Scalar) -> Iterator[Twist]:
     if isinstance(flexibility, float) and flexibility == 0.0:
         return
     before = settings.values.get("length_at_zero", 0.0)
@@ -49,8 +57,10 @@ COLUMN_BENDING = Effect(
             "bending length where the slide stands at zero (nothing, if not given)",
             "clamping distances of linear axes",
         ),
+        unit_sag("a metre of the mast or boom"),
     ),
     twists=_twists,
+    enough=(("flexibility",), ("unit_sag",)),
     only="joints that slide",
     rank=225,
     linear=True,

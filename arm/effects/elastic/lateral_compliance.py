@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from arm.chain.statics import PoseState
-from arm.chain.vectors import dot, is_zero, scale, subtract
+from arm.chain.vectors import Scalar, dot, is_zero, scale, subtract
 from arm.effects.effect import Effect, Settings, Twist, size
+from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    compliance = settings.values.get("compliance", 0.0)
+    product = settings.values.get("unit_sag", 0.0)
+    weighed = under_unit_weights(state) if product != 0.0 else None
+    if weighed is not None:
+        yield from _tilted(weighed, settings, product)
+    yield from _tilted(state, settings, settings.values.get("compliance", 0.0))
+
+
+def _tilted(state: PoseState, settings: Settings, compliance: Scalar) -> Iterator[Twist]:
     if state.planar or (isinstance(compliance, float) and compliance == 0.0):
         # In the plane all moments lie along the axes: what rounding leaves beside them is not physics.
         return
@@ -38,8 +46,10 @@ LATERAL_COMPLIANCE = Effect(
             "tilt across the axis for one unit of moment across it",
             "moment stiffness of crossed-roller bearings and reducers' main bearings, 1e5 to 1e7 N*m/rad",
         ),
+        unit_sag("the bearing"),
     ),
     twists=_twists,
+    enough=(("compliance",), ("unit_sag",)),
     only="joints that turn",
     rank=235,
     linear=True,

@@ -51,6 +51,8 @@ def weighed_by_a_unit(arm: Arm) -> Arm:
         ("joint_compliance", "compliance", (1,), 1.0),
         ("joint_compliance", "compliance", (2,), 1.0),
         ("base_compliance", "compliance", (), 1.0),
+        ("column_bending", "flexibility", (2,), 1.0),
+        ("lateral_compliance", "compliance", (0,), 1.0),
         ("link_bending", "flexibility", (0,), 0.3),
         ("link_bending", "flexibility", (1,), 0.5),
     ],

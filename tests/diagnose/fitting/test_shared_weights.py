@@ -70,6 +70,78 @@ def test_the_written_file_keeps_its_promise(payloads: tuple[float, ...]) -> None
     assert len(weights) == 3
 
 
+SPATIAL = (np.array([0.4, 0.5, 0.45]), np.array([10.0, 8.0, 5.0]), np.array([0.2, 0.22, 0.2]))
+"""Lengths (m), masses (kg) and centres (m) of a post and two links in a vertical plane that it turns."""
+DOWN = np.array([0.0, 0.0, -9.81])
+
+
+def turned(place: Array, axis: Array, angle: Array) -> Array:
+    """Vectors (N, 3) turned about unit axes by angles (N,), by Rodrigues."""
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    along = np.sum(axis * place, axis=1)[:, None]
+    return cosine * place + sine * np.cross(axis, place) + (1.0 - cosine) * along * axis
+
+
+def on_a_soft_base(seed: int, base: float, mast: float, drive: float) -> Recording:
+    """Readings of a post that turns and two links that nod: the base or a mast below gives, and the elbow's drive.
+
+    With a mast, the post rides on a slide whose height is the first coordinate."""
+    lengths, masses, centres = SPATIAL
+    rng = np.random.default_rng(seed)
+    q = np.repeat(rng.uniform(-1.3, 1.3, (60, 3)), 2, axis=0)
+    height = np.repeat(rng.uniform(0.2, 1.2, 60), 2)
+    up = np.tile([0.0, 0.0, 1.0], (len(q), 1))
+    out = np.stack([np.cos(q[:, 0]), np.sin(q[:, 0]), np.zeros(len(q))], axis=1)
+    across = np.stack([-np.sin(q[:, 0]), np.cos(q[:, 0]), np.zeros(len(q))], axis=1)
+    upper, lower = turned(out, across, q[:, 1]), turned(out, across, q[:, 1] + q[:, 2])
+    shoulder = lengths[0] * up
+    elbow = shoulder + lengths[1] * upper
+    weight = [masses[k] * DOWN for k in range(3)]
+    torque = np.sum(across * np.cross(centres[2] * lower, weight[2]), axis=1)
+    tip = elbow + turned(lengths[2] * lower, across, drive * torque)
+    moment = np.cross(shoulder + centres[1] * upper, weight[1]) + np.cross(elbow + centres[2] * lower, weight[2])
+    turn = base * moment + mast * height[:, None] * moment
+    size = np.linalg.norm(turn, axis=1)
+    axis = turn / np.where(size > 0.0, size, 1.0)[:, None]
+    tip = turned(tip, axis, size)
+    if mast > 0.0:
+        tip = tip + height[:, None] * up + 0.5 * mast * (height**2)[:, None] * np.cross(moment, up)
+        q = np.column_stack([height, q])
+    measured = tip + NOISE * rng.standard_normal(tip.shape)
+    return Recording("made", q, measured, np.arange(1, len(q) + 1))
+
+
+def standing_arm(*, mast: bool) -> Arm:
+    """The same arm as a file gives it: no link has a mass."""
+    lengths = SPATIAL[0]
+    up = (0.0, 0.0, 1.0)
+    joints = [Joint(axis=up), Joint(axis=(0.0, 1.0, 0.0)), Joint(axis=(0.0, 1.0, 0.0))]
+    links = [Link(float(lengths[0]), up), Link(float(lengths[1])), Link(float(lengths[2]))]
+    if mast:
+        joints, links = [Joint("prismatic", axis=up, range=(0.0, 1.5)), *joints], [Link(0.0), *links]
+    return Arm("nobody weighed it", tuple(joints), tuple(links), gravity=(0.0, 0.0, -9.81))
+
+
+@pytest.mark.parametrize(
+    ("base", "mast", "drive", "named"),
+    [
+        (3e-6, 0.0, 0.0, {("base_compliance", ())}),
+        (2e-6, 0.0, 2e-5, {("base_compliance", ()), ("joint_compliance", (3,))}),
+        (0.0, 2e-6, 2e-5, {("column_bending", (1,)), ("joint_compliance", (4,))}),
+        (0.0, 0.0, 2e-5, {("joint_compliance", (3,))}),
+    ],
+)
+def test_base_and_mast_share_the_weights_of_the_drives(
+    base: float, mast: float, drive: float, named: set[tuple[str, tuple[int, ...]]]
+) -> None:
+    arm = standing_arm(mast=mast > 0.0)
+    found = with_written(diagnose(arm, on_a_soft_base(3, base, mast, drive)), load_catalogue(user=False))
+    assert {(each.effect, each.at) for each in found.findings} == named
+    assert found.written is not None
+    assert found.written.rms == pytest.approx(found.written.promised, rel=0.02)
+    assert predict(found.corrected, on_a_soft_base(4, base, mast, drive)).rms < 1.25 * math.sqrt(3.0) * NOISE
+
+
 def test_products_are_of_rank_one_and_steps_keep_them_so() -> None:
     rng = np.random.default_rng(0)
     weight, compliance = rng.standard_normal(5), np.array([2.0, 0.5])
