@@ -25,8 +25,8 @@ from sections.numeric import Array
 
 GEOMETRY = ("axis_misalignment", "encoder_offset", "link_length", "tool_offset", "frame_misalignment")
 _CUT, _NOTHING = 1e-11, 1e-9
-_USUAL_WEIGHT = 1e-4
-"""rad/(N*m) times kg or kg*m: a drive of 1e6 N*m/rad under 100 kg. Where masses are unknown the product is all."""
+_USUAL_WEIGHT = 1e-3
+"""rad: how far a drive of 1e6 N*m/rad sags under 100 kg at a metre. Where masses are unknown the product is all."""
 
 
 @dataclass(frozen=True)

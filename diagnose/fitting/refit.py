@@ -30,8 +30,10 @@ from diagnose.patterns.unknown_weights import (
     levers,
     masses_show,
     only_products,
+    product_entry,
     turned_under_weights,
     unknown_weights,
+    weight_entries,
     weights_given,
 )
 from diagnose.residual.observed import Observed
@@ -276,11 +278,12 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
     """The terms with loads acting through the flexibility among them as it now is, and the recording with it."""
     entries = [_entry(term) for term in terms]
     loads = [k for k, term in enumerate(terms) if through_flexibility(term.candidate)]
-    if not loads or not any(entries):
+    products = _products(terms)
+    if not loads or not (any(entries) or products):
         return prepared, list(terms)
 
     def under(changed: Sequence[EffectEntry | None]) -> Prepared:
-        softer = prepared.observed.softened([each for each in changed if each is not None])
+        softer = prepared.observed.softened([*(each for each in changed if each is not None), *products])
         return replace(prepared, observed=softer)
 
     now = under(entries)
@@ -303,6 +306,19 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
             parts.append(moved / step)
         found[place] = replace(found[place], through=np.stack(parts, axis=2))
     return now, found
+
+
+def _products(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
+    """What gives under unknown weights among the terms, with those weights, as entries."""
+    shared = [term for term in terms if term.weights is not None]
+    if not shared:
+        return ()
+    found = factors(np.stack([term.sizes[:-1] for term in shared]))
+    giving = zip(shared, found.compliance.tolist(), strict=True)
+    return (
+        *weight_entries(shared[0].weights or (), found.weight.tolist() if shared[0].weights else ()),
+        *(product_entry(term.candidate.effect, term.candidate.numbers, product) for term, product in giving),
+    )
 
 
 def _entry(term: Term) -> EffectEntry | None:

@@ -17,6 +17,7 @@ from arm.chain.chain import Arm, EffectEntry
 from arm.chain.statics import PoseState
 from arm.effects import EFFECTS, Effect, Settings
 from arm.effects.elastic.column_bending import COLUMN_BENDING
+from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
 from arm.effects.elastic.link_bending import LINK_BENDING
 from arm.effects.loads.unknown_weight import MOMENTS, UNKNOWN_WEIGHT, unit_weights, without_unit_weights
 from arm.errors.recorded import Asked, seen
@@ -40,12 +41,13 @@ def gives_under_weights(effect: Effect) -> bool:
 def only_products(observed: Observed, effect: Effect, at: Sequence[int]) -> bool:
     """Whether an effect at places (from 0) gives under links of unknown weight.
 
-    Links whose bending would have weights of its own to choose could do almost anything: they do under weights given.
+    Links and bearings that had weights of their own to choose could do almost anything: they give under weights that
+    the arm file names, drives, the base and masts under any.
     """
     first = min(at, default=0)
     if not gives_under_weights(effect) or not any(link >= first for link in observed.unknown_masses):
         return False
-    return effect.id != LINK_BENDING.id or weights_given(observed)
+    return effect.id not in (LINK_BENDING.id, LATERAL_COMPLIANCE.id) or weights_given(observed)
 
 
 def weights_given(observed: Observed) -> bool:
@@ -113,6 +115,21 @@ def levers(arm: Arm, weights: Sequence[Weight], least: float) -> Array:
     return np.maximum(np.array(shares), least)
 
 
+def weights_of(observed: Observed, effect: str, at: tuple[int, ...]) -> tuple[Weight, ...]:
+    """The unknown weights that an effect at places (from 0) has products with by itself; none where the file names
+    them."""
+    if weights_given(observed):
+        return ()
+    first = min(at, default=0)
+    whole = unknown_weights(observed, masses=masses_show(EFFECTS[effect]))
+    return tuple(weight for weight in whole if weight[0] >= first)
+
+
+def product_entry(effect: str, numbers: tuple[int, ...], unit_sag: float) -> EffectEntry:
+    """What gives under unknown weights as an entry of an arm's `effects`."""
+    return EffectEntry(effect, numbers, MappingProxyType({"unit_sag": unit_sag}))
+
+
 def weight_entries(weights: Sequence[Weight], values: Sequence[float]) -> tuple[EffectEntry, ...]:
     """Unknown weights (K,) as entries of an arm's `effects`, one a link; those that are rounding are left out."""
     found: dict[int, dict[str, float]] = {}
@@ -148,7 +165,5 @@ def columns_under_weights(
     """The columns (N, C, K + 1) of an effect under unknown weights: a product for each of `weights` (its own by
     default), and its size under the loads that are known."""
     own = EFFECTS[effect]
-    if weights is None and not weights_given(observed):
-        first = min(at, default=0)
-        weights = [w for w in unknown_weights(observed, masses=masses_show(own)) if w[0] >= first]
-    return with_known_load(observed, own, at, weighed(observed, own, at, weights or ()))
+    of = weights_of(observed, effect, at) if weights is None else weights
+    return with_known_load(observed, own, at, weighed(observed, own, at, of))

@@ -18,9 +18,13 @@ from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import Patterns, Prepared, set_up
+from diagnose.fitting.shared_weights import factors
 from diagnose.patterns.flexibility import entry, flexible, through_flexibility
 from diagnose.patterns.forces import forces
-from diagnose.patterns.library import candidates
+from diagnose.patterns.library import Candidate, candidates
+from diagnose.patterns.unknown_weights import product_entry, weight_entries, weights_of
+from diagnose.residual.observed import Observed
+from sections.numeric import Array
 
 from .aliases import renamed
 from .naming import Named, Namer, name_missing
@@ -123,13 +127,35 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
     """The flexibility among some groups, as fitted."""
     fitted = fit(namer.prepared, members)
     found: list[EffectEntry] = []
+    products: list[tuple[Candidate, Array]] = []
     for member, sizes in zip(members, fitted.sizes, strict=True):
         candidate, values = namer.pool.groups[member].candidate, sizes.tolist()
+        if flexible(candidate) and len(values) != len(candidate.sizes):
+            products.append((candidate, sizes[:-1]))
+            continue
         turned = None if candidate.outside else EFFECTS[candidate.effect].size_from_slope
         one = entry(candidate, values if turned is None else [turned(value) for value in values])
         if one is not None:
             found.append(one)
-    return tuple(found)
+    return (*found, *_under_weights(namer.prepared.observed, products))
+
+
+def _under_weights(observed: Observed, products: Sequence[tuple[Candidate, Array]]) -> tuple[EffectEntry, ...]:
+    """What gives under unknown weights, as fitted one by one, with the one set of weights that comes nearest to all."""
+    own = [weights_of(observed, candidate.effect, candidate.at) for candidate, _ in products]
+    weights = sorted({weight for each in own for weight in each})
+    if not products or not weights:
+        return tuple(product_entry(each.effect, each.numbers, float(sizes[0])) for each, sizes in products)
+    stacked = np.zeros((len(products), len(weights)))
+    for row, of, (_, sizes) in zip(stacked, own, products, strict=True):
+        row[[weights.index(weight) for weight in of]] = sizes
+    shared = factors(stacked)
+    giving = [
+        product_entry(each.effect, each.numbers, product)
+        for (each, _), product in zip(products, shared.compliance.tolist(), strict=True)
+        if product > 0.0
+    ]
+    return (*weight_entries(weights, shared.weight.tolist()), *giving)
 
 
 def _consistent(
@@ -167,5 +193,7 @@ def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry], same: 
     have = {(each.effect, each.at): each.parameters for each in entries}
     if set(have) != _places(others):
         return False
-    pairs = [(have[each.effect, each.at][name], value) for each in others for name, value in each.parameters.items()]
+    pairs = [
+        (have[each.effect, each.at].get(name, 0.0), value) for each in others for name, value in each.parameters.items()
+    ]
     return all(abs(a - b) <= same * max(abs(a), abs(b)) for a, b in pairs)

@@ -82,7 +82,7 @@ def turned(place: Array, axis: Array, angle: Array) -> Array:
     return cosine * place + sine * np.cross(axis, place) + (1.0 - cosine) * along * axis
 
 
-def on_a_soft_base(seed: int, base: float, mast: float, drive: float) -> Recording:
+def on_a_soft_base(seed: int, base: float, mast: float, drive: float, gravity: Array = DOWN) -> Recording:
     """Readings of a post that turns and two links that nod: the base or a mast below gives, and the elbow's drive.
 
     With a mast, the post rides on a slide whose height is the first coordinate."""
@@ -96,7 +96,7 @@ def on_a_soft_base(seed: int, base: float, mast: float, drive: float) -> Recordi
     upper, lower = turned(out, across, q[:, 1]), turned(out, across, q[:, 1] + q[:, 2])
     shoulder = lengths[0] * up
     elbow = shoulder + lengths[1] * upper
-    weight = [masses[k] * DOWN for k in range(3)]
+    weight = [masses[k] * gravity for k in range(3)]
     torque = np.sum(across * np.cross(centres[2] * lower, weight[2]), axis=1)
     tip = elbow + turned(lengths[2] * lower, across, drive * torque)
     moment = np.cross(shoulder + centres[1] * upper, weight[1]) + np.cross(elbow + centres[2] * lower, weight[2])
@@ -140,6 +140,19 @@ def test_base_and_mast_share_the_weights_of_the_drives(
     assert found.written is not None
     assert found.written.rms == pytest.approx(found.written.promised, rel=0.02)
     assert predict(found.corrected, on_a_soft_base(4, base, mast, drive)).rms < 1.25 * math.sqrt(3.0) * NOISE
+
+
+def test_a_base_that_is_not_plumb_is_seen_through_products() -> None:
+    """Gravity from another side, by hand: the drive sags another way, and the tilt is g x tilt = g' - g."""
+    tilted = 9.81 * np.array([0.03, -0.02, -1.0]) / math.sqrt(1.0 + 0.03**2 + 0.02**2)
+    found = diagnose(standing_arm(mast=False), on_a_soft_base(3, 0.0, 0.0, 2e-4, tilted))
+    parameters = {each.effect: {p.parameter: p.interval for p in each.parameters} for each in found.findings}
+    assert set(parameters) == {"joint_compliance", "base_tilt"}
+    for name, value in (("about_x", 0.02), ("about_y", 0.03)):
+        low, high = parameters["base_tilt"][name]
+        assert low - 0.25 * (high - low) < value < high + 0.25 * (high - low)
+        assert high - low < 0.04
+    assert predict(found.corrected, on_a_soft_base(4, 0.0, 0.0, 2e-4, tilted)).rms < 1.25 * math.sqrt(3.0) * NOISE
 
 
 def test_products_are_of_rank_one_and_steps_keep_them_so() -> None:
