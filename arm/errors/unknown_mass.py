@@ -80,7 +80,7 @@ def _without_what_products_say(arm: Arm) -> Arm:
     entries = [entry for entry in arm.effects if "unit_sag" in entry.parameters]
     told = {(entry.effect, number) for entry in entries for number in entry.at}
     joints = tuple(
-        replace(joint, stiffness=None) if (JOINT_COMPLIANCE.id, number) in told else joint
+        replace(joint, stiffness=None, zones=()) if (JOINT_COMPLIANCE.id, number) in told else joint
         for number, joint in enumerate(arm.joints, start=1)
     )
     return replace(arm, joints=joints, effects=tuple(entry for entry in arm.effects if entry not in entries))

@@ -50,7 +50,8 @@ def under_unit_weights(state: PoseState) -> PoseState | None:
         Beam(length=link.beam.length, lumped_mass=mass[index], first_moment=(first[0], first[1], first[2]))
         for index, (link, first) in enumerate(zip(state.links, moment, strict=True))
     ]
-    bare = replace(state.arm, joints=tuple(replace(joint, mass=0.0) for joint in state.arm.joints))
+    joints = tuple(replace(joint, mass=0.0, counterbalance=None) for joint in state.arm.joints)
+    bare = replace(state.arm, joints=joints).with_links(tuple(replace(link, masses=()) for link in state.arm.links))
     return solve(
         bare,
         [joint.coordinate for joint in state.joints],
