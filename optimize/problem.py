@@ -26,6 +26,7 @@ from units.reading import Mapping, load_yaml, nearest
 from .conditions import materials_where
 from .limits import FIGURES, RANGES, Figure, Limit
 from .limits.read import read_limit
+from .uncertain import Uncertain, read_uncertain
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Problem:
     `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
     `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
     (nothing for a joint that keeps its own); None keeps all. `figures` are those that can be limited, by name.
+    `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that.
     """
 
     file: str
@@ -51,6 +53,7 @@ class Problem:
     same: frozenset[str]
     actuators: tuple[tuple[Actuator, ...], ...] | None = None
     figures: MappingLike[str, Figure] = field(default_factory=lambda: FIGURES)
+    uncertain: Uncertain | None = None
 
     @property
     def objective(self) -> Figure:
@@ -89,6 +92,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         cases = _load_cases(mapping) or (arm.payload,)
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
+        uncertain = read_uncertain(mapping, arm)
         limits, ranges, off = _subject_to(mapping, arm, figures)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         shapes, materials, same, actuators = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)))
@@ -107,6 +111,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         same=same,
         actuators=actuators,
         figures=figures,
+        uncertain=uncertain,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)

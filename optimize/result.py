@@ -12,6 +12,7 @@ from arm.evaluation import ErrorMap, Evaluation
 from units.quantities import Relation
 
 from .limits import FIGURES, KEPT_WITHIN, Figure
+from .robust.result import Robust
 from .worse import Worse, worse_figures
 
 Status = Literal["certified", "converged", "searched", "stopped", "interrupted", "doubtful"]
@@ -199,6 +200,9 @@ class OptimizationResult:
     not_rounded: NotRounded | None = None
     """Why there is none, where that was asked for."""
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
+    robust: Robust | None = None
+    """The same for what is uncertain, where the problem asks for that: `objective` is then the robust error, and
+    `after` the design as it is."""
     """What the problem could limit, by name."""
 
     @property

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 from arm.errors.model import error_model
 from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
@@ -21,6 +23,7 @@ from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .result import Iteration, OptimizationResult, Status
+from .robust.run import robust_optimum
 from .trust import doubts_of, optimum_of
 
 Log = Callable[[Iteration], None]
@@ -41,6 +44,10 @@ def optimise(
     `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
     where a figure is missing that the problem needs.
     """
+    if problem.uncertain is not None:
+        settings: Any = {"log": log, "progress": progress}
+        nominal = optimise(replace(problem, uncertain=None), **settings, told=told)
+        return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     began = time.perf_counter()
     given = problem
     try:

@@ -7,7 +7,7 @@ that a changed design needs no new code.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,17 +15,19 @@ import casadi as ca
 import numpy as np
 
 from arm.chain.beam import UNIFORM, Beam, elastic_beam
-from arm.chain.chain import Arm, Link, LoadCase, Zones, askew
+from arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
 from arm.chain.kinematics import parts, place, symbols
 from arm.chain.statics import PoseState, solve
 from arm.chain.taper import tapered_beam
+from arm.chain.vectors import scale
 from arm.compiled.vectorise import VectorFunction, vectorise
+from arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
 from materials.material import MissingProperty
 from sections.numeric import Array
 from sections.taper import Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
-from .tip import TipError, active_effects, tip_error
+from .tip import ActiveEffect, TipError, TipInterval, active_effects, tip_error
 
 BEAM_FIELDS = (
     "length",
@@ -197,20 +199,28 @@ class ErrorModel:
     planar: bool
     cases: tuple[CaseModel, ...]
     tip: VectorFunction
+    drives: bool = False
+    """Whether a row p goes on with factors of the drives."""
 
 
-def error_model(arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = None) -> ErrorModel:
-    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect."""
-    cases = tuple(_case(arm, load, only) for load in (loads or (arm.payload,)))
-    q, p = symbols(arm), beam_symbols(arm)
+def error_model(
+    arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = None, *, drives: bool = False
+) -> ErrorModel:
+    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect.
+
+    With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.
+    """
+    cases = tuple(_case(arm, load, only, drives) for load in (loads or (arm.payload,)))
+    q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     planar = all(planar_in(arm, case.load) for case in cases)
-    return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]))
+    return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]), drives)
 
 
-def beam_symbols(arm: Arm) -> Any:
-    """The symbols p: one for each of `BEAM_FIELDS`, link after link."""
-    return ca.SX.sym("p", len(BEAM_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
+def beam_symbols(arm: Arm, *, drives: bool = False) -> Any:
+    """The symbols p: one for each of `BEAM_FIELDS`, link after link; with `drives` two more for each joint."""
+    size = (len(BEAM_FIELDS) + (2 if drives else 0)) * arm.size
+    return ca.SX.sym("p", size)  # pyright: ignore[reportCallIssue]
 
 
 def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
@@ -234,12 +244,21 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
     return tuple(beams)
 
 
-def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
-    q, p = symbols(arm), beam_symbols(arm)
-    state = solve(arm, parts(q), symbolic_beams(arm, p), load)
+def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> CaseModel:
+    q, p = symbols(arm), beam_symbols(arm, drives=drives)
     effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
+    beams = symbolic_beams(arm, p)
+    looser: list[Any] | None = None
+    if drives:
+        first = len(BEAM_FIELDS) * arm.size
+        stiffer, looser = ([p[first + k * arm.size + joint] for joint in range(arm.size)] for k in (0, 1))
+        effects = [part for each in effects for part in _with_factors(each, stiffer)]
+        arm = replace(arm, joints=tuple(map(_stiffened, arm.joints, stiffer)))
+    state = solve(arm, parts(q), beams, load)
     whole = load.relative_to is None
     error = tip_error(state, effects) if whole else error_since_calibrated(state, effects, arm.play)
+    if looser is not None:
+        error = replace(error, intervals=tuple(_loosened(each, looser) for each in error.intervals))
     outputs = (
         _column(error.vector),
         _column([component for interval in error.intervals for component in interval.vector]),
@@ -252,6 +271,29 @@ def _case(arm: Arm, load: LoadCase, only: str | None) -> CaseModel:
     )
     function = ca.Function("error", [q, p], list(outputs))
     return CaseModel(load, q, p, state, error, outputs, function)
+
+
+def _with_factors(active: ActiveEffect, stiffer: Sequence[Any]) -> list[ActiveEffect]:
+    """An effect joint by joint with drives of another stiffness, where it brings compliances of its own."""
+    values = active.settings.values
+    if active.effect.id != JOINT_COMPLIANCE.id or not values:
+        return [active]
+    found: list[ActiveEffect] = []
+    for joint, factor in enumerate(stiffer):
+        if active.settings.acts_at(joint):
+            own = {k: v / factor if k == "compliance" else v * factor for k, v in values.items()}
+            found.append(replace(active, settings=Settings((joint,), own)))
+    return found
+
+
+def _loosened(interval: TipInterval, looser: Sequence[Any]) -> TipInterval:
+    if interval.effect != BACKLASH.id:
+        return interval
+    return replace(interval, vector=scale(looser[interval.joint], interval.vector))
+
+
+def _stiffened(joint: Joint, factor: Any) -> Joint:
+    return joint if joint.stiffness is None else replace(joint, stiffness=joint.stiffness * factor)
 
 
 def _load_scale(state: PoseState) -> Any:

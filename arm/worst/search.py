@@ -87,6 +87,7 @@ class WorstSearch:
     def _differs_by_turns(self, index: int) -> bool:
         """Whether a turn more of a joint changes the error; links that hardly bend, for that cannot depend on it."""
         p = np.tile([1e9 if "rigidity" in name else 1.0 for name in BEAM_FIELDS], self.arm.size)
+        p = np.concatenate([p, np.ones(2 * self.arm.size if self.model.drives else 0)])
         q = spread(self.lower, self.upper, 16)
         further = q.copy()
         further[:, index] += 2.0 * math.pi

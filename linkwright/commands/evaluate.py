@@ -12,7 +12,7 @@ import linkwright as lw
 from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_markdown, write_result
 from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of, one_thread
+from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -27,7 +27,11 @@ def evaluate(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
     problem: Annotated[
         Path | None,
-        typer.Option("--problem", metavar="PROBLEM", help="Take workspace and load cases from this problem file."),
+        typer.Option(
+            "--problem",
+            metavar="PROBLEM",
+            help="Take workspace, loads and what is uncertain from this problem file.",
+        ),
     ] = None,
     pose: Annotated[
         str | None,
@@ -39,7 +43,6 @@ def evaluate(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    one_thread()
     from linkwright.results.evaluation import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
@@ -57,7 +60,7 @@ def evaluate(
                 found.save(out)
     write_result(json, found.to_json())
     screen = console()
-    described = describe(found.found)
+    described = describe(found.found, found.robust)
     write_markdown(markdown, described)
     show(screen, described)
     for path in ([out / REPORT, out / RESULT] if out is not None else []) + [

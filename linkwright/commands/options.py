@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -51,10 +49,3 @@ def asked_of(file: Path) -> Generator[None]:
         yield
     except (PropertyNeeded, ThermalExpansionMissing) as error:
         raise InputError(file, "", str(error)) from None
-
-
-def one_thread() -> None:
-    """Linear algebra in one thread, unless the environment says otherwise: threads that wait for each other cost half
-    as much again where matrices are small. Without effect once numpy is loaded."""
-    if "numpy" not in sys.modules:
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -21,6 +21,8 @@ from linkwright.output.files import REPORT
 from linkwright.report.pages.evaluation import evaluation_page
 from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
 from linkwright.results.figures_in_words import effect_title
+from optimize.robust.figure import robust_figure
+from optimize.robust.result import RobustFigure
 from units.quantities import InputError
 
 from .arm import Arm, arm_of
@@ -44,6 +46,8 @@ class Evaluation(Result):
 
     arm: Arm
     found: Found
+    robust: RobustFigure | None = None
+    """The error over what the problem calls uncertain, SI."""
 
     @property
     def max_error_mm(self) -> float:
@@ -101,13 +105,13 @@ class Evaluation(Result):
         return figure_of(error_map_figure(field, self.found, colours, spans))
 
     def _content(self) -> Mapping[str, Any]:
-        return evaluation_json(self.found)
+        return evaluation_json(self.found, self.robust)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
 
     def _files(self) -> Mapping[str, str]:
-        return {REPORT: evaluation_page(self.found, field_of(self.found))}
+        return {REPORT: evaluation_page(self.found, field_of(self.found), self.robust)}
 
 
 def evaluate(
@@ -115,9 +119,10 @@ def evaluate(
 ) -> Evaluation:
     """The worst position error of an arm over its workspace, where it is and what each effect adds.
 
-    `problem` lends its workspace and load cases; without one they are the joint ranges and the arm's own payload.
-    `pose` (angles as text or rad, slides m) is where the compliance is asked for, the worst pose by default. Raises
-    `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the workspace cannot be reached.
+    `problem` lends its workspace, its load cases and what it calls uncertain (`robust`); without one they are the joint
+    ranges and the arm's own payload. `pose` (angles as text or rad, slides m) is where the compliance is asked for, the
+    worst pose by default. Raises `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the
+    workspace cannot be reached.
 
     >>> import linkwright as lw
     >>> found = lw.evaluate(lw.read_arm("examples/welding-arm/arm.yaml"))
@@ -135,7 +140,12 @@ def evaluate(
     if ranges is not None and len(ranges) != given.model.size:
         message = f"is for {len(ranges)} joints; {given.name} has {given.model.size}"
         raise InputError(asked.file, "workspace", message)
-    return Evaluation(given, evaluated(given.model, asked.workspace, asked.load_cases, pose=at))
+    if asked.uncertain is not None and asked.arm.size != given.model.size:
+        message = f"is for {asked.arm.size} joints; {given.name} has {given.model.size}"
+        raise InputError(asked.file, "uncertain", message)
+    found = evaluated(given.model, asked.workspace, asked.load_cases, pose=at)
+    robust = None if asked.uncertain is None else robust_figure(given.model, asked)
+    return Evaluation(given, found, robust)
 
 
 def pose_of(model: Model, pose: Sequence[Quantity]) -> tuple[float, ...]:

@@ -18,11 +18,13 @@ from units.quantities import format_quantity
 from units.temperature import ZERO_CELSIUS
 
 from .fields import fields, in_mm
+from .robust import figure_json, robust_json
 
 if TYPE_CHECKING:
     from arm.evaluation import Compliance, Evaluation
     from arm.worst.growth import GrowthLeftOut
     from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
+    from optimize.robust.result import RobustFigure
 
 _LENGTH_DIGITS = 7
 
@@ -215,9 +217,13 @@ def _growth(growth: GrowthLeftOut) -> dict[str, Any]:
     }
 
 
-def evaluation_json(evaluation: Evaluation) -> dict[str, Any]:
+def evaluation_json(evaluation: Evaluation, robust: RobustFigure | None = None) -> dict[str, Any]:
     """What `evaluate --json` writes."""
-    return {"made_by": f"linkwright evaluate {program_version()}", **evaluation_figures(evaluation)}
+    return {
+        "made_by": f"linkwright evaluate {program_version()}",
+        **evaluation_figures(evaluation),
+        "robust": None if robust is None else figure_json(robust),
+    }
 
 
 def objective_unit(minimize: str, figures: Mapping[str, Figure] = FIGURES) -> tuple[float, str]:
@@ -271,6 +277,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             "actuators_exhaustive=drives_exhaustive",
             "seconds",
         ),
+        "robust": None if result.robust is None else robust_json(result.robust),
         "rounded": None if result.rounded is None else _rounded(result, result.rounded),
         "not_rounded": None if result.not_rounded is None else _not_rounded(result, result.not_rounded),
     }

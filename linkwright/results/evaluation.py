@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from arm.evaluation import Evaluation
+from optimize.robust.result import RobustFigure
 
 from . import design
 from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table
-from .figures_in_words import figure, mm, pose, workspace_words
+from .figures_in_words import figure, mm, pose, robust_words, workspace_words
 
 _SCALE = "Drawn to scale; links as thick as their sections are high."
 
 
-def describe(evaluation: Evaluation) -> Description:
-    """All that is known of an arm as given."""
+def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Description:
+    """All that is known of an arm as given; `robust`: over what is uncertain of it."""
     arm, named = evaluation.arm, (("", evaluation),)
     drives = design.drives(evaluation)
     unknown = tuple(f"{name.replace('_', ' ')} is not known: {reason}" for name, reason in evaluation.unknown.items())
@@ -24,6 +25,7 @@ def describe(evaluation: Evaluation) -> Description:
         Paragraph(design.first_order_words(evaluation), "under"),
         Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
         *design.seam_words(evaluation),
+        *([] if robust is None else [Paragraph(robust_words(robust), "under")]),
         *design.relative_words(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),

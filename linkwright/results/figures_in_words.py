@@ -11,6 +11,7 @@ from units.temperature import ZERO_CELSIUS
 if TYPE_CHECKING:
     from arm.chain.chain import Arm, Calibrated, Link, LoadCase
     from arm.worst.workspace import Workspace
+    from optimize.robust.result import RobustFigure
 
 MINUS = "−"
 
@@ -130,6 +131,18 @@ def effect_title(effect: str) -> str:
     from arm.effects import EFFECTS
 
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
+
+
+def robust_words(found: RobustFigure) -> str:
+    """The error over what is uncertain, with what it rests on."""
+    widths = {name: sorted({round(x, 9) for x in own if x > 0.0}) for name, own in found.widths.items()}
+    spans = [f"{name.replace('_', ' ')} ± {' or '.join(map(percent, own))}" for name, own in widths.items() if own]
+    over = f"{mm(found.nominal)} as it is; {', '.join(spans)}"
+    if found.share == 1.0:
+        return f"worst error {mm(found.value)} over what is uncertain ({over}; {found.looked_at} scenarios compared)"
+    upper = "" if found.upper is None else f", below {mm(found.upper)} with 95 % confidence"
+    rests_on = f"sampled: {found.looked_at} fresh scenarios"
+    return f"worst error {mm(found.value)} in {percent(found.share)} of what is uncertain{upper} ({over}; {rests_on})"
 
 
 def factor_words(before: float, after: float) -> str:

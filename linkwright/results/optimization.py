@@ -27,7 +27,7 @@ from .document import (
     share,
     table,
 )
-from .figures_in_words import factor_words, figure, mm, percent, with_unit
+from .figures_in_words import factor_words, figure, mm, percent, robust_words, with_unit
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
@@ -50,6 +50,7 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(bound_sentence(result), "under"),
         *design.seam_words(result.after),
         *design.relative_words(result.after),
+        *_robust(result),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),
         *design.sideways(result.before, result.after, result.limits, "new design"),
@@ -69,6 +70,23 @@ def describe(result: OptimizationResult) -> Description:
     ]
     name = result.after.arm.name
     return Description(f"{name}: the new design", headline(result), tuple(items), better_words(result), f"{name}: ")
+
+
+def _robust(result: OptimizationResult) -> list[Item]:
+    """The design and the nominal optimum over what is uncertain, and what the nominal one loses."""
+    if result.robust is None:
+        return []
+    found = result.robust
+    lost = percent(found.loses / found.design.value) if found.design.value > 0.0 else percent(0.0)
+    told = f"the nominal optimum has {mm(found.nominal_design.value)} there: it loses {mm(found.loses)} ({lost})"
+    if found.kept_nominal:
+        told = "no design was found that is better there than the nominal optimum, which stays"
+    one = len(found.scenarios) == 1, found.rounds == 1
+    how = f"{len(found.scenarios)} scenario{'' if one[0] else 's'} bind{'s' if one[0] else ''} it"
+    how = f"{how}, found in {found.rounds} round{'' if one[1] else 's'}"
+    sampled = f", of {found.samples} samples" if found.samples else ""
+    rest = f"{how}{sampled}; judged by scenarios that it was not made with"
+    return [Paragraph(robust_words(found.design), "strong"), Paragraph(f"{told}; {rest}", "under")]
 
 
 def _not_judged(result: OptimizationResult) -> list[Paragraph]:
@@ -239,6 +257,8 @@ def _rests_on(result: OptimizationResult) -> str:
 def bound_sentence(result: OptimizationResult) -> str:
     """What the lower bound says."""
     factor, unit = objective_unit(result.minimize, result.figures)
+    if result.robust is not None and result.robust.design.share < 1.0 and result.minimize == "max_error":
+        return "no lower bound is known: what a share does not exceed is sampled, and its optimum a local one"
     bound = with_unit(factor * result.lower_bound, unit, 6)
     reach = "no design does better" if result.optimum == "global" else "no design near this one does better"
     return f"lower bound {bound}: the optimum over the binding poses alone; {reach}"

@@ -102,9 +102,13 @@ class CombinationBounds:
 
 def combination_bounds(context: Context) -> CombinationBounds | None:
     """Bounds for all combinations of a problem, none known yet; None where there can be none: too many combinations,
-    lengths to be chosen, or play that depends on the design."""
+    lengths to be chosen, scenarios, or play that depends on the design."""
     problem = context.problem
-    if problem.link_length is not None or (problem.arm.play != "worst" and context.uses_error):
+    if (
+        problem.link_length is not None
+        or context.scenarios is not None
+        or (problem.arm.play != "worst" and context.uses_error)
+    ):
         return None
     links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
     shapes, materials = options(problem)

@@ -139,8 +139,8 @@ class Chooser:
 
     def one_signed(self, *, everywhere: bool = False) -> bool:
         """Whether no terms of the error cancel at the poses that hold the best design, so that it has no pits; or
-        `everywhere` that any design was held against."""
-        if self.best is None or not self.context.uses_error:
+        `everywhere` that any design was held against. Not asked where scenarios count: no answer then claims it."""
+        if self.best is None or not self.context.uses_error or self.context.scenarios is not None:
             return True
         pick, space, _, _, exchanged, _ = self.best
         p = numeric_beams(arm_of(space, exchanged.x, pick.materials), self.context.problem.load_cases)
@@ -158,9 +158,9 @@ class Chooser:
                 self.finish(pick, rung, within=_NEAR)
 
     def _error(self, pick: Combination, space: DesignSpace, x: Array) -> float:
-        p = numeric_beams(arm_of(space, x, pick.materials), self.context.problem.load_cases)
+        arm = arm_of(space, x, pick.materials)
         try:
-            return self.context.search.worst(p, certify=False).error
+            return self.context.worst(arm, numeric_beams(arm, self.context.problem.load_cases), certify=False).error
         except Unreachable:
             return math.inf
 

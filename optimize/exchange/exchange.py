@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from arm.chain.chain import Arm
 from arm.errors.model import ErrorModel, error_model
 from arm.worst.parts import worst_search
 from arm.worst.search import WorstCase, WorstPose, WorstSearch
@@ -29,6 +30,7 @@ from .binding_poses import Anchor, ErrorCut, Pool
 from .design import DesignSpace, arm_of, numeric_beams, with_uniform_links
 from .program import Program, Solution, anchored, carried_mass, fixed_error, groups_of
 from .rescue import LEAST_ERROR, solved
+from .scenarios import Scenarios
 
 Log = Callable[[Iteration], None]
 
@@ -48,6 +50,20 @@ class Context:
     model: ErrorModel
     search: WorstSearch
     families: tuple[tuple[PoseFamily, Any], ...] = ()
+    scenarios: Scenarios | None = None
+    """What the error is held for instead of the arm as it is; other figures are those of the arm as it is."""
+
+    @property
+    def error_groups(self) -> int:
+        """How many load cases there are for the error: of each scenario, all."""
+        return len(self.model.cases) * (1 if self.scenarios is None else len(self.scenarios.held))
+
+    def worst(self, arm: Arm, p: Array, **settings: Any) -> WorstCase:
+        """The worst error of a design, with its beam values, over the workspace and all scenarios; `settings` as in
+        `WorstSearch.worst`."""
+        if self.scenarios is None:
+            return self.search.worst(p, **settings)
+        return self.scenarios.worst(arm, self.problem.load_cases, **settings)
 
     @property
     def uses_error(self) -> bool:
@@ -107,10 +123,10 @@ class Exchange:
         """A compiled program with room for the pool (with `spare`, for some more)."""
         if self._program is None or not self._program.holds(pool):
             families = [family for family, _ in self.context.families]
-            room = pool.room(len(self.context.model.cases), groups_of(self.context.problem, families))
+            room = pool.room(self.context.error_groups, groups_of(self.context.problem, families))
             # Eight slots compile about as fast as one, where poses need no unknowns of their own.
             room = room.spare(1 if self._anchors else 8) if spare else room
-            self._program = Program(self.space, self.context.model, self.context.families, room)
+            self._program = Program(self.space, self.context.model, self.context.families, room, self.context.scenarios)
         return self._program
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
@@ -232,7 +248,7 @@ class Exchange:
             limit = min((each.value for each in context.problem.limit("max_error")), default=math.inf)
             if context.problem.minimize != "max_error":
                 allowed = limit
-            worst = context.search.worst(p, extra=known, certify_up_to=allowed * (1.0 + TOLERANCE))
+            worst = context.worst(arm, p, extra=known, certify_up_to=allowed * (1.0 + TOLERANCE))
             certified = worst.certified
             violation = worst.error / max(allowed, LEAST_ERROR) - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
@@ -320,7 +336,7 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
     p = numeric_beams(arm, context.problem.load_cases)
     pool = Pool()
     if context.uses_error:
-        worst = context.search.worst(p, certify=False)
+        worst = context.worst(arm, p, certify=False)
         poses = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:4]
         pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in poses))
     for family, prepared in context.families:

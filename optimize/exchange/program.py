@@ -41,6 +41,7 @@ from .rows import (
     shape_rows,
     symbol,
 )
+from .scenarios import Scenarios, scenario_column
 
 Array = NDArray[np.float64]
 
@@ -158,10 +159,13 @@ class Program:
         model: ErrorModel,
         families: Sequence[tuple[PoseFamily, Any]],
         room: Room,
+        scenarios: Scenarios | None = None,
     ) -> None:
         """`families`: those that hold a limit, with what they prepared; `room`: how many binding poses of each kind
-        there is room for."""
-        self.space, self.model, self.room = space, model, room
+        there is room for; `scenarios`: what the error is held for instead of the arm as it is."""
+        self.space, self.room = space, room
+        self.model = model if scenarios is None else scenarios.model
+        self._groups = len(model.cases) * (1 if scenarios is None else len(scenarios.held))
         self.pose_families = tuple(family for family, _ in families)
         problem = space.problem
         levels = symbol("level", len(problem.limits))
@@ -177,7 +181,12 @@ class Program:
         floor = symbol("floor")
         worst = self.fixed_error + ca.exp(y) * ca.sqrt(ca.fmax(1.0 - floor * ca.exp(-2.0 * y), 1e-12)) / MM
         rounding = symbol("rounding")
-        errors = error_rows(model, design, y, room.errors, floor, rounding=rounding, anchored=self._anchored)
+        columns = [design.beam_column]
+        if scenarios is not None:
+            columns = [scenario_column(design, each) for each in scenarios.held]
+        errors = error_rows(
+            self.model, design, columns, y, room.errors, floor, rounding=rounding, anchored=self._anchored
+        )
         held = Held(limits, slack)
         by_pose = {
             family.name: pose_rows(
@@ -241,7 +250,7 @@ class Program:
 
     def room_for(self, pool: Pool) -> Room:
         """The room that a pool needs."""
-        return pool.room(len(self.model.cases), groups_of(self.space.problem, self.pose_families))
+        return pool.room(self._groups, groups_of(self.space.problem, self.pose_families))
 
     def solve(
         self,

@@ -45,6 +45,7 @@ def symbol(name: str, size: int = 1) -> Any:
 def error_rows(
     model: ErrorModel,
     design: DesignExpressions,
+    columns: Sequence[Any],
     y: Any,
     slots: Sequence[int],
     floor: Any,
@@ -54,13 +55,16 @@ def error_rows(
 ) -> Rows:
     """log (|e|^2 + floor) <= 2 y (in mm^2) at as many poses of each load case as `slots` says.
 
+    `columns` are the rows p that the design is held against, each with all load cases: its own, or that of scenarios.
+
     The floor moves no optimum, as the logarithm only grows. One as large as the error keeps the row smooth where terms
     of either sign cancel and the error passes through zero. `rounding` is that of the corners between the zones of
     stiffness of drives (see `arm.effects.functions.saturated`).
     """
     out = Rows()
     size = model.arm.size
-    for number, case in enumerate(model.cases):
+    pairs = [(column, case) for column in columns for case in model.cases]
+    for number, (column, case) in enumerate(pairs):
         for slot in range(slots[number]):
             q = symbol(f"q{number}_{slot}", size)
             signs = symbol(f"s{number}_{slot}", len(case.error.intervals))
@@ -77,7 +81,7 @@ def error_rows(
                 held, same_side = _anchored(model, design, at, q, tip, null, side)
                 out.equalities += held
                 out.sides.append(same_side)
-            outputs = case.function(at, design.beam_column)
+            outputs = case.function(at, column)
             vector = MM * (outputs[0] + shift)
             for k, zones in enumerate(case.zones):
                 load = outputs[-1][k]

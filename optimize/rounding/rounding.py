@@ -24,7 +24,7 @@ from optimize.limits import broken
 from optimize.problem import Problem
 from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from optimize.run import Log, optimise
-from units.quantities import NoAnswer, format_quantity
+from units.quantities import InputError, NoAnswer, format_quantity
 
 from .designs_at_once import Group, Table
 from .fixed_sizes import RoundSearch
@@ -65,6 +65,9 @@ def optimise_rounded(
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
     """
+    if problem.uncertain is not None:
+        would_do = "optimise without, then round by hand and ask `evaluate --problem`"
+        raise InputError(problem.file, "uncertain", f"goes without --round; {would_do}")
     result = optimise(problem, log=log, progress=progress, told=told)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)

@@ -133,6 +133,9 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     The problem's own limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
     is nothing to trade.
     """
+    if problem.uncertain is not None:
+        message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
+        raise InputError(problem.file, "uncertain", message)
     known = axes_of(problem.figures)
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:

@@ -1,0 +1,95 @@
+"""An arm as it may be instead: the error model's row p for a scenario, in floats and in the optimiser's symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from arm.chain.beam import Beam, elastic_beam
+from arm.chain.chain import Arm, Link, LoadCase
+from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of
+from arm.worst.search import WorstCase, WorstSearch
+from optimize.limits import DesignExpressions
+from optimize.uncertain import Scenario
+from sections import Section
+from sections.numeric import Array
+
+_RIGIDITIES = np.array(["rigidity" in name for name in BEAM_FIELDS])
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """What a robust exchange holds designs against: the error model whose rows p go on with factors of the drives, its
+    search, and the scenarios. Their load cases are numbered scenario after scenario."""
+
+    model: ErrorModel
+    search: WorstSearch
+    held: tuple[Scenario, ...]
+
+    def worst(self, arm: Arm, loads: Sequence[LoadCase], **settings: Any) -> WorstCase:
+        """The worst case of an arm over all scenarios; `settings` as in `WorstSearch.worst`."""
+        found = [self.search.worst(scenario_values(arm, loads, each), **settings) for each in self.held]
+        count = len(self.model.cases)
+        poses = [
+            replace(pose, load_case=pose.load_case + count * number)
+            for number, own in enumerate(found)
+            for pose in own.poses
+        ]
+        bounds = [own.upper_bound for own in found]
+        return WorstCase(
+            max(own.error for own in found),
+            None if None in bounds else max(bound for bound in bounds if bound is not None),
+            all(own.certified for own in found),
+            tuple(sorted(poses, key=lambda pose: -pose.error)),
+        )
+
+
+def resized(section: Section, size: Any, thickness: Any) -> Section:
+    """A section with all its dimensions times one factor, and its walls times another besides."""
+    if isinstance(size, float) and isinstance(thickness, float) and size == thickness == 1.0:
+        return section
+    scaled = section.scaled(size)
+    walls = {each.name for each in section.dimensions if each.kind == "wall"}
+    if not walls or thickness == 1.0:
+        return scaled
+    return type(section)(**{k: v * thickness if k in walls else v for k, v in scaled.given().items()})
+
+
+def scenario_values(arm: Arm, loads: Sequence[LoadCase], scenario: Scenario) -> Array:
+    """The row p of an arm as a scenario has it."""
+    links = [_resized_link(*each) for each in zip(arm.links, scenario.size, scenario.thickness, strict=True)]
+    changed = any(new is not old for new, old in zip(links, arm.links, strict=True))
+    values = beam_values(beams_of(arm.with_links(tuple(links)) if changed else arm, loads)).reshape(arm.size, -1)
+    factors = np.where(_RIGIDITIES, np.array(scenario.elastic_modulus)[:, None], 1.0)
+    return np.concatenate([(values * factors).ravel(), scenario.stiffness, scenario.backlash])
+
+
+def _resized_link(link: Link, size: float, thickness: float) -> Link:
+    if link.section is None or size == thickness == 1.0:
+        return link
+    return replace(link, section=resized(link.section, size, thickness), section_name=None)
+
+
+def scenario_column(design: DesignExpressions, scenario: Scenario) -> Any:
+    """The same for a design in the optimiser's symbols."""
+    beams = [_beam(design, link, scenario) for link in range(len(design.beams))]
+    column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
+    entries = [0.0 if entry is None else entry for entry in column]
+    return ca.vertcat(*[ca.SX(entry) for entry in (*entries, *scenario.stiffness, *scenario.backlash)])
+
+
+def _beam(design: DesignExpressions, link: int, scenario: Scenario) -> Beam:
+    beam, section, material = design.beams[link], design.sections[link], design.materials[link]
+    if section is None or material is None:
+        return beam
+    size, thickness = scenario.size[link], scenario.thickness[link]
+    if size != 1.0 or thickness != 1.0:
+        properties = resized(section, size, thickness).properties(material.poisson_ratio)
+        beam = elastic_beam(beam.length, properties, material, shear=True)
+    factor = scenario.elastic_modulus[link]
+    names = [name for name in BEAM_FIELDS if "rigidity" in name and getattr(beam, name) is not None]
+    return replace(beam, **{name: factor * getattr(beam, name) for name in names})

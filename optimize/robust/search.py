@@ -1,0 +1,154 @@
+"""The scenario at which a design errs most, and the error that a share of scenarios does not exceed.
+
+At a pose the error is a sum of terms, each with factors one over a modulus or a stiffness, or a backlash: where they
+agree in sign it grows with each of them, and a vertex of the box is the worst. So vertices are climbed to, from several
+starts, by turning one factor at a time; inner points are looked at as well, for dimensions make links both stiffer and
+heavier. Poses come from whole searches at the scenarios found so far.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.search import WorstCase, WorstSearch
+from optimize.exchange.design import with_uniform_links
+from optimize.exchange.exchange import CERTIFICATE_GAP
+from optimize.exchange.scenarios import scenario_values
+from optimize.problem import Problem
+from optimize.uncertain import Uncertain
+from sections.numeric import Array
+from units.quantities import InputError
+
+_POSES = 192
+_ENUMERATED = 8
+"""Up to so many uncertain factors every vertex is looked at."""
+_STARTS, _INNER = 6, 32
+_CLOSER = 4
+"""Whole searches of the workspace at the worst scenario so far."""
+_CHUNK = 40_000
+
+
+class ScenarioSearch:
+    """Looks for the worst scenarios of designs, again and again as the design changes."""
+
+    def __init__(self, problem: Problem, arm: Arm | None = None) -> None:
+        """For the arms of a problem; `arm` is one of another structure to be looked at instead."""
+        assert problem.uncertain is not None
+        self.uncertain: Uncertain = problem.uncertain
+        self.loads = problem.load_cases
+        base = with_uniform_links(problem).arm if arm is None else arm
+        for name, k in self.uncertain.places:
+            if name == "stiffness" and base.joints[k].zones:
+                would_do = "leave its stiffness out of uncertain, or give the joint one stiffness"
+                raise InputError(problem.file, "uncertain", f"joint {k + 1} has zones of stiffness; {would_do}")
+        self.model = error_model(base, self.loads, drives=True)
+        self.search = WorstSearch(self.model, problem.workspace, gap=CERTIFICATE_GAP)
+
+    @property
+    def size(self) -> int:
+        """How many factors are uncertain."""
+        return len(self.uncertain.places)
+
+    def exact(self, arm: Arm, shares: Array, extra: Array | None = None) -> WorstCase:
+        """The worst case of an arm over its workspace in one scenario, without a certificate."""
+        values = scenario_values(arm, self.loads, self.uncertain.scenario(shares))
+        return self.search.worst(values, certify=False, extra=extra)
+
+    def errors(self, arm: Arm, shares: Array, poses: Array) -> Array:
+        """The worst error (M,) in each of the scenarios `shares` (M, d) over poses (N, n) and load cases."""
+        return self._errors(self._rows(arm, shares), poses)
+
+    def _rows(self, arm: Arm, shares: Array) -> Array:
+        """The error model's row p of each scenario."""
+        return np.array([scenario_values(arm, self.loads, self.uncertain.scenario(each)) for each in shares])
+
+    def _errors(self, rows: Array, poses: Array) -> Array:
+        step = max(1, _CHUNK // len(poses))
+        found: list[Array] = []
+        for start in range(0, len(rows), step):
+            own = rows[start : start + step]
+            q, p = np.tile(poses, (len(own), 1)), np.repeat(own, len(poses), axis=0)
+            cases = [self.search.errors(q, p, case).error for case in range(len(self.model.cases))]
+            found.append(np.max(cases, axis=0).reshape(len(own), len(poses)).max(axis=1))
+        return np.concatenate(found)
+
+    def poses(self, arm: Arm, seed: int) -> Array:
+        """Poses to compare scenarios at: the worst of the arm as it is and at the pessimistic vertex, and others spread
+        over the workspace."""
+        shares = (np.zeros(self.size), self.uncertain.pessimistic())
+        worst = [pose.q for each in shares for pose in self.exact(arm, each).poses]
+        p = scenario_values(arm, self.loads, self.uncertain.scenario(shares[0]))
+        return np.vstack([np.array(worst), self.search.poses(p, _POSES, seed)])
+
+    def worst(self, arm: Arm, seed: int, known: Sequence[Array] = ()) -> tuple[Array, WorstCase, int]:
+        """The worst scenario of an arm as shares of the ways to the bounds, its worst case, and how many were compared;
+        `known` are scenarios worth starting from."""
+        generator = np.random.default_rng(seed)
+        poses = self.poses(arm, seed)
+        if self.size <= _ENUMERATED:
+            vertices = np.array(list(itertools.product((-1.0, 1.0), repeat=self.size)))
+        else:
+            random = generator.choice((-1.0, 1.0), (_STARTS, self.size))
+            vertices = np.vstack([self.uncertain.pessimistic(), -self.uncertain.pessimistic(), random])
+        inner = generator.uniform(-1.0, 1.0, (_INNER, self.size))
+        trials = np.vstack([vertices, inner, np.zeros(self.size), *known])
+        compared = len(trials)
+        best, case = trials[0], None
+        for _ in range(_CLOSER):
+            errors = self.errors(arm, trials, poses)
+            starts = trials[np.argsort(-errors, kind="stable")[:_STARTS]]
+            reached = [self._climbed(arm, start, poses) for start in starts]
+            compared += sum(count for _, count in reached)
+            ends = np.array([end for end, _ in reached])
+            own = ends[int(np.argmax(self.errors(arm, ends, poses)))]
+            found = self.exact(arm, own, poses)
+            if case is not None and (found.error <= case.error * (1.0 + 1e-7) or np.array_equal(own, best)):
+                break
+            best, case = own, found
+            poses = np.vstack([poses, np.array([pose.q for pose in found.poses])])
+        assert case is not None
+        return best, case, compared
+
+    def _climbed(self, arm: Arm, start: Array, poses: Array) -> tuple[Array, int]:
+        """From a scenario by turning one factor at a time to either bound, until none makes it worse."""
+        here, value = start, float(self.errors(arm, start[None], poses)[0])
+        compared = 0
+        for _ in range(2 * self.size):
+            trials = np.repeat(here[None], 2 * self.size, axis=0)
+            for k in range(self.size):
+                trials[2 * k, k], trials[2 * k + 1, k] = -1.0, 1.0
+            errors = self.errors(arm, trials, poses)
+            compared += len(trials)
+            top = int(np.argmax(errors))
+            if errors[top] <= value * (1.0 + 1e-9):
+                break
+            here, value = trials[top], float(errors[top])
+        return here, compared
+
+    def samples(self, count: int, seed: int) -> Array:
+        """Scenarios (count, d), each factor uniform between its bounds, independently."""
+        return np.random.default_rng(seed).uniform(-1.0, 1.0, (count, self.size))
+
+    def sampled(self, arm: Arm, shares: Array, seed: int) -> Array:
+        """The worst error (M,) over the workspace in each scenario, at poses found at those near the quantile."""
+        poses, rows = self.poses(arm, seed), self._rows(arm, shares)
+        for _ in range(2):
+            errors = self._errors(rows, poses)
+            near = np.argsort(errors, kind="stable")[rank(self.uncertain.share, len(shares)) - 1]
+            poses = np.vstack([poses, np.array([pose.q for pose in self.exact(arm, shares[near], poses).poses])])
+        return self._errors(rows, poses)
+
+    def nominal(self, arm: Arm) -> float:
+        """The worst error (m) of the arm as it is."""
+        p = beam_values(beams_of(arm, self.loads))
+        return self.search.worst(np.concatenate([p, np.ones(2 * arm.size)]), certify=False).error
+
+
+def rank(share: float, count: int) -> int:
+    """Which of so many values, from the smallest (1), the share of them does not exceed."""
+    return min(count, max(1, int(np.ceil(share * count - 1e-9))))

@@ -1,0 +1,171 @@
+"""What is not known exactly of an arm: factors of its moduli, dimensions, drives and backlash, between bounds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping as MappingLike
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, cast
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.effects import BACKLASH, JOINT_COMPLIANCE
+from sections.numeric import Array
+from sections.taper import Tapered
+from units.quantities import read_number, shown
+from units.reading import Mapping
+
+OF_LINKS = ("elastic_modulus", "size", "thickness")
+OF_JOINTS = ("stiffness", "backlash")
+FACTORS = (*OF_LINKS, *OF_JOINTS)
+"""What can be uncertain: a link's moduli (E and G alike), all dimensions of its section, its walls; a drive's stiffness
+and backlash."""
+_WORST = 1.0
+_FROM_DIAGNOSIS: MappingLike[tuple[str, str], str] = MappingProxyType(
+    {
+        (JOINT_COMPLIANCE.id, "stiffness"): "stiffness",
+        (JOINT_COMPLIANCE.id, "compliance"): "stiffness",
+        (BACKLASH.id, "total"): "backlash",
+    }
+)
+"""Which factor a parameter of a finding makes uncertain."""
+_MOST = 0.9
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One way the arm may be: factors of `elastic_modulus`, `size` and `thickness` for each link, of `stiffness` and
+    `backlash` for each joint."""
+
+    elastic_modulus: tuple[float, ...]
+    size: tuple[float, ...]
+    thickness: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    backlash: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """How far each factor may be from one, either way: for each link or joint, by name. `share` is the share of what
+    may be that the error is held for: 1 is all of it, the worst.
+
+    Each factor is anywhere within its bounds, independently of the others; for a share below 1 uniformly so.
+    """
+
+    widths: MappingLike[str, tuple[float, ...]]
+    share: float = _WORST
+
+    @property
+    def worst(self) -> bool:
+        """Whether the worst of all counts."""
+        return self.share == _WORST
+
+    @property
+    def text(self) -> str:
+        """What is minimised, in words."""
+        return "worst" if self.worst else f"{100.0 * self.share:g} %"
+
+    @property
+    def places(self) -> tuple[tuple[str, int], ...]:
+        """The factors that are uncertain, by name and link or joint (from 0)."""
+        return tuple((name, k) for name in FACTORS for k, width in enumerate(self.widths[name]) if width > 0.0)
+
+    def scenario(self, shares: Array) -> Scenario:
+        """The scenario where each uncertain factor is at a share (-1 to 1) of its way to its bound."""
+        factors = {name: [1.0] * len(self.widths[name]) for name in FACTORS}
+        for (name, k), share in zip(self.places, shares.tolist(), strict=True):
+            factors[name][k] = 1.0 + share * self.widths[name][k]
+        return Scenario(**{name: tuple(values) for name, values in factors.items()})
+
+    def pessimistic(self) -> Array:
+        """The vertex where everything is softer, thinner and looser."""
+        return np.array([1.0 if name == "backlash" else -1.0 for name, _ in self.places])
+
+
+def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
+    """What a problem file says is uncertain, and how `robust` counts it; None where it says nothing.
+
+    Raises `InputError` for what is wrong, and for one of `uncertain` and `robust` without the other.
+    """
+    if not mapping.has("uncertain"):
+        if mapping.has("robust"):
+            raise mapping.error("robust", "needs what is uncertain, e.g. uncertain: {elastic_modulus: 5 %}")
+        return None
+    if not mapping.has("robust"):
+        raise mapping.error("uncertain", "needs how it counts: robust: worst, or robust: 95 %")
+    raw = mapping.raw("robust")
+    share = _WORST
+    if raw != "worst":
+        share = read_number(raw, file=mapping.file, key=mapping.path_of("robust"))
+        if not 0.5 <= share < 1.0:
+            raise mapping.error("robust", f"is worst, or a share from 50 % to below 100 %, not {shown(raw)}")
+    with mapping.mapping("uncertain").reading() as body:
+        widths = {name: _widths(body, name, arm) for name in FACTORS}
+        if body.has("diagnosis"):
+            _diagnosed(body, arm, widths)
+        if not any(any(own) for own in widths.values()):
+            raise mapping.error("uncertain", f"names nothing; it takes {', '.join(FACTORS)} and diagnosis")
+    if arm.play == "statistical" and any(widths["backlash"]):
+        raise mapping.error("uncertain", "backlash goes with play: worst or loaded, not with statistical play")
+    for k, link in enumerate(arm.links):
+        if isinstance(link.section, Tapered) and widths["thickness"][k] + widths["size"][k] > 0.0:
+            raise mapping.error("uncertain", f"link {k + 1} is tapered, whose dimensions cannot be uncertain")
+    return Uncertain(MappingProxyType(widths), share)
+
+
+def _widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
+    """A width for each link or joint: one for all, or a list; nought where there is nothing of that to be uncertain."""
+    what = "links" if name in OF_LINKS else "joints"
+    if not body.has(name):
+        return (0.0,) * arm.size
+    raw = body.raw(name)
+    values = cast(list[object], raw) if isinstance(raw, list) else [raw] * arm.size
+    if len(values) != arm.size:
+        raise body.error(name, f"is one figure for all, or one for each of the {arm.size} {what}, not {len(values)}")
+    found: list[float] = []
+    for value in values:
+        width = read_number(value, file=body.file, key=body.path_of(name))
+        if not 0.0 <= width <= _MOST:
+            raise body.error(name, f"is how far off it may be, from 0 % to {100.0 * _MOST:g} %, not {shown(value)}")
+        found.append(width)
+    return tuple(width if _has(arm, name, k) else 0.0 for k, width in enumerate(found))
+
+
+def _has(arm: Arm, name: str, k: int) -> bool:
+    """Whether a link or joint has what may be uncertain of it."""
+    if name in OF_LINKS:
+        return arm.links[k].elastic
+    effect = JOINT_COMPLIANCE.id if name == "stiffness" else BACKLASH.id
+    more = any(each.effect == effect and (not each.at or k + 1 in each.at) for each in arm.effects)
+    joint = arm.joints[k]
+    return more or (joint.stiffness is not None if name == "stiffness" else joint.backlash > 0.0)
+
+
+def _diagnosed(body: Mapping, arm: Arm, widths: dict[str, tuple[float, ...]]) -> None:
+    """Take the widths of what a diagnosis found from its 95 % intervals, relative to what it found."""
+    path = Path(str(body.file)).parent / body.text("diagnosis")
+    try:
+        content: Any = json.loads(path.read_text(encoding="utf-8"))
+        findings: list[Any] = content["missing"]
+    except (OSError, ValueError, KeyError, TypeError):
+        raise body.error("diagnosis", f"{path} is no diagnosis.json") from None
+    used = False
+    for finding in findings:
+        for parameter in finding.get("parameters", {}).values():
+            name = _FROM_DIAGNOSIS.get((str(finding.get("effect")), str(parameter.get("parameter"))))
+            at, ends, value = parameter.get("at"), parameter.get("ci95"), parameter.get("value")
+            if name is None or not ends or not value:
+                continue
+            width = min(0.5 * abs(ends[1] - ends[0]) / abs(value), _MOST)
+            numbers = [at] if isinstance(at, int) else list(at or finding.get("at") or range(1, arm.size + 1))
+            own = list(widths[name])
+            for number in numbers:
+                if 1 <= number <= arm.size and _has(arm, name, number - 1):
+                    own[number - 1], used = width, True
+            widths[name] = tuple(own)
+    if not used:
+        would_do = "give it with the arm.yaml that the diagnosis wrote"
+        raise body.error("diagnosis", f"{path.name} holds no interval of a drive here; {would_do}")
