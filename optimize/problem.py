@@ -350,6 +350,8 @@ def _names(body: Mapping, key: str) -> list[str]:
 
 def _check(mapping: Mapping, problem: Problem) -> None:
     """Limits that contradict each other, whatever the design."""
+    if problem.uncertain is not None and problem.workspace.error != "whole":
+        raise mapping.error("uncertain", f"counts the whole error, not that {problem.workspace.error} the path")
     body = mapping.mapping("subject_to") if mapping.has("subject_to") else mapping
     for name, figure in problem.figures.items():
         lower = max((x.value for x in problem.limit(name) if x.relation in (">=", "==")), default=0.0)

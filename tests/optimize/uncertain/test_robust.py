@@ -221,6 +221,9 @@ def test_a_finding_gives_as_its_drive_does(tmp_path: Path) -> None:
 
 
 WRONG = {
+    "robust: worst\nuncertain: {stiffness: 5 %}\nworkspace: {path: [[600 mm, 0 m], [700 mm, 0 m]], error: across}\n": (
+        "counts the whole error"
+    ),
     "robust: worst\n": "robust: needs what is uncertain",
     "uncertain: {stiffness: 5 %}\n": "uncertain: needs how it counts",
     "robust: 105 %\nuncertain: {stiffness: 5 %}\n": "robust: is worst, or a share",
