@@ -20,6 +20,7 @@ from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
+from executors import Executor
 
 from .options import Options, Progress
 from .recording import Recording
@@ -31,9 +32,14 @@ def _silent(what: str, share: float) -> None:
 
 
 def diagnose(
-    arm: Arm, recording: Recording, options: Options | None = None, progress: Progress | None = None
+    arm: Arm,
+    recording: Recording,
+    options: Options | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Diagnosis:
-    """What an arm's model leaves out, by a recording of the real arm.
+    """What an arm's model leaves out, by a recording of the real arm; what falls apart into steps is done by
+    `executor`, else by this process.
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
@@ -79,7 +85,7 @@ def diagnose(
             namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
         if asked.thorough and named.everything:
             told = "calibrating the whole search"
-            p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share))
+            p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share), executor)
             named = (
                 replace(named, whole_p=p) if p <= rules.search.whole_level else Named((), (), (), named.gate, None, p)
             )

@@ -40,6 +40,13 @@ class Cluster(Executor):
 
     Raises `InputError` where dask is not installed, nothing answers at the address within seconds, the scheduler has no
     workers, or one of them has another version of this program.
+
+    >>> import linkwright as lw
+    >>> try:
+    ...     cluster = lw.Cluster("nowhere", patience=0.1)
+    ... except lw.InputError as error:
+    ...     print(error.key)
+    --dask
     """
 
     def __init__(self, address: str, *, patience: float = ANSWER) -> None:
@@ -87,6 +94,11 @@ class Cluster(Executor):
     def workers(self) -> int:
         """How many steps can be done at the same time: the workers' threads."""
         return sum(self._client.nthreads().values())
+
+    @property
+    def shares(self) -> bool:
+        """It is."""
+        return True
 
     def __repr__(self) -> str:
         """Where, and how many."""

@@ -62,6 +62,11 @@ class Executor(ABC):
     def workers(self) -> int:
         """How many steps can be done at the same time."""
 
+    @property
+    @abstractmethod
+    def shares(self) -> bool:
+        """Whether work is shared out at all; otherwise this process does one step after another."""
+
     @abstractmethod
     def completed(
         self, work: Work[Kept, Item, Result], items: Sequence[Item], pulse: Pulse = no_pulse
@@ -109,6 +114,11 @@ class Here(Executor):
     def workers(self) -> int:
         """One."""
         return 1
+
+    @property
+    def shares(self) -> bool:
+        """It is not."""
+        return False
 
     def completed(
         self, work: Work[Kept, Item, Result], items: Sequence[Item], pulse: Pulse = no_pulse

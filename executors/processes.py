@@ -91,6 +91,11 @@ class Processes(Executor):
     `workers` is how many (None: as many as there are cores that this process may use), `tries` how often a step is
     begun whose worker is killed. With no `patience` at all nothing is done in this process. Raises `InputError` for
     less than one worker.
+
+    >>> import linkwright as lw
+    >>> with lw.Processes(2) as processes:
+    ...     processes
+    <Processes: 2 workers>
     """
 
     def __init__(self, workers: int | None = None, *, patience: float = PATIENCE, tries: int = TRIES) -> None:
@@ -106,6 +111,11 @@ class Processes(Executor):
     def workers(self) -> int:
         """How many processes there are once there is work for them."""
         return self._count
+
+    @property
+    def shares(self) -> bool:
+        """It is, but for a worker alone."""
+        return self._count > 1 or self._patience <= 0.0
 
     def __repr__(self) -> str:
         """How many."""

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from executors import Cluster, Processes
     from linkwright.face.arm import Arm, Joint, Link, read_arm
     from linkwright.face.catalogues.actuators import actuators
     from linkwright.face.catalogues.effects import effects
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _HOMES = MappingProxyType(
     {
+        "executors": ("Cluster", "Processes"),
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
         "linkwright.face.catalogues.actuators": ("actuators",),
         "linkwright.face.catalogues.effects": ("effects",),
@@ -58,12 +60,14 @@ _HOMES = MappingProxyType(
 
 __all__ = [
     "Arm",
+    "Cluster",
     "InputError",
     "Joint",
     "Link",
     "MissingProperty",
     "NoAnswer",
     "Problem",
+    "Processes",
     "actuators",
     "compare",
     "compensate",

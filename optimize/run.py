@@ -11,6 +11,7 @@ from arm.errors.model import error_model
 from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
 from arm.worst.search import WorstSearch
 from arm.worst.workspace import Unreachable
+from executors import Executor
 from optimize.choice.actuators import choose_driven, first_driven
 from optimize.choice.combinations import Choice, Progress, count
 from optimize.exchange.design import arm_of, numeric_beams
@@ -35,8 +36,9 @@ def optimise(
     log: Log | None = None,
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
+    executor: Executor | None = None,
 ) -> OptimizationResult:
-    """The best design for a problem.
+    """The best design for a problem; what falls apart into steps is done by `executor`, else by this process.
 
     `told` hears at once of limits that no design can keep, before it is found out what they would have to be.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
@@ -59,7 +61,7 @@ def optimise(
             context, names = first_driven(problem)
             raise Infeasible(explained(context, beyond=beyond, progress=progress), _looked_at(names))
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
-        found = choose_driven(problem, progress=progress, log=log)
+        found = choose_driven(problem, progress=progress, log=log, executor=executor)
     except Unreachable as error:
         hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
         raise NoAnswer(f"workspace: {error}{hint}") from None

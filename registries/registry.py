@@ -43,12 +43,19 @@ class Registry(Mapping[str, T], Generic[T]):
     """Entries by name, in the order shipped, installed (by package), registered.
 
     `what` is the word for an entry in messages, `name_of` its name, `fault` says what is wrong with an object that is
-    meant to be one (None: nothing), `group` is that of the entry points.
+    meant to be one (None: nothing), `group` is that of the entry points. `home` (`module:name`) is where it stands:
+    sent to another process, it becomes the one that stands there.
     """
 
     def __init__(
-        self, what: str, group: str, name_of: Callable[[T], str], fault: Callable[[object], str | None]
+        self,
+        what: str,
+        group: str,
+        name_of: Callable[[T], str],
+        fault: Callable[[object], str | None],
+        home: str = "",
     ) -> None:
+        self._home = home
         self._what, self._group, self._name_of, self._fault = what, group, name_of, fault
         self._shipped: dict[str, T] = {}
         self._added: dict[str, T] = {}
@@ -86,6 +93,12 @@ class Registry(Mapping[str, T], Generic[T]):
     def __len__(self) -> int:
         """How many there are."""
         return len(self._shipped) + len(self._others())
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """By its home; one without stays where it is."""
+        if not self._home:
+            raise TypeError(f"the list of {self._what}s belongs to its process")
+        return _at_home, (self._home,)
 
     def __repr__(self) -> str:
         """How many, of what."""
@@ -139,6 +152,13 @@ class Registry(Mapping[str, T], Generic[T]):
             hint = "choose another name" if name in self._shipped else f"another name, or withdraw('{name}') first"
             raise _refusal(f"{who}there is {_article(self._what)} '{name}' already; {hint}")
         self._added[name] = good
+
+
+def _at_home(home: str) -> object:
+    from importlib import import_module
+
+    module, _, name = home.partition(":")
+    return getattr(import_module(module), name)
 
 
 def _package(point: EntryPoint) -> str:

@@ -15,7 +15,7 @@ from linkwright.output.files import check_target, write_markdown, write_result
 from units.quantities import InputError
 from units.reading import nearest
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
+from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, OutFolder, Workers, asked_of, crew_of
 
 if TYPE_CHECKING:
     from linkwright.screen.progress import Steps
@@ -49,6 +49,8 @@ def diagnose(
         typer.Option("--problem", metavar="PROBLEM", help="Solve this design problem with what was found, too."),
     ] = None,
     catalogue: CatalogueFile = None,
+    workers: Workers = None,
+    dask: Dask = None,
 ) -> None:
     """Run the command."""
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
@@ -63,9 +65,10 @@ def diagnose(
         given = lw.read_arm(arm, catalogue=catalogue)
         read = lw.read_recording(recording, given, settings=recording_yaml)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
+    with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:
         claim_diagnosis(out)
-    with asked_of(arm), steps() as told:
-        found = lw.diagnose(given, read, thorough=thorough, without=without_effect or (), progress=told)
+        leave = without_effect or ()
+        found = lw.diagnose(given, read, thorough=thorough, without=leave, progress=told, executor=crew)
     if asked is not None:
         with asked_of(arm), steps() as told:
             found = replace(found, redesign=lw.redesign(asked, found, progress=told))

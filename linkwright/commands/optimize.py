@@ -20,9 +20,10 @@ from linkwright.output.files import (
 )
 from units.quantities import InputError, NoAnswer
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
+from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, OutFolder, Workers, asked_of, crew_of
 
 if TYPE_CHECKING:
+    from executors import Executor
     from linkwright.face.design import Optimization
     from linkwright.face.problem import Problem
     from optimize.result import Iteration
@@ -50,6 +51,8 @@ def optimize(
         str | None,
         typer.Option("--round-length", metavar="STEP", help="With --round: the grid of link lengths, 1 mm by default."),
     ] = None,
+    workers: Workers = None,
+    dask: Dask = None,
 ) -> None:
     """Run the command."""
     from linkwright.json.infeasible import infeasible_json
@@ -67,10 +70,10 @@ def optimize(
         read_rounding(round_to, round_length)  # a mistake is told before anything is read
     with waiting("reading"):
         asked = lw.read_problem(problem, catalogue=catalogue)
-    claim_folder(out, "optimize")
-    with asked_of(problem):
+    with asked_of(problem), crew_of(workers, dask) as crew:
+        claim_folder(out, "optimize")
         try:
-            result = _solved(asked, round_to, round_length)
+            result = _solved(asked, round_to, round_length, crew)
         except NoAnswer as error:
             if error.infeasible is not None:
                 write_json(json, infeasible_json(error.infeasible, "optimize", problem))
@@ -94,7 +97,7 @@ def optimize(
         raise KeyboardInterrupt
 
 
-def _solved(problem: Problem, round_to: str | None, round_length: str | None) -> Optimization:
+def _solved(problem: Problem, round_to: str | None, round_length: str | None, crew: Executor) -> Optimization:
     """Optimise (and round), with a line for each iteration and a bar (or lines) while combinations are tried."""
     from linkwright.results.optimization import iteration_line
     from linkwright.screen.console import console
@@ -111,7 +114,7 @@ def _solved(problem: Problem, round_to: str | None, round_length: str | None) ->
 
     given: Any = {"round_to": round_to, "round_length": round_length}
     try:
-        return lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond)
+        return lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond, executor=crew)
     except KeyboardInterrupt:
         steps.close()
         _stopped("no design was finished yet, so there is none to keep")

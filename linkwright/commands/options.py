@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from units.quantities import InputError
+
+if TYPE_CHECKING:
+    from executors import Executor
 
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines.")]
 MarkdownFile = Annotated[
@@ -23,6 +26,26 @@ OutFolder = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Write report.html and the other files there; nothing is without it."),
 ]
+
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", min=1, help="Processes for what takes long; one for each core by default."),
+]
+Dask = Annotated[
+    str | None,
+    typer.Option("--dask", metavar="ADDRESS", help="A cluster for what takes long: its scheduler, tcp://HOST:8786."),
+]
+
+
+@contextmanager
+def crew_of(workers: int | None, dask: str | None) -> Generator[Executor]:
+    """The processes or the cluster that the options ask for."""
+    from executors import Cluster, Processes
+
+    if dask is not None and workers is not None:
+        raise InputError("", "--workers", "goes without --dask, whose workers are the cluster's own; leave one out")
+    with Processes(workers) if dask is None else Cluster(dask) as made:
+        yield made
 
 
 @contextmanager

@@ -20,9 +20,10 @@ from linkwright.output.files import (
 )
 from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of
+from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, Workers, asked_of, crew_of
 
 if TYPE_CHECKING:
+    from executors import Executor
     from linkwright.face.problem import Problem
     from linkwright.face.tradeoff import Tradeoff
     from optimize.tradeoff.journal import Journal
@@ -76,6 +77,8 @@ def tradeoff(
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points as CSV.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal in --out DIR holds.")] = False,
     catalogue: CatalogueFile = None,
+    workers: Workers = None,
+    dask: Dask = None,
 ) -> None:
     """Run the command."""
     from linkwright.results.tradeoff import describe
@@ -91,8 +94,12 @@ def tradeoff(
 
         given = lw.read_problem(problem, catalogue=catalogue)
         asked = question(given.model, x, y, by=None if by is None else by.value, reach=reach.value)
-    with asked_of(problem), _journal(asked, accuracy, out, resume=resume) as journal:
-        result = _traced(given, asked, accuracy, journal, out)
+    with (
+        asked_of(problem),
+        crew_of(workers, dask) as crew,
+        _journal(asked, accuracy, out, resume=resume) as journal,
+    ):
+        result = _traced(given, asked, accuracy, journal, out, crew)
         written = _write(result, out, json, csv)
     screen = console()
     described = describe(result.found)
@@ -130,7 +137,9 @@ def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool
     return journal
 
 
-def _traced(given: Problem, asked: Question, accuracy: float, journal: Journal, out: Path | None) -> Tradeoff:
+def _traced(
+    given: Problem, asked: Question, accuracy: float, journal: Journal, out: Path | None, crew: Executor
+) -> Tradeoff:
     """Trace the fronts, with a sign of how far they are; an interrupt ends the work between two of its parts."""
     from linkwright.face.tradeoff import traced_front
     from linkwright.screen.console import console
@@ -139,7 +148,7 @@ def _traced(given: Problem, asked: Question, accuracy: float, journal: Journal, 
     screen = console(errors=True)
     shown = TracingProgress(console(), groups=asked.by is not None)
     try:
-        result = traced_front(given, asked, accuracy, journal, shown)
+        result = traced_front(given, asked, accuracy, journal, shown, crew)
         if result.interrupted:
             raise KeyboardInterrupt
     except KeyboardInterrupt:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.output.files import DESIGN, REPORT
 from linkwright.redesigning import Redesign as FoundRedesign
@@ -25,6 +26,7 @@ from .given import File, Quantity
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
 from .result import Result, figure_of
+from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,15 +133,18 @@ def optimize(
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
     out_of_reach: Callable[[str], None] | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Optimization:
     """The best design within a problem's limits.
 
     `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
     (text, or m; 1 mm by default); where no such design keeps the limits, `found.not_rounded` says why and which comes
-    nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody
-    looks; `log` of every round; `out_of_reach` at once of a limit that no design can keep. Ctrl-C ends it with the best
-    design so far, marked `interrupted`. Raises `InputError`, `MissingProperty`, and `NoAnswer`, whose `infeasible` says
-    what each limit would have to be.
+    nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody looks; `log` of every
+    round; `out_of_reach` at once of a limit that no design can keep. What takes long is done by so many `workers`,
+    processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the
+    best design so far, marked `interrupted`. Raises `InputError`, `MissingProperty`, and `NoAnswer`, whose `infeasible`
+    says what each limit would have to be.
 
     >>> import linkwright as lw
     >>> problem = lw.Problem(
@@ -159,7 +164,7 @@ def optimize(
         raise InputError("", "round_length", "goes with round_to; write 'stock' there, or '0.5 mm'")
     length = round_length if round_length is None or isinstance(round_length, str) else _metres(round_length)
     rounding = None if round_to is None else read_rounding(round_to, length)
-    with told(progress) as tell, interrupts() as check:
+    with told(progress) as tell, interrupts() as check, at_work(executor, workers) as crew:
 
         def tries(done: int, total: int, text: str) -> None:
             check()
@@ -171,9 +176,9 @@ def optimize(
                 log(iteration)
 
         if rounding is not None:
-            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries, told=out_of_reach)
+            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries, told=out_of_reach, executor=crew)
         else:
-            found = optimise(asked.model, log=heard, progress=tries, told=out_of_reach)
+            found = optimise(asked.model, log=heard, progress=tries, told=out_of_reach, executor=crew)
     return Optimization(asked, found)
 
 

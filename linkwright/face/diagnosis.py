@@ -15,6 +15,7 @@ from diagnose.diagnosis import diagnose as diagnosed
 from diagnose.options import Options
 from diagnose.result import Diagnosis as Found
 from diagnose.result import FittedParameter
+from executors import Executor
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
 from linkwright.output.written_arm import with_written
@@ -34,6 +35,7 @@ from .problem import Problem, problem_of
 from .progress import Progress, told
 from .recording import Recording, read_recording
 from .result import Result, figure_of
+from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,6 +142,8 @@ def diagnose(
     without: Collection[str] = (),
     settings: File | None = None,
     progress: Progress | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Diagnosis:
     """What the model of an arm leaves out, by one recording of the real one: where, what, how sure.
 
@@ -147,7 +151,9 @@ def diagnose(
     in one setting, with the same frame and tool, are one recording as one table. `lw.compare` takes two.
     `thorough` calibrates the whole search and takes longer; `without` names effects that are no candidates; `settings`
     is the recording's recording.yaml where a file is named. `progress(text, share)` hears of the steps, by default a
-    bar where somebody looks. Raises `InputError`, and `MissingProperty` where the model lacks a figure.
+    bar where somebody looks. What takes long is done by so many `workers`, processes of this machine (one a core), or
+    by an `executor` (`lw.Processes`, `lw.Cluster`). Raises `InputError`, and `MissingProperty` where the model lacks a
+    figure.
 
     >>> import linkwright as lw
     >>> dia = lw.diagnose("examples/hidden-backlash/arm.yaml", "examples/hidden-backlash/recording.csv")
@@ -159,8 +165,8 @@ def diagnose(
     given = arm_of(arm)
     read = recording_of(recording, given, settings)
     options = Options(thorough=thorough, without=_known(without))
-    with told(progress) as tell:
-        found = diagnosed(given.model, read.found, options, tell)
+    with told(progress) as tell, at_work(executor, workers) as crew:
+        found = diagnosed(given.model, read.found, options, tell, crew)
         return Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from executors import Executor
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
 from linkwright.report.pages.tradeoff import front_figure
@@ -23,6 +24,7 @@ from .given import File
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
 from .result import Result, figure_of
+from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,13 +98,17 @@ def tradeoff(
     reach: Literal["long", "short"] = "long",
     accuracy: float = ACCURACY,
     progress: Progress | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Tradeoff:
     """The Pareto front between two figures of a problem's designs.
 
     `x` and `y` are two of `lw.limits`, all but those not `traded`. `by` asks for a front of each material or shape;
     `reach` says which reach is the better one. `accuracy` is the relative error that straight lines between points may
     have.
-    `progress(text, share)` hears of each point; the share is not known beforehand, and stays 0. Ctrl-C ends it with
+    `progress(text, share)` hears of each point; the share is not known beforehand, and stays 0. What takes long is
+    done by so many `workers`, processes of this machine (one a core), or by an `executor` (`lw.Processes`,
+    `lw.Cluster`). Ctrl-C ends it with
     the points so far, marked `interrupted`. Raises `InputError`, and `NoAnswer` where no design keeps the limits.
 
     >>> import linkwright as lw
@@ -119,16 +125,21 @@ def tradeoff(
     """
     given = problem_of(problem)
     asked = question(given.model, x, y, by=by, reach=reach)
-    with told(progress) as tell:
+    with told(progress) as tell, at_work(executor, workers) as crew:
 
         def heard(traced: Traced) -> None:
             tell(f"{traced.front}: {traced.points} points, {traced.doing}", 0.0)
 
-        return traced_front(given, asked, accuracy, Journal(None, ""), heard)
+        return traced_front(given, asked, accuracy, Journal(None, ""), heard, crew)
 
 
 def traced_front(
-    given: Problem, asked: Question, accuracy: float, book: Journal, heard: Callable[[Traced], None]
+    given: Problem,
+    asked: Question,
+    accuracy: float,
+    book: Journal,
+    heard: Callable[[Traced], None],
+    executor: Executor | None = None,
 ) -> Tradeoff:
     """Trace the fronts of a question, with a journal that may know some points already."""
     with interrupts() as check:
@@ -137,4 +148,4 @@ def traced_front(
             check()
             heard(traced)
 
-        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=book, told=told_of))
+        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=book, told=told_of, executor=executor))

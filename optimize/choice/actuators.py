@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from arm.actuators import Actuator
 from arm.chain.chain import Arm
 from arm.worst.search import WorstSearch
+from executors import Executor
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import Context, context_of
 from optimize.exchange.program import carried_mass, drives_cost
@@ -86,8 +87,10 @@ def count(problem: Problem) -> int:
 class _Search:
     """Works through assignments with one incumbent."""
 
-    def __init__(self, problem: Problem, progress: Progress | None, log: Log | None) -> None:
-        self.problem, self.progress, self.log = problem, progress, log
+    def __init__(
+        self, problem: Problem, progress: Progress | None, log: Log | None, executor: Executor | None = None
+    ) -> None:
+        self.problem, self.progress, self.log, self.executor = problem, progress, log, executor
         self.best: tuple[Assignment, Context, Choice] | None = None
         self.candidates: dict[Assignment, DriveCandidate] = {}
         self.unsolved = 0
@@ -109,7 +112,7 @@ class _Search:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
             before = math.inf if self.best is None else self.objective
-            choice = chosen(context, log=self.log, known=before)
+            choice = chosen(context, log=self.log, known=before, executor=self.executor)
             if isinstance(choice, Choice):
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:
@@ -161,18 +164,24 @@ class _Search:
             improved = self.objective < before * (1.0 - 1e-6)
 
 
-def choose_driven(problem: Problem, *, progress: Progress | None = None, log: Log | None = None) -> Driven:
+def choose_driven(
+    problem: Problem,
+    *,
+    progress: Progress | None = None,
+    log: Log | None = None,
+    executor: Executor | None = None,
+) -> Driven:
     """The best actuators with the best links for them; without a choice of actuators, the best links.
 
-    A `KeyboardInterrupt` of `progress` or `log` ends the search as in `choose`.
+    `executor` as for `choose`. A `KeyboardInterrupt` of `progress` or `log` ends the search as in `choose`.
     """
     if problem.actuators is None:
         context = context_of(problem)
-        found = chosen(context, progress=progress, log=log)
+        found = chosen(context, progress=progress, log=log, executor=executor)
         if isinstance(found, NoChoice):
             return Driven(context, None, (), True, "", found.unsolved)
         return Driven(context, found, (), True, "")
-    search = _Search(problem, progress, log)
+    search = _Search(problem, progress, log, executor)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
     picks = assignments(problem) if exhaustive else []
     if exhaustive and not picks:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.worst.workspace import Unreachable
+from executors import Executor
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import (
     DesignSpace,
@@ -30,6 +31,7 @@ from optimize.exchange.signs import one_signed
 from optimize.limits import OfDesign, Totals, excess
 from optimize.result import Candidate, Iteration
 
+from .bounding import bound_all, bounding
 from .picks import Combination, one_link_changed, uniform
 
 Array = NDArray[np.float64]
@@ -67,8 +69,11 @@ class Chooser:
         progress: Progress | None,
         log: Callable[[Iteration], None] | None,
         known: float = math.inf,
+        executor: Executor | None = None,
     ) -> None:
-        """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up."""
+        """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
+        `executor` bounds combinations; without one this process does."""
+        self._executor, self._bounding = executor, bounding(context.problem)
         self.context, self.progress, self.known = context, progress, known
         self.history: list[Iteration] = []
         self._listener = log
@@ -88,7 +93,9 @@ class Chooser:
         bounds: list[tuple[float, int, Array]] = []
         if self.pool is None:
             self._first(picks)
-        for number, pick in enumerate(picks):
+        if self._executor is not None:
+            bounds = self._bounded(self._executor, picks)
+        for number, pick in enumerate(picks if self._executor is None else []):
             if pick in self.candidates:
                 continue
             if self.progress is not None:
@@ -104,6 +111,25 @@ class Chooser:
                 self._note(picks[number], bound, "bounded out")
             else:
                 self.finish(picks[number], start)
+
+    def _bounded(self, executor: Executor, picks: list[Combination]) -> list[tuple[float, int, Array]]:
+        """The bound of each combination that has one, its number and where it was found, by an executor."""
+        left = [(number, pick) for number, pick in enumerate(picks) if pick not in self.candidates]
+        if not left or self.pool is None:
+            return []
+
+        def told(done: int) -> None:
+            if self.progress is not None:
+                self.progress(done, len(left), "bounding combinations")
+
+        found = bound_all(executor, self._bounding, [pick for _, pick in left], self.pool, told)
+        bounds: list[tuple[float, int, Array]] = []
+        for (number, pick), each in zip(left, found, strict=True):
+            if each.objective is None:
+                self._note(pick, None, each.outcome)
+            else:
+                bounds.append((each.objective, number, np.array(each.x)))
+        return bounds
 
     def _first(self, picks: list[Combination]) -> None:
         """Finish the first feasible combination: the poses that hold it are what the others are bounded with."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from executors import Executor
 from optimize.exchange.design import DesignSpace
 from optimize.exchange.exchange import Context, Exchange, Exchanged
 from optimize.result import Candidate, Iteration
@@ -67,12 +68,13 @@ def choose(
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
+    executor: Executor | None = None,
 ) -> Choice | None:
     """The best combination of shapes and materials; None where none has a solution (better than `known`, SI).
 
     See `chosen`, which also says what became of the combinations then.
     """
-    found = chosen(context, progress=progress, log=log, known=known)
+    found = chosen(context, progress=progress, log=log, known=known, executor=executor)
     return found if isinstance(found, Choice) else None
 
 
@@ -82,14 +84,17 @@ def chosen(
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
+    executor: Executor | None = None,
 ) -> Choice | NoChoice:
     """The best combination of shapes and materials, where any has a solution (better than `known`, SI).
 
+    `executor` does what falls apart into steps; without one this process does all.
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
     is none yet.
     """
     problem = context.problem
-    chooser = Chooser(context, progress, log, known)
+    shared = executor if executor is not None and executor.shares else None
+    chooser = Chooser(context, progress, log, known, shared)
     exhaustive = count(problem) <= MOST_COMBINATIONS
     interrupted = False
     gap: float | None = None

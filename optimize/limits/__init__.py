@@ -42,7 +42,9 @@ def _fault(entry: object) -> str | None:
     return None
 
 
-FIGURES: Registry[Figure] = Registry("limit", "linkwright.limits", lambda figure: figure.name, _fault)
+FIGURES: Registry[Figure] = Registry(
+    "limit", "linkwright.limits", lambda figure: figure.name, _fault, "optimize.limits:FIGURES"
+)
 """The figures that a problem can limit, by name, in the order in which limits are read and told; users and installed
 packages (`linkwright.limits`) add theirs."""
 

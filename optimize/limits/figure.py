@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
 from sections.numeric import Array
 from sections.taper import Tapered
-from units.quantities import Relation, format_quantity
+from units.quantities import InputError, Relation, format_quantity
 
 from .design import DesignExpressions, Designs, Totals
 
@@ -228,6 +228,14 @@ class Figure:
     everywhere: bool = True
     digits: int = 4
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """To another process a figure that is shipped or registered goes by its name."""
+        from optimize.limits import FIGURES
+
+        if FIGURES.get(self.name) is self:
+            return _by_name, (self.name,)
+        return type(self), tuple(getattr(self, each.name) for each in fields(self))
+
     def value(self, evaluation: Evaluation) -> float | None:
         """The figure (SI) of an evaluated design; None where it is not known or nothing has it."""
         if self.of is not None:
@@ -268,6 +276,15 @@ class Figure:
     def shown(self, value: float | None) -> float | None:
         """A value (SI) in the unit that people read; None where it is not known."""
         return None if value is None or math.isnan(value) else self.factor * value
+
+
+def _by_name(name: str) -> Figure:
+    from optimize.limits import FIGURES
+
+    if name not in FIGURES:
+        would_do = "install it on every worker, as a package with an entry point"
+        raise InputError("", name, f"is a limit of one's own that a worker does not know; {would_do}")
+    return FIGURES[name]
 
 
 @dataclass(frozen=True)

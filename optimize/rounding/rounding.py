@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.evaluation import Evaluation, evaluate
+from executors import Executor
 from optimize.choice.combinations import Progress
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import context_of
@@ -57,10 +58,11 @@ def optimise_rounded(
     log: Log | None = None,
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
+    executor: Executor | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    `log`, `progress` and `told` as in `optimise`.
+    `log`, `progress`, `told` and `executor` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
@@ -68,7 +70,7 @@ def optimise_rounded(
     if problem.uncertain is not None:
         would_do = "optimise without, then round by hand and ask `evaluate --problem`"
         raise InputError(problem.file, "uncertain", f"goes without --round; {would_do}")
-    result = optimise(problem, log=log, progress=progress, told=told)
+    result = optimise(problem, log=log, progress=progress, told=told, executor=executor)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:

@@ -8,7 +8,7 @@ The designs at neighbouring points are where the search starts.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -53,6 +53,17 @@ class Design:
     converged: bool
 
 
+@dataclass(frozen=True)
+class Learnt:
+    """What a search knows beside its compiled programs: the poses that every point starts with, those that ever held a
+    design, bounds by limit pushed and combination (badness held, bound), and where combinations ended."""
+
+    first: Pool | None
+    met: Pool
+    bounds: Mapping[tuple[int, Combination], tuple[tuple[float, float], ...]]
+    ends: Mapping[Combination, tuple[float, ...]]
+
+
 class Search:
     """Finds designs for one problem (of a group) of a trade-off; what it has learnt about combinations it keeps."""
 
@@ -93,6 +104,25 @@ class Search:
             trial.polish()
         design = trial.design
         return None if design is None or design.badness > self.asked.cap(push) * (1.0 + 1e-6) else design
+
+    def learnt(self) -> Learnt:
+        """What is known now."""
+        bounds = {key: tuple(values) for key, values in self._bounds.items()}
+        return Learnt(self._first, self._met, bounds, {pick: tuple(x.tolist()) for pick, x in self._known.items()})
+
+    def begin_with(self, learnt: Learnt) -> None:
+        """Know that and nothing else."""
+        self._first, self._met = learnt.first, learnt.met
+        self._bounds = {key: list(values) for key, values in learnt.bounds.items()}
+        self._known = {pick: np.array(x) for pick, x in learnt.ends.items()}
+
+    def learn_from(self, learnt: Learnt) -> None:
+        """Know that as well."""
+        self._met = self._met.joined(learnt.met)
+        for key, values in learnt.bounds.items():
+            own = self._bounds.setdefault(key, [])
+            own += [value for value in values if value not in own]
+        self._known.update((pick, np.array(x)) for pick, x in learnt.ends.items())
 
     def bound_on(self, push: int, pick: Combination, held: float) -> float:
         """What is known from looser limits: no design of a combination has less badness than this."""

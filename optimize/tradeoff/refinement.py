@@ -50,18 +50,29 @@ class Refined(Generic[AnyNode]):
     complete: bool
 
 
+@dataclass(frozen=True)
+class Stretch(Generic[AnyNode]):
+    """A front between two points, to be solved at a badness of x in between; `expected` is how far off (relative, of
+    y) a straight line is thought to be there."""
+
+    left: AnyNode
+    right: AnyNode
+    level: float
+    expected: float
+
+
 def refine(
     axes: tuple[Axis, Axis],
     nodes: Sequence[AnyNode],
     stretches: Sequence[tuple[AnyNode, AnyNode]],
-    solve: Callable[[float, AnyNode, AnyNode, float], AnyNode | None],
+    solve: Callable[[Sequence[Stretch[AnyNode]]], Sequence[AnyNode | None]],
     accuracy: float,
     most: int = MOST_POINTS,
+    together: int = 1,
 ) -> Refined[AnyNode]:
     """Halve stretches between points until the straight line is right within `accuracy` (relative, of y).
 
-    `solve` gives the point at a badness of x between two others, None where it fails; it hears the worst error that is
-    still to be dealt with.
+    `solve` gives the point within each of some stretches (at most so many `together`), None where it fails.
     """
     found = list(nodes)
     order = itertools.count()
@@ -76,25 +87,26 @@ def refine(
     steps: list[tuple[AnyNode, AnyNode]] = []
     failed: list[float] = []
     while pending and len(found) < most:
-        urgency, _, left, right = heapq.heappop(pending)
-        expected = -urgency
-        if math.log(right.level / left.level) < NARROWEST:
-            if abs(left.y / right.y - 1.0) > accuracy:
+        wide: list[Stretch[AnyNode]] = []
+        while pending and len(wide) < min(together, most - len(found)):
+            urgency, _, left, right = heapq.heappop(pending)
+            if math.log(right.level / left.level) >= NARROWEST:
+                wide.append(Stretch(left, right, math.sqrt(left.level * right.level), -urgency))
+            elif abs(left.y / right.y - 1.0) > accuracy:
                 steps.append((left, right))
-            continue
-        level = math.sqrt(left.level * right.level)
-        middle = solve(level, left, right, expected)
-        if middle is None:
-            failed.append(level)
-            steps.append((left, right))
-            continue
-        found.append(middle)
-        off = abs(straight(axes[0], left, right, level) / middle.y - 1.0)
-        if off <= accuracy:
-            worst = max(worst, off)
-        else:
-            look_at(left, middle, off)
-            look_at(middle, right, off)
+        for stretch, middle in zip(wide, solve(wide) if wide else (), strict=True):
+            left, right, level = stretch.left, stretch.right, stretch.level
+            if middle is None:
+                failed.append(level)
+                steps.append((left, right))
+                continue
+            found.append(middle)
+            off = abs(straight(axes[0], left, right, level) / middle.y - 1.0)
+            if off <= accuracy:
+                worst = max(worst, off)
+            else:
+                look_at(left, middle, off)
+                look_at(middle, right, off)
     found.sort(key=lambda node: node.level)
     return Refined(tuple(found), worst, tuple(steps), tuple(failed), complete=not pending)
 

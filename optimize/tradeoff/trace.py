@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
-
-import numpy as np
 
 from arm.chain.chain import Arm
-from arm.evaluation import Evaluation, evaluate
 from optimize.choice.combinations import MOST_COMBINATIONS, count
-from optimize.exchange.design import arm_of, design_space
-from optimize.limits import Figure, figures_of
 from optimize.problem import Problem
 
+from .crew import Crew, Wanted, arm_with, record_of
 from .front import Figures
-from .journal import Journal, design_of, design_record
+from .journal import Journal, Record, design_of
 from .point import Design, Search
 from .question import Axis, Question
-from .refinement import Refined, refine, undominated
+from .refinement import Refined, Stretch, refine, undominated
 
 _STEP = 0.2
 """First distance of the points, in the logarithm of x."""
@@ -63,10 +58,19 @@ class Tracer:
     """The front of one group: points solved, or answered by the journal."""
 
     def __init__(
-        self, asked: Question, name: str, problem: Problem, accuracy: float, book: Journal, told: Told | None
+        self,
+        asked: Question,
+        name: str,
+        problem: Problem,
+        accuracy: float,
+        book: Journal,
+        told: Told | None,
+        crew: Crew | None = None,
     ) -> None:
+        """`crew` solves together what can be; without one, one point is solved after another."""
         self.asked, self.name, self._accuracy, self._book, self._told = asked, name, accuracy, book, told
-        self._problem = problem
+        self._problem, self._crew = problem, crew
+        self._fresh: set[tuple[str, ...]] = set()
         self.nodes: list[Node] = []
         self.refined: Refined[Node] | None = None
         self.capped = False
@@ -90,35 +94,34 @@ class Tracer:
         if self._told is not None:
             self._told(Progress(self.name, len(self.nodes), self.resumed, self._error, text))
 
+    def _key(self, push: int, held: float) -> tuple[str, ...]:
+        return (self.name, "x" if push == self.asked.x_limit else "y", float(held).hex())
+
     def solve(self, push: int, held: float, near: Sequence[Node], *, wide: bool = False) -> Node | None:
         """The point at which one figure is pushed and the other held; None where there is no design."""
-        key = (self.name, "x" if push == self.asked.x_limit else "y", float(held).hex())
+        key = self._key(push, held)
         self._say("solving")
         if self._book.has(key):
-            self.resumed += 1
-            record = self._book.get(key)
-            if record is None:
-                return None
-            return self._node(push, held, design_of(record["design"], self._problem), record["figures"])
+            self.resumed += key not in self._fresh
+            return self._noted(push, held)
         design = self.search.best(push, held, [node.design for node in near], wide=wide)
         self._say("solved")
-        if design is None:
-            self._book.put(key, None)
-            return None
-        problem = self.asked.problem
-        figures = _figures(evaluate(self.arm(design), problem.workspace, problem.load_cases), problem.figures)
-        self._book.put(key, {"design": design_record(design), "figures": figures})
-        return self._node(push, held, design, figures)
+        self._book.put(key, None if design is None else record_of(self.asked, self._problem, design))
+        return self._noted(push, held)
 
-    def _node(self, push: int, held: float, design: Design, figures: Figures) -> Node:
+    def _noted(self, push: int, held: float) -> Node | None:
+        """A point as the book has it; None where it has no design."""
+        record = self._book.get(self._key(push, held))
+        if record is None:
+            return None
+        design, figures = design_of(record["design"], self._problem), record["figures"]
         x, y = float(figures[self.asked.x.name]), float(figures[self.asked.y.name])
         level = held if push == self.asked.y_limit and math.isfinite(held) else self.asked.x.badness(x)
         return Node(self.name, level, x, y, design, figures)
 
     def arm(self, design: Design) -> Arm:
         """The arm of a design."""
-        pick = design.combination
-        return arm_of(design_space(self._problem, pick.shapes), np.array(design.numbers), pick.materials)
+        return arm_with(self._problem, design)
 
     def trace(self) -> bool:
         """Find the ends and refine between them; False where there is no design at all."""
@@ -142,7 +145,8 @@ class Tracer:
             return True
         self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
-        self.refined = refine(self._axes, self.nodes, pairs, self._between, self._accuracy)
+        together = 1 if self._crew is None else self._crew.together
+        self.refined = refine(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
         return True
 
     @property
@@ -162,12 +166,39 @@ class Tracer:
                 self.nodes.append(node)
         self.nodes = [left, *reversed(made)]
 
-    def _between(self, level: float, left: Node, right: Node, error: float) -> Node | None:
-        self._error = error
-        node = self.solve(self.asked.y_limit, level, [left, right])
-        if node is not None:
-            self.nodes.append(node)
-        return node
+    def _between(self, stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
+        self._error = max(each.expected for each in stretches)
+        if self._crew is not None:
+            self._ahead(self._crew, stretches)
+        found: list[Node | None] = []
+        for each in stretches:
+            node = self.solve(self.asked.y_limit, each.level, [each.left, each.right])
+            if node is not None:
+                self.nodes.append(node)
+            found.append(node)
+        return found
+
+    def _ahead(self, crew: Crew, stretches: Sequence[Stretch[Node]]) -> None:
+        """Have points solved together and put into the book; an interrupt leaves those that are done among the
+        nodes."""
+        push = self.asked.y_limit
+        fresh = [each for each in stretches if not self._book.has(self._key(push, each.level))]
+        if len(fresh) < 2:
+            return
+        wanted = [Wanted(push, each.level, (each.left.design, each.right.design)) for each in fresh]
+        done: list[Stretch[Node]] = []
+
+        def keep(number: int, record: Record | None) -> None:
+            key = self._key(push, fresh[number].level)
+            self._fresh.add(key)
+            self._book.put(key, record)
+            done.append(fresh[number])
+
+        try:
+            crew.solve(self.name, self.search, wanted, lambda: self._say("solving"), keep)
+        except KeyboardInterrupt:
+            self.nodes += [node for each in done if (node := self._noted(push, each.level)) is not None]
+            raise
 
     def at(self, level: float) -> Node | None:
         """A point of the front at a badness of x, started from the points on both sides of it."""
@@ -182,15 +213,3 @@ class Tracer:
         if node is not None:
             self.nodes.append(node)
         return node
-
-
-def _figures(evaluation: Evaluation, figures: Mapping[str, Figure]) -> dict[str, Any]:
-    """What is told of a point in SI; None where it is not known."""
-    values = figures_of(evaluation, figures)
-    return {
-        **{name: None if math.isnan(value) else value for name, value in values.items()},
-        "upper_bound": evaluation.upper_bound,
-        "certified": evaluation.worst.certified,
-        "link_masses": list(evaluation.link_masses),
-        "warnings": list(evaluation.warnings),
-    }

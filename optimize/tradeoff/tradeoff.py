@@ -17,17 +17,19 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from arm.worst.workspace import Unreachable
+from executors import Executor
 from optimize.choice.picks import options
 from optimize.exchange.design import material_row
 from optimize.infeasible.answer import Infeasibility, Infeasible
 from optimize.infeasible.needed import explained
 from units.quantities import NoAnswer
 
+from .crew import Crew
 from .front import Front, Point, Tradeoff
 from .journal import Journal
 from .point import Search
 from .question import Question
-from .refinement import Refined, envelope, knee, logarithmic, refine, undominated
+from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
 from .trace import Node, Told, Tracer
 
 ACCURACY = 0.01
@@ -37,9 +39,17 @@ _USED = 2e-3
 
 
 def trade_off(
-    asked: Question, *, accuracy: float = ACCURACY, journal: Journal | None = None, told: Told | None = None
+    asked: Question,
+    *,
+    accuracy: float = ACCURACY,
+    journal: Journal | None = None,
+    told: Told | None = None,
+    executor: Executor | None = None,
 ) -> Tradeoff:
     """The fronts of a question and their envelope.
+
+    With an `executor` of several workers all stretches that are too wide are halved at once; without one, or with one
+    worker, this process halves one after another.
 
     `journal` answers what it knows and notes what is found; `told` hears of progress. Where that raises
     `KeyboardInterrupt`, the points so far are the result, marked `interrupted`. Raises
@@ -50,12 +60,13 @@ def trade_off(
     known = book.size
     for materials in options(asked.problem)[1]:
         material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
+    crew = None if executor is None or not executor.shares else Crew(executor, asked)
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
     blocked: list[Infeasibility] = []
     interrupted = False
     for name, problem in asked.groups():
-        tracer = Tracer(asked, name, problem, accuracy, book, told)
+        tracer = Tracer(asked, name, problem, accuracy, book, told, crew)
         try:
             if tracer.trace():
                 tracers.append(tracer)
@@ -107,9 +118,12 @@ def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Re
     nodes = envelope(axes, [undominated(axes, tracer.nodes) for tracer in tracers])
     changes = [(a, b) for a, b in itertools.pairwise(nodes) if a.group != b.group]
 
-    def better(level: float, left: Node, right: Node, _: float) -> Node | None:
-        names = dict.fromkeys((left.group, right.group))
-        found = [node for name in names if (node := named[name].at(level)) is not None]
+    def better(stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
+        return [best(each) for each in stretches]
+
+    def best(stretch: Stretch[Node]) -> Node | None:
+        names = dict.fromkeys((stretch.left.group, stretch.right.group))
+        found = [node for name in names if (node := named[name].at(stretch.level)) is not None]
         return min(found, key=lambda node: axes[1].badness(node.y), default=None)
 
     return refine(axes, nodes, changes, better, accuracy, most=len(nodes) + 40 * max(len(changes), 1))

@@ -4,72 +4,27 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
 from executors import Cluster, Work, WorkersLost, plain
 from tests.executors import steps
+from tests.executors.dask_processes import Dask, free_port, joined, two_workers
 from units.quantities import InputError, NoAnswer
-
-FEW = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
-"""One worker may die of a step, as when somebody kills it; two are the step's own doing."""
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@dataclass
-class Dask:
-    """The address and the processes."""
-
-    address: str
-    scheduler: subprocess.Popen[bytes]
-    workers: list[subprocess.Popen[bytes]]
-
-    def add(self) -> None:
-        """One more worker."""
-        self.workers.append(_started("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"))
-
-
-def _started(*arguments: str) -> subprocess.Popen[bytes]:
-    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
-    given = {**os.environ, "PYTHONPATH": paths, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **FEW}
-    command = [sys.executable, "-m", "dask", *arguments]
-    return subprocess.Popen(command, env=given, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
-def free_port() -> int:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return int(taken.getsockname()[1])
 
 
 @pytest.fixture(scope="module")
 def dask() -> Iterator[Dask]:
-    port = free_port()
-    scheduler = _started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
-    made = Dask(f"tcp://127.0.0.1:{port}", scheduler, [])
-    try:
-        made.add()
-        made.add()
+    with two_workers() as made:
         yield made
-    finally:
-        for process in (*made.workers, scheduler):
-            process.kill()
-            process.wait()
 
 
 @pytest.fixture
 def cluster(dask: Dask) -> Iterator[Cluster]:
-    with Cluster(dask.address, patience=60.0) as made:
-        until = time.monotonic() + 60.0
-        while made.workers < 2 and time.monotonic() < until:
-            time.sleep(0.05)
+    with joined(dask) as made:
         yield made
 
 

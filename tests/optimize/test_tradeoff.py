@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -27,7 +27,7 @@ from optimize.tradeoff.front import Tradeoff
 from optimize.tradeoff.journal import Journal, design_of, design_record
 from optimize.tradeoff.point import Design, Search
 from optimize.tradeoff.question import Question, axes_of, digest, question
-from optimize.tradeoff.refinement import Refined, envelope, knee, logarithmic, refine, undominated
+from optimize.tradeoff.refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
 from optimize.tradeoff.trace import Progress
 from optimize.tradeoff.tradeoff import trade_off
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
@@ -327,17 +327,20 @@ def test_limits_that_no_design_keeps_have_no_answer(tmp_path: Path) -> None:
         trade_off(asked_of(tmp_path, text, "mass", "max_error"))
 
 
-def traced_curve(curve: Callable[[float], float], ends: tuple[float, float], accuracy: float) -> Refined[Dot]:
+def traced_curve(
+    curve: Callable[[float], float], ends: tuple[float, float], accuracy: float, together: int = 1
+) -> Refined[Dot]:
     """A known curve refined between its ends."""
     axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     first, last = (Dot(level, curve(level)) for level in ends)
 
-    def solve(level: float, left: Dot, right: Dot, error: float) -> Dot:
-        assert left.level < level < right.level
-        assert error > 0.0
-        return Dot(level, curve(level))
+    def solve(stretches: Sequence[Stretch[Dot]]) -> list[Dot]:
+        assert len(stretches) <= together
+        assert all(each.left.level < each.level < each.right.level for each in stretches)
+        assert all(each.expected > 0.0 for each in stretches)
+        return [Dot(each.level, curve(each.level)) for each in stretches]
 
-    return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000)
+    return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000, together=together)
 
 
 class Dot:
@@ -357,6 +360,12 @@ def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> Non
     x, y = np.array([dot.x for dot in done.nodes]), np.array([dot.y for dot in done.nodes])
     fine = np.geomspace(1.0, 20.0, 4001)
     assert np.all(np.abs(np.interp(fine, x, y) / fine**-power - 1.0) <= accuracy)
+
+
+def test_stretches_halved_together_give_the_same_points() -> None:
+    one, many = (traced_curve(lambda level: 1.0 / level, (1.0, 20.0), 0.01, together) for together in (1, 1000))
+    assert [dot.level for dot in many.nodes] == [dot.level for dot in one.nodes]
+    assert (many.error, many.complete) == (one.error, True)
 
 
 def test_jump_is_found_as_a_step() -> None:

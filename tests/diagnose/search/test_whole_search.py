@@ -8,6 +8,7 @@ from diagnose.diagnosis import diagnose
 from diagnose.options import Options
 from diagnose.search.naming import Named, Namer
 from diagnose.search.whole_search import whole_search_p
+from executors import Processes
 from tests.diagnose.core_cases import prepared_null, recorded
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -19,6 +20,17 @@ def test_the_best_of_a_null_is_nothing_rare():
     best = namer.best(namer.library, 1)[1]
     named = Named(best.members, (), (0.5,), namer.test(()), None)
     assert whole_search_p(namer, named, 3, print) > 0.02
+
+
+def test_draws_are_the_same_whoever_searches_them():
+    namer = Namer(prepared_null(**PLAIN), thorough=False, seed=1)
+    named = Named(namer.best(namer.library, 1)[1].members, (), (0.5,), namer.test(()), None)
+    told: list[float] = []
+    with Processes(2, patience=0.0) as processes:
+        shared = whole_search_p(namer, named, 3, told.append, processes)
+        assert len(processes.processes()) == 2
+    assert shared == whole_search_p(namer, named, 3, print)
+    assert told == sorted(told)
 
 
 def test_a_clear_effect_stands_against_the_whole_search():

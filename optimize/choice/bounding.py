@@ -1,0 +1,82 @@
+"""Combinations bounded on one pool of poses by an executor's workers, each with compiled programs of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, TypeAlias
+
+from executors import Executor, Work
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.exchange import context_of
+from optimize.problem import Problem
+
+from .picks import Combination
+
+if TYPE_CHECKING:
+    from .chooser import Chooser
+
+_TOGETHER = 4
+"""Combinations of the same shapes, which share a program, that are sent together at most."""
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A combination solved for the pool alone: its objective (SI) and the optimiser's numbers, or None and what became
+    of it."""
+
+    objective: float | None
+    x: tuple[float, ...] = ()
+    outcome: str = ""
+
+
+Item: TypeAlias = tuple[tuple[Combination, ...], Pool]
+Bounding: TypeAlias = "Work[Chooser, Item, tuple[Bounded, ...]]"
+
+
+def bounding(problem: Problem) -> Bounding:
+    """The work of bounding combinations of a problem."""
+    return Work(partial(_chooser, problem), _bounded)
+
+
+def _chooser(problem: Problem) -> Chooser:
+    from .chooser import Chooser
+
+    return Chooser(context_of(problem), None, None)
+
+
+def _bounded(chooser: Chooser, item: Item) -> tuple[Bounded, ...]:
+    picks, chooser.pool = item
+    found: list[Bounded] = []
+    for pick in picks:
+        solved = chooser.solve(pick)
+        if solved.objective is None or solved.solution is None:
+            found.append(Bounded(None, outcome=chooser.candidates[pick].outcome))
+        else:
+            found.append(Bounded(solved.objective, tuple(solved.solution.x.tolist())))
+    return tuple(found)
+
+
+def bound_all(
+    executor: Executor,
+    work: Bounding,
+    picks: Sequence[Combination],
+    pool: Pool,
+    told: Callable[[int], None],
+) -> list[Bounded]:
+    """What each combination comes to on a pool, in their order; `told` hears often how many are done."""
+    groups: list[list[Combination]] = []
+    for pick in picks:
+        if groups and groups[-1][0].shapes == pick.shapes and len(groups[-1]) < _TOGETHER:
+            groups[-1].append(pick)
+        else:
+            groups.append([pick])
+    done = 0
+
+    def count(_: int, found: tuple[Bounded, ...]) -> None:
+        nonlocal done
+        done += len(found)
+
+    results = executor.map(work, [(tuple(group), pool) for group in groups], lambda: told(done), count)
+    return [each for found in results for each in found]

@@ -1,0 +1,146 @@
+"""One answer, whoever does the work: this process, processes, or a cluster one of whose workers is killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from executors import Processes
+from executors.packing import packed, unpacked
+from optimize.limits import FIGURES
+from optimize.problem import Problem
+from optimize.result import OptimizationResult
+from optimize.run import optimise
+from optimize.tradeoff.front import Tradeoff
+from optimize.tradeoff.question import question
+from optimize.tradeoff.trace import Progress
+from optimize.tradeoff.tradeoff import trade_off
+from tests.executors.dask_processes import Dask, joined, two_workers
+from tests.optimize.builders import jointed, problem_of, ranged
+from units.quantities import InputError
+
+ARM = jointed((500, 400), ranged("-100 100", "30 140"))
+SIZES = "section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]"
+LIMITS = f"subject_to: {{mass: '<= 4 kg', max_error: '<= 1.5 mm', {SIZES}}}\n"
+FREE = "choose: {section: [circle, rectangle]}\n"
+ALIKE = "choose: {section: circle}\n"
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Dask]:
+    with two_workers() as made:
+        yield made
+
+
+def killed_in_the_midst(dask: Dask) -> None:
+    """Kill one of the workers, which is found again later."""
+    os.kill(dask.workers.pop(0).pid, signal.SIGKILL)
+    dask.add()
+
+
+def same(one: OptimizationResult, other: OptimizationResult) -> bool:
+    """Whether two runs came to the same, to a certificate's gap."""
+    figures = [(each.objective, each.lower_bound, each.after.max_error) for each in (one, other)]
+    assert figures[0] == pytest.approx(figures[1], rel=1e-4)
+    kinds = [[(link.section.shape, link.material.name) for link in each.arm.links] for each in (one, other)]
+    tried = [{(each.shapes, each.materials) for each in found.candidates} for found in (one, other)]
+    return (one.status, kinds[0], tried[0]) == (other.status, kinds[1], tried[1])
+
+
+def test_choice_among_combinations(dask: Dask, tmp_path: Path):
+    problem = problem_of(tmp_path, ARM, FREE + LIMITS)
+    alone = optimise(problem)
+    with Processes(2, patience=0.0) as processes:
+        assert same(optimise(problem, executor=processes), alone)
+        assert len(processes.processes()) == 2
+    told: list[str] = []
+
+    def kill(done: int, total: int, text: str) -> None:
+        del total
+        if not told and done and text == "bounding combinations":
+            told.append(text)
+            killed_in_the_midst(dask)
+
+    with joined(dask) as cluster:
+        assert same(optimise(problem, executor=cluster, progress=kill), alone)
+    assert told
+
+
+def points(front: Tradeoff) -> list[tuple[object, ...]]:
+    return [(each.x, each.y, each.shapes, each.materials) for each in front.points]
+
+
+def test_front(dask: Dask, tmp_path: Path):
+    asked = question(problem_of(tmp_path, ARM, ALIKE + LIMITS), "mass", "max_error")
+    alone = trade_off(asked, accuracy=0.01)
+    with Processes(2, patience=0.0) as processes:
+        together = trade_off(asked, accuracy=0.01, executor=processes)
+        assert len(processes.processes()) == 2
+    assert [(x, y) for x, y, *_ in points(together)] == [pytest.approx(pair[:2], rel=1e-4) for pair in points(alone)]
+    told: list[str] = []
+
+    def kill(progress: Progress) -> None:
+        if progress.error is not None and not told:
+            told.append(progress.doing)
+            killed_in_the_midst(dask)
+
+    with joined(dask) as cluster:
+        spread = trade_off(asked, accuracy=0.01, executor=cluster, told=kill)
+    assert told
+    assert points(spread) == points(together)
+
+
+def test_interrupt_leaves_the_points_that_are_done(tmp_path: Path):
+    asked = question(problem_of(tmp_path, ARM, ALIKE + LIMITS), "mass", "max_error")
+    before: list[int] = []
+
+    def stop(progress: Progress) -> None:
+        if progress.error is None:
+            before.append(progress.points)
+        elif len(before) < 1000:
+            before.append(1000)
+            raise KeyboardInterrupt
+
+    with Processes(2, patience=0.0) as processes:
+        front = trade_off(asked, accuracy=0.01, executor=processes, told=stop)
+        assert processes.processes() == []
+    assert front.interrupted
+    assert len(front.points) >= 4
+    assert not front.envelope.complete
+
+
+def sent(problem: Problem) -> Problem:
+    return unpacked(packed(problem))
+
+
+def test_problem_arrives_as_it_was_sent(tmp_path: Path):
+    """What is registered by its name, so that it is the same object there."""
+    problem = problem_of(tmp_path, ARM, FREE + LIMITS)
+    assert sent(problem) == problem
+    assert sent(problem).figures is FIGURES
+    assert sent(problem).objective is problem.objective
+
+
+def test_limit_that_a_worker_does_not_know_is_named(tmp_path: Path):
+    problem = problem_of(tmp_path, ARM, LIMITS)
+    own = replace(
+        FIGURES["mass"], name="own_mass", key="own_mass_kg", of=None, follows=FIGURES["wall_slenderness"].follows
+    )
+    FIGURES.register(own)
+    try:
+        there = packed(replace(problem, limits=(replace(problem.limits[0], figure=own),)))
+    finally:
+        FIGURES.withdraw("own_mass")
+    with pytest.raises(InputError, match="own_mass: is a limit of one's own that a worker does not know"):
+        unpacked(there)
+
+
+def test_short_work_takes_no_processes(tmp_path: Path):
+    with Processes(2, patience=600.0) as processes:
+        optimise(problem_of(tmp_path, ARM, ALIKE + LIMITS), executor=processes)
+        assert processes.processes() == []
