@@ -193,11 +193,31 @@ class Confirmed:
         rules, found = self.rules.answer, self.lack_of_fit
         if found is not None:
             misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
-            return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond)
+            misfit |= found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond
+            if misfit and self.members and found.against == "repeats" and self._only_scatter():
+                self.scattered = True
+                return False
+            return misfit
         if self.named is None or self.named.left is None or self.noise.rms_m is None:
             return False
         by_chance = min(test.p_value for test in self.named.left) > self.rules.search.false_alarm
         return not by_chance and rms_length(self._after()) > rules.farther * self.noise.rms_m
+
+    def _only_scatter(self) -> bool:
+        """Whether what is left beside the findings, more than readings of a visit differ by, is what visits differ by:
+        it is everywhere, far less than what was explained, and nothing recorded predicts it from pose to pose."""
+        rules, floor = self.rules.answer, self.noise.rms_m
+        if floor is None:
+            return False
+        remainder = self._after()
+        left, quiet = rms_length(remainder), floor * looks_quieter(self.observed)
+        nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
+        beyond, whole = left**2 - quiet**2, rms_length(nothing) ** 2 - quiet**2
+        local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
+        if local or beyond > rules.scatter_left * whole:
+            return False
+        folds = hardest(splits(self.search.observed, self.options.seed))
+        return predictable(self.namer, self.found, folds) * left**2 <= rules.scatter_predicts * beyond
 
     def _scatter(self) -> float | None:
         """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the

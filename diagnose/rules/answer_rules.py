@@ -50,6 +50,20 @@ class AnswerRules:
         "A finding without which held-out readings are better by as much is dropped.",
         PROOF,
     )
+    scatter_left: float = rule(
+        0.03,
+        "share of the mismatch",
+        "Findings that leave less (sum of squares beyond the noise), and nothing that predicts itself, stand beside "
+        "an arm that returns badly; where they leave more, readings of a visit refute them.",
+        JUDGED,
+    )
+    scatter_predicts: float = rule(
+        0.5,
+        "share of what is beyond the noise",
+        "As much of a small remainder must predict itself to be the model's fault; forms picked by what they predict "
+        "reach a third of it by chance.",
+        PROOF,
+    )
     lack_of_fit: float = rule(
         0.001,
         "p-value",
