@@ -242,6 +242,11 @@ def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:
     return tuple(float(beam.mass) for beam in beams)
 
 
+def material_cost(arm: Arm, masses: Sequence[float]) -> float | None:
+    """What the links' materials and the actuators cost together (EUR); None where a price is not known."""
+    return _cost(arm, masses, {})
+
+
 def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float | None:
     total = 0.0
     for index, (link, mass) in enumerate(zip(arm.links, masses, strict=True)):

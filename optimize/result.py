@@ -68,6 +68,21 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class NearTie:
+    """A combination that comes within a few per cent of the best, solved to the end: its objective and its figures (SI;
+    None where not known)."""
+
+    shapes: tuple[str | None, ...]
+    materials: tuple[str | None, ...]
+    objective: float
+    max_error: float
+    mass: float
+    cost: float | None
+    first_frequency: float | None
+    arm: Arm
+
+
+@dataclass(frozen=True)
 class DriveCandidate:
     """One choice of actuators, joint by joint (None: the joint keeps its own drive): the objective that it allows (SI),
     or why it was left. `objective` is None where `outcome` is not `best` or `solved`."""
@@ -160,9 +175,10 @@ class OptimizationResult:
 
     `limits` are the limits and ranges kept, `choices` what each link could be, both as people write them. `iterations`
     is the whole log: exchanges of one choice after another, numbered through.
-    `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `lower_bound` is the optimum over
-    the binding poses alone, from several starts: the design's own objective lies above it by no more than the
-    certificate's gap; only where `optimum` is `global` is it a bound for every design.
+    `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `bound_of` says what `lower_bound`
+    is: under `binding_poses` the optimum over the binding poses alone, from several starts: the design's own objective
+    lies above it by no more than the certificate's gap, and only where `optimum` is `global` is it a bound for every
+    design. Under `all_designs` no design of any combination goes below it (see `optimize.choice.at_once.relaxation`).
     """
 
     problem_file: str
@@ -190,6 +206,11 @@ class OptimizationResult:
     """How many combinations of shapes and materials there were; `candidates` are those that were looked at alone."""
     gap: float | None = 0.0
     """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
+    bound_of: Literal["binding_poses", "all_designs"] = "binding_poses"
+    near_ties: tuple[NearTie, ...] = ()
+    """Combinations within 3 % of the best, best first."""
+    near_ties_left: int = 0
+    """How many more could come as near, by their bounds, and were not solved, at most."""
     drives: tuple[DriveCandidate, ...] = ()
     """The choices of actuators that were looked at, best first; none where the problem chooses no actuators."""
     drives_exhaustive: bool = True
@@ -204,6 +225,11 @@ class OptimizationResult:
     """The same for what is uncertain, where the problem asks for that: `objective` is then the robust error, and
     `after` the design as it is."""
     """What the problem could limit, by name."""
+
+    @property
+    def lower_bound_gap(self) -> float:
+        """By how much (relative) the objective is above its lower bound."""
+        return max(0.0, 1.0 - self.lower_bound / self.objective) if self.objective else 0.0
 
     @property
     def minimised(self) -> Figure:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from arm.errors.model import error_model
-from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate, link_masses, material_cost
+from arm.limits.slowest_pose import least_frequency
 from arm.worst.search import WorstSearch
 from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.choice.actuators import choose_driven, first_driven
 from optimize.choice.combinations import Choice, Progress, count
+from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context
 from units.quantities import NoAnswer, format_quantity
@@ -23,7 +26,7 @@ from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
-from .result import Iteration, OptimizationResult, Status
+from .result import Iteration, NearTie, OptimizationResult, Status
 from .robust.run import robust_optimum
 from .trust import doubts_of, optimum_of
 
@@ -71,6 +74,9 @@ def optimise(
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
+    everywhere = choice.bound is not None and math.isfinite(choice.bound)
+    if choice.bound is not None and everywhere:
+        lower_bound = choice.bound
     doubts = doubts_of(context, choice, before, after, lower_bound)
     # Poses of a box or a path are found one by one, some ten times as slowly.
     poses = 200_000 if problem.workspace.kind == "joints" else 20_000
@@ -96,6 +102,9 @@ def optimise(
         doubts=doubts,
         combinations=count(problem),
         gap=choice.gap,
+        bound_of="all_designs" if everywhere else "binding_poses",
+        near_ties=tuple(_near_tie(context, tie) for tie in choice.ties.solved),
+        near_ties_left=choice.ties.left,
         drives=found.candidates,
         drives_exhaustive=found.exhaustive,
         figures=problem.figures,
@@ -106,6 +115,25 @@ def optimise(
 def _looked_at(names: str) -> str:
     """With which actuators the limits were looked at, for the end of a line."""
     return f" (looked at with {names})" if names else ""
+
+
+def _near_tie(context: Context, tie: Tie) -> NearTie:
+    """A near tie with the figures that people compare."""
+    problem, arm = context.problem, tie.arm
+    beams = beams_of(arm, problem.load_cases)
+    p = beam_values(beams)
+    slowest = least_frequency(arm, context.search, beams, p, problem.load_cases)
+    masses = link_masses(beams)
+    return NearTie(
+        tie.combination.shapes,
+        tuple(None if material is None else material.name for material in tie.combination.materials),
+        tie.objective,
+        context.search.worst(p, certify=False).error,
+        sum(masses),
+        material_cost(arm, masses),
+        None if slowest is None else slowest.value,
+        arm,
+    )
 
 
 def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:

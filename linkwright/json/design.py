@@ -248,6 +248,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,
+        **fields(result, "lower_bound_of=bound_of", "lower_bound_gap"),
         **evaluation_figures(result.after, result.figures),
         "before": evaluation_figures(result.before, result.figures),
         **_worse(result, result.after),
@@ -268,6 +269,16 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             {**fields(each, "shapes", "materials", "outcome"), **objective(each.objective)}
             for each in result.candidates
         ],
+        "near_ties": [
+            {
+                **fields(each, "shapes", "materials", "mass_kg=mass", "cost_EUR=cost"),
+                **objective(each.objective),
+                "max_error_mm": 1e3 * each.max_error,
+                "first_frequency_Hz": each.first_frequency,
+            }
+            for each in result.near_ties
+        ],
+        "near_ties_not_solved": result.near_ties_left,
         "actuators": [{**fields(each, "actuators", "outcome"), **objective(each.objective)} for each in result.drives],
         **fields(
             result,

@@ -63,6 +63,7 @@ def describe(result: OptimizationResult) -> Description:
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),
         section("What binds, and its price", _binding(result), lead="Limits that hold the design where it is."),
         *_drives(result),
+        *_near_ties(result),
         _search(result),
         section("Strength, frequency and buckling", design.strength(named), design.stiffness(named), detail=True),
         section("The problem as solved", _problem(result), design.joints(result.before), detail=True),
@@ -155,6 +156,35 @@ def _candidates(result: OptimizationResult) -> Table | None:
     return table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
 
 
+def _near_ties(result: OptimizationResult) -> list[Section]:
+    """The combinations that come within a few per cent of the best."""
+    if not result.near_ties and not result.near_ties_left:
+        return []
+    rows = [
+        (
+            names_words(each.shapes),
+            names_words(each.materials),
+            _objective(result, each.objective),
+            share(each.objective / result.objective - 1.0 if result.objective else 0.0),
+            Value(mm(each.max_error)),
+            amount(each.mass, "kg", 4),
+            amount(each.cost, "EUR", 4),
+            amount(each.first_frequency, "Hz", 4),
+        )
+        for each in result.near_ties
+    ]
+    headings = ("shapes", "materials", "objective", "worse by", "error", "mass", "cost", "first frequency")
+    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
+    found = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
+    told = None
+    if result.near_ties_left:
+        told = Paragraph(
+            f"Up to {result.near_ties_left:,} more combinations could come within 3 % by their bounds; "
+            "these were not solved."
+        )
+    return [section("Near ties", found, told, lead="Combinations within 3 % of the best, each solved to the end.")]
+
+
 def _others(result: OptimizationResult) -> str:
     """What is known of the combinations that were not solved."""
     if result.exhaustive:
@@ -239,7 +269,7 @@ def status_words(result: OptimizationResult) -> str:
     return {
         "certified": "certified: no pose of the workspace is worse, within the gap",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
-        "searched": "searched: too many combinations to try every one, so a better one may exist",
+        "searched": f"searched: too many combinations to try every one; {_others(result)}",
         "stopped": "stopped at the limit of iterations: a better design may exist",
         "interrupted": f"interrupted: the best design so far, {_rests_on(result)}; a better one may exist",
         "doubtful": f"doubtful: {'; '.join(result.doubts)}",
@@ -260,6 +290,10 @@ def bound_sentence(result: OptimizationResult) -> str:
     if result.robust is not None and result.robust.design.share < 1.0 and result.minimize == "max_error":
         return "no lower bound is known: what a share does not exceed is sampled, and its optimum a local one"
     bound = with_unit(factor * result.lower_bound, unit, 6)
+    if result.bound_of == "all_designs":
+        whose = f"all {result.combinations:,} combinations and all sizes" if result.combinations > 1 else "all sizes"
+        gap = percent(result.lower_bound_gap)
+        return f"lower bound {bound}: of {whose}, bounded at once; no design is more than {gap} better"
     reach = "no design does better" if result.optimum == "global" else "no design near this one does better"
     return f"lower bound {bound}: the optimum over the binding poses alone; {reach}"
 

@@ -112,7 +112,7 @@ class _Search:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
             before = math.inf if self.best is None else self.objective
-            choice = chosen(context, log=self.log, known=before, executor=self.executor)
+            choice = chosen(context, log=self.log, known=before, ties=False, executor=self.executor)
             if isinstance(choice, Choice):
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:

@@ -108,7 +108,7 @@ class Chooser:
             if self.progress is not None:
                 self.progress(done, len(bounds), "finishing the best")
             if bound >= self.objective:
-                self._note(picks[number], bound, "bounded out")
+                self.note(picks[number], bound, "bounded out")
             else:
                 self.finish(picks[number], start)
 
@@ -126,7 +126,7 @@ class Chooser:
         bounds: list[tuple[float, int, Array]] = []
         for (number, pick), each in zip(left, found, strict=True):
             if each.objective is None:
-                self._note(pick, None, each.outcome)
+                self.note(pick, None, each.outcome)
             else:
                 bounds.append((each.objective, number, np.array(each.x)))
         return bounds
@@ -148,7 +148,7 @@ class Chooser:
                 if pick in self.candidates and self.candidates[pick].objective is not None:
                     return
             if pick not in self.candidates:
-                self._note(pick, None, "unsolved" if unsolved else "infeasible")
+                self.note(pick, None, "unsolved" if unsolved else "infeasible")
 
     def polish(self) -> None:
         """Further starts for the best combination: a better local optimum replaces it."""
@@ -205,6 +205,12 @@ class Chooser:
             if self.objective <= known * (1.0 + 1e-6):
                 return
 
+    def totals(self, pick: Combination, x: Array) -> tuple[float, float, float]:
+        """Mass (kg), cost (EUR) and reach (m) of a combination's links for the optimiser's numbers."""
+        assert self.pool is not None
+        materials = material_row(pick.materials, self.context.problem)
+        return self._exchange(pick.shapes).program(self.pool).mass_cost_reach(x, materials)
+
     def _light_enough(self, program: Program, x: Array, materials: Array) -> bool:
         """Whether a design keeps the limits that cost nothing to look at."""
         totals = Totals(*program.mass_cost_reach(x, materials), carried_mass(self.context.problem))
@@ -233,19 +239,22 @@ class Chooser:
             if found is not None:
                 return Solved(exchange, materials, self.pool, found[1], found[0])
             unsolved = unsolved or not exchange.infeasible
-        self._note(pick, None, "unsolved" if unsolved else "infeasible")
+        self.note(pick, None, "unsolved" if unsolved else "infeasible")
         relaxed = None
         if explain and not unsolved:
             program = exchange.program(self.pool, spare=False)
             relaxed = program.solve(starts[0], materials, self.pool, relax=True, limits=self.context.problem.limits)
         return Solved(exchange, materials, self.pool, None, None, relaxed)
 
-    def finish(self, pick: Combination, start: Array, *, within: float | None = None) -> None:
-        """The exchange of a combination from a start, unless it is given up; the best design so far is kept."""
+    def finish(
+        self, pick: Combination, start: Array, *, within: float | None = None, above: float | None = None
+    ) -> Exchanged | None:
+        """The exchange of a combination from a start, unless it is given up: where it cannot beat the best so far, or
+        an objective `above` that. The best design so far is kept; returns how the exchange ended, where it did."""
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        known = self.objective
+        known = self.objective if above is None else above
         try:
             done = exchange.run(
                 materials, pick.materials, self.pool, start, give_up_above=known, log=self._heard, within=within
@@ -253,24 +262,25 @@ class Chooser:
         except Unreachable:
             # Lengths that lead nowhere say nothing of the others.
             if pick not in self.candidates:
-                self._note(pick, None, "unsolved")
-            return
+                self.note(pick, None, "unsolved")
+            return None
         if done is None:
             if pick not in self.candidates:
-                self._note(pick, None, "infeasible" if exchange.infeasible else "unsolved")
-            return
+                self.note(pick, None, "infeasible" if exchange.infeasible else "unsolved")
+            return None
         self.pool = self.pool.joined(done.solution.active)
         program = exchange.program(done.pool)
         error = done.solution.error if done.worst is None else done.worst.error
         objective = objective_of(self.context, program, done.x, materials, error)
         if done.bounded_out:
             if pick not in self.candidates:
-                self._note(pick, objective, "bounded out")
-            return
+                self.note(pick, objective, "bounded out")
+            return None
         if pick not in self.candidates or objective < (self.candidates[pick].objective or math.inf):
-            self._note(pick, objective, "solved")
+            self.note(pick, objective, "solved")
         if objective < self.objective * (1.0 - 1e-7):
             self.best = (pick, exchange.space, materials, exchange, done, objective)
+        return done
 
     def _heard(self, iteration: Iteration) -> None:
         """Exchanges of one choice after another make one log, numbered through."""
@@ -278,14 +288,15 @@ class Chooser:
         if self._listener is not None:
             self._listener(self.history[-1])
 
-    def _note(self, pick: Combination, objective: float | None, outcome: str) -> None:
+    def note(self, pick: Combination, objective: float | None, outcome: str) -> None:
+        """Write down what became of a combination."""
         names = tuple(None if material is None else material.name for material in pick.materials)
         self.candidates[pick] = Candidate(pick.shapes, names, objective, outcome)  # type: ignore[arg-type]
 
     def note_infeasible(self, pick: Combination) -> None:
         """Note a combination that is known to keep the limits nowhere."""
         if pick not in self.candidates:
-            self._note(pick, None, "infeasible")
+            self.note(pick, None, "infeasible")
 
     def link_by_link(self) -> None:
         """Coordinate search: the best combination in which all links agree, then one link at a time until none

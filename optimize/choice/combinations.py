@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from optimize.result import Candidate, Iteration
 
 from .chooser import Chooser, Progress
 from .given import given_design
-from .many import CLOSE, among_many, possible
+from .many import CLOSE, Among, among_many, possible
+from .near_ties import Ties, near_ties
 from .picks import Combination, combinations, count
 
 Array = NDArray[np.float64]
@@ -48,6 +49,10 @@ class Choice:
     """Whether an interrupt ended the search."""
     gap: float | None = 0.0
     """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
+    bound: float | None = None
+    """What no design of any combination goes below (SI), where all were bounded at once."""
+    ties: Ties = field(default_factory=Ties)
+    """The combinations within a few per cent of the best, solved to the end."""
 
 
 @dataclass(frozen=True)
@@ -69,12 +74,14 @@ def choose(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
+    ties: bool = True,
 ) -> Choice | None:
-    """The best combination of shapes and materials; None where none has a solution (better than `known`, SI).
+    """The best combination of shapes and materials; None where none has a solution (better than `known`, SI). With
+    `ties` those that come near it are solved to the end as well.
 
     See `chosen`, which also says what became of the combinations then.
     """
-    found = chosen(context, progress=progress, log=log, known=known, executor=executor)
+    found = chosen(context, progress=progress, log=log, known=known, ties=ties, executor=executor)
     return found if isinstance(found, Choice) else None
 
 
@@ -85,8 +92,10 @@ def chosen(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
+    ties: bool = True,
 ) -> Choice | NoChoice:
-    """The best combination of shapes and materials, where any has a solution (better than `known`, SI).
+    """The best combination of shapes and materials, where any has a solution (better than `known`, SI). With `ties`
+    those that come near it are solved to the end as well.
 
     `executor` does what falls apart into steps; without one this process does all.
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
@@ -98,19 +107,29 @@ def chosen(
     exhaustive = count(problem) <= MOST_COMBINATIONS
     interrupted = False
     gap: float | None = None
+    among: Among | None = None
+    near = Ties()
     try:
         if exhaustive:
             picks = combinations(problem)
             chooser.try_all(possible(chooser, picks) if len(picks) > _FEW else picks)
             gap = 0.0
         else:
-            gap = among_many(chooser)
-            gap = gap if gap is not None and math.isfinite(gap) else None
-            exhaustive = gap is not None and gap <= CLOSE
+            among = among_many(chooser)
+            gap = among.gap
         chooser.polish()
         own = given_design(problem)
         if own is not None:
             chooser.no_worse_than(own.combination, own.x)
+        if ties and chooser.best is not None and count(problem) > 1 and (among is None or among.branching is not None):
+            first = chooser.best[0]
+            near = near_ties(chooser, None if among is None else among.branching)
+            if chooser.best[0] != first:
+                chooser.polish()
+            if among is not None:
+                gap = 0.0 if near.all_solved else among.gap
+        if among is not None:
+            exhaustive = gap is not None and gap <= CLOSE
     except KeyboardInterrupt:
         if chooser.best is None:
             raise
@@ -137,6 +156,8 @@ def chosen(
         chooser.one_signed() and chooser.one_signed(everywhere=True),
         interrupted,
         None if interrupted else gap,
+        None if among is None or among.proof is None else among.proof.bound,
+        near,
     )
 
 

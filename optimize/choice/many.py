@@ -1,18 +1,22 @@
 """The best of many combinations: those that their bounds leave in the running are solved, the most promising first.
 
 Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
-the best design are out without a solution of their own.
+the best design are out without a solution of their own. Where there are too many for a bound each, all are bounded at
+once (`at_once.branching`). Where the model is no sum of products, lengths are chosen, or play depends on the
+design, nothing bounds them: they are then searched link by link.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from .bounds import CombinationBounds, combination_bounds
+from .at_once.branching import Branching, Proof
+from .bounds import MOST_AT_ONCE, CombinationBounds, combination_bounds
 from .chooser import Chooser
-from .picks import Combination, uniform
+from .picks import Combination, count, uniform
 
 CLOSE = 1e-4
 """A bound this near to the best design (relative) leaves nothing to win: the exchange's own gap."""
@@ -24,9 +28,46 @@ _LOOSE = 2e-3
 """A solution this far (relative) above its combination's bound can raise bounds."""
 
 
-def among_many(chooser: Chooser) -> float | None:
-    """Look for the best of all combinations; returns how much better (relative) one that was not solved could be, or
-    None where nothing bounds them: they were then searched link by link.
+_MOST_PARTS = 40
+"""So many parts of all combinations are looked at where they are bounded at once."""
+
+
+@dataclass(frozen=True)
+class Among:
+    """What is known of the combinations that were not solved: how much better (relative) one could be at most, None
+    where nothing tells; and where all were bounded at once, the bound and what it came from."""
+
+    gap: float | None
+    proof: Proof | None = None
+    branching: Branching | None = None
+
+
+def among_many(chooser: Chooser) -> Among:
+    """Look for the best of all combinations."""
+    context = chooser.context
+    problem = context.problem
+    fixed = problem.link_length is None and (problem.arm.play == "worst" or not context.uses_error)
+    if fixed and count(problem) > MOST_AT_ONCE:
+        return _at_once(chooser)
+    gap = _one_by_one(chooser)
+    return Among(gap if gap is not None and math.isfinite(gap) else None)
+
+
+def _at_once(chooser: Chooser) -> Among:
+    """Bound all combinations at once, and solve those that a bound points at."""
+    branching = Branching(chooser, WANTED)
+    proof = branching.run(_MOST_PARTS)
+    if proof is None or (chooser.best is None and proof.bound < math.inf):
+        chooser.link_by_link()
+    if proof is None:
+        return Among(None)
+    gap = branching.gap
+    return Among(gap if math.isfinite(gap) else None, branching.proof(), branching)
+
+
+def _one_by_one(chooser: Chooser) -> float | None:
+    """Look for the best of all combinations, a bound for each; returns how much better (relative) one that was not
+    solved could be, or None where nothing bounds them: they were then searched link by link.
 
     A combination at which the solver failed counts as not solved.
     """

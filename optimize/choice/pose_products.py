@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -67,8 +68,35 @@ def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
     return found
 
 
+@dataclass(frozen=True)
+class Vectors:
+    """A sum of products whose coefficients (3,) are vectors, by their factors; the constant has none."""
+
+    terms: Mapping[Power, Array]
+
+    def value(self, features: Array) -> Array:
+        """Its value (3,) for the links' features (n, K)."""
+        found = np.zeros(3)
+        for power, c in self.terms.items():
+            found += c * float(np.prod([features[place] for place in power]))
+        return found
+
+    def along(self, direction: Array) -> Products:
+        """Its part along a direction (3,): never more than its length."""
+        return Products({power: float(c @ direction) for power, c in self.terms.items()})
+
+
 def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | None:
-    """The error (m) at a pose along the direction that it has for a design p: never more than the error itself.
+    """The error (m) at a pose along the direction that it has for a design p: never more than the error itself."""
+    found = error_vectors(model, cut, p)
+    if found is None:
+        return None
+    whole = found.value(features_of(p, model.arm.size))
+    return found.along(whole / np.linalg.norm(whole)) if np.any(whole) else None
+
+
+def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
+    """The error (m) at a pose as a sum of products, read off about a design p.
 
     None where the error counts from a calibration at another temperature (what materials were like there is no
     feature), and with drives whose zones of stiffness end somewhere.
@@ -95,32 +123,39 @@ def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | Non
         bare[place] = 0.0
     for place in soft:
         bare[place] = np.copysign(_RIGID, own[place])
-    designs = np.repeat(bare[None], len(present) + 1, axis=0)
+    designs = np.repeat(bare[None], len(present) + 2, axis=0)
     for row, places in zip(designs, present, strict=False):
         for place in places:
             row[place] = own[place]
-    designs[-1] = own
+    designs[-2:] = own
+    for number, place in enumerate((*weights, *soft, *growing)):
+        designs[-1][place] *= _APART[number % len(_APART)]
     found = vectors(designs.reshape(len(designs), -1))
-    whole = found[-1]
-    if not np.all(np.isfinite(found)) or not np.any(whole):
+    if not np.all(np.isfinite(found)):
         return None
-    along = found @ (whole / np.linalg.norm(whole))
-    terms: dict[Power, float] = {}
-    alone = dict(zip(present, along, strict=False))
+    features = features_of(p, size)
+    terms: dict[Power, Array] = {}
+    alone = dict(zip(present, found, strict=False))
     for places, value in alone.items():
-        term = value
+        term = value.copy()
         if places:
             term -= alone[()]
         if len(places) == 2:
             term -= sum(alone[(place,)] - alone[()] for place in places)
         power = tuple(sorted((link, _FEATURE[k]) for link, k in places))
-        features = features_of(p, size)
-        terms[power] = float(term) / float(np.prod([features[place] for place in power]))
-    other = own.copy()
-    for number, place in enumerate((*weights, *soft, *growing)):
-        other[place] *= _APART[number % len(_APART)]
-    along_there = float((vectors(other.reshape(1, -1)) @ (whole / np.linalg.norm(whole)))[0])
-    return _agreed(terms, [(features_of(p, size), along[-1]), (features_of(other.ravel(), size), along_there)])
+        terms[power] = term / float(np.prod([features[place] for place in power]))
+    sizes = {p: float(np.linalg.norm(c)) * _size(p, features) for p, c in terms.items()}
+    for design, value in zip(designs[-2:], found[-2:], strict=True):
+        there = features_of(design.ravel(), size)
+        room = _CLOSE * sum(float(np.linalg.norm(c)) * _size(p, there) for p, c in terms.items())
+        if not np.linalg.norm(Vectors(terms).value(there) - value) <= room:
+            return None
+    largest = max(sizes.values(), default=0.0)
+    return Vectors({power: c for power, c in terms.items() if not power or sizes[power] > _NOTHING * largest})
+
+
+def _size(power: Power, features: Array) -> float:
+    return float(np.prod([abs(features[place]) for place in power]))
 
 
 def _agreed(terms: dict[Power, float], trials: Sequence[tuple[Array, float]]) -> Products | None:
@@ -279,8 +314,10 @@ def _inertia_terms(
 
 
 __all__ = [
+    "Vectors",
     "compression_products",
     "error_products",
+    "error_vectors",
     "features_of",
     "inertia_products",
     "stress_products",

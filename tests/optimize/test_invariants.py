@@ -12,6 +12,7 @@ import pytest
 from optimize.choice import combinations as chooser
 from optimize.choice.bounds import CombinationBounds
 from optimize.choice.chooser import Chooser
+from optimize.choice.many import Among
 from optimize.choice.picks import Combination, combinations
 from optimize.exchange.exchange import context_of, objective_of
 from optimize.problem import Problem
@@ -112,9 +113,9 @@ def test_choice_that_is_not_exhaustive_is_never_called_certified(
     text = f"choose: {{material: [aluminium-6061-t6, steel-s355]}}\nsubject_to: {{mass: '<= 5 kg', {SIZES}}}\n"
     problem = problem_of(tmp_path, ROD, text)
 
-    def searched(worker: Chooser) -> float | None:
+    def searched(worker: Chooser) -> Among:
         worker.link_by_link()
-        return gap
+        return Among(gap)
 
     monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
     monkeypatch.setattr(chooser, "among_many", searched)

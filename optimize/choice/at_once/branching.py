@@ -1,0 +1,297 @@
+"""The best of any number of combinations with a bound that closes: parts of all designs are bounded at once, and split.
+
+A part's bound (`relaxation`) is where each link may be a mixture of its options. Where that is too good
+to be true, the part is split by one of the columns in which the mixture's ingredients differ; a part that cannot beat
+the best design by what is wanted is out (Land and Doig 1960, doi:10.2307/1910129).
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from materials.material import Material
+from optimize.choice.chooser import Chooser
+from optimize.choice.picks import Combination, options, uniform
+from optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
+from optimize.exchange.exchange import Context, first_pool
+from optimize.exchange.program import carried_mass
+from sections.numeric import Array
+
+from .cells import COLUMNS, Cells, Ids
+from .pose_rows import rows_of
+from .relaxation import Node, Relaxation, Relaxed
+
+_LITTLE = 1e-9
+_LEAST_SCORE = 1e-7
+"""Where splitting could win less than this (relative), a part stays as it is."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What stands at the end: a bound (SI) that no design of any combination goes below, by how much (relative) the
+    best design is above it, how many parts were looked at, and whether the wanted gap was reached."""
+
+    bound: float
+    gap: float
+    parts: int
+    reached: bool
+
+
+def elastic_links(context: Context) -> tuple[int, ...]:
+    """The links that have a section, from 0."""
+    return tuple(k for k, link in enumerate(context.problem.arm.links) if link.section is not None)
+
+
+def link_cells(context: Context) -> tuple[Cells, ...]:
+    """The cells of each elastic link; links with the same options share them."""
+    shapes, materials = options(context.problem)
+    made: dict[tuple[tuple[str, str], ...], Cells] = {}
+    found: list[Cells] = []
+    for k in elastic_links(context):
+        own = [(shape, material) for shape in shapes[k] if shape for material in materials[k] if material]
+        key = tuple((shape, material.name) for shape, material in own)
+        if key not in made:
+            made[key] = Cells(context.problem, own)
+        found.append(made[key])
+    return tuple(found)
+
+
+class Branching:
+    """Bounds all combinations of a problem against a chooser's best design."""
+
+    def __init__(self, chooser: Chooser, wanted: float) -> None:
+        self.chooser, self.wanted = chooser, wanted
+        self.context = chooser.context
+        self.links = elastic_links(self.context)
+        self.relaxation = Relaxation(link_cells(self.context), self.links, self.context.problem.arm.size)
+        self.worth = 1.0
+        self.parts = 0
+        self._rows_for: object = None
+        self._read_off: tuple[Arm, Array] | None = None
+        self._order = itertools.count()
+        self._heap: list[tuple[float, int, Node]] = []
+        self._out = math.inf
+        """The least bound (relative to `worth`) of the parts that are done with."""
+
+    @property
+    def objective(self) -> float:
+        """The best objective so far, relative to `worth`."""
+        return self.chooser.objective / self.worth
+
+    @property
+    def bound(self) -> float:
+        """The bound so far, relative to `worth`."""
+        return min([self._out, *(entry[0] for entry in self._heap[:1])])
+
+    @property
+    def gap(self) -> float:
+        """By how much (relative) the best design is above the bound."""
+        if math.isinf(self.chooser.objective) or self.bound == -math.inf:
+            return math.inf
+        return max(0.0, 1.0 - self.bound / self.objective)
+
+    def run(self, most: int) -> Proof | None:
+        """Split until the gap is what is wanted, or so many parts were looked at; None where the model is no sum of
+        products."""
+        if not self._begin():
+            return None
+        for node in self._roots():
+            found = self.relaxation.solve(node, math.inf, rough=True)
+            self._push(replace(found.node, bound=found.bound))
+        if self._heap and self._heap[0][2].prices is not None:
+            first = self.relaxation.solve(self._heap[0][2], math.inf, rough=True)
+            self._try(self._pick(first))
+            if not self._refresh():
+                return None
+        while self._heap and self.parts < most:
+            if self.gap <= self.wanted:
+                break
+            self._tell()
+            if not self._step(heapq.heappop(self._heap)[2]):
+                return None
+        return self.proof()
+
+    def proof(self) -> Proof:
+        """What stands now."""
+        return Proof(self.bound * self.worth, self.gap, self.parts, self.gap <= self.wanted)
+
+    def within(self, objective: float) -> Iterator[tuple[Combination, int]]:
+        """The combinations that could do as well as an objective (SI), those first that one set of prices for all
+        likes best, each with how many more there are at most."""
+        enough = objective / self.worth
+        heap: list[tuple[float, int, tuple[int, ...], list[list[tuple[float, int]]]]] = []
+        left = 0
+        for node in self._roots():
+            found = self.relaxation.solve(node, math.inf)
+            if found.bound >= enough:
+                continue
+            bound, losses = self.relaxation.by_option(found, enough - found.bound)
+            room = enough - bound
+            ranked = [sorted((loss, o) for o, loss in each.items() if loss < room) for each in losses]
+            left += _sums_below(room, [[loss for loss, _ in each] for each in ranked])
+            heapq.heappush(heap, (bound, next(self._order), (0,) * len(ranked), ranked))
+        while heap:
+            bound, _, places, ranked = heapq.heappop(heap)
+            left -= 1
+            yield self._combination([each[k][1] for each, k in zip(ranked, places, strict=True)]), max(left, len(heap))
+            # Each next worse one has one parent: only links from the last that was moved on are moved.
+            last = max((j for j, k in enumerate(places) if k), default=0)
+            for j in range(last, len(places)):
+                if places[j] + 1 < len(ranked[j]):
+                    more = bound + ranked[j][places[j] + 1][0] - ranked[j][places[j]][0]
+                    if more < enough:
+                        after = (*places[:j], places[j] + 1, *places[j + 1 :])
+                        heapq.heappush(heap, (more, next(self._order), after, ranked))
+
+    def _tell(self) -> None:
+        progress = self.chooser.progress
+        if progress is not None:
+            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
+            progress(self.parts, self.parts + len(self._heap), f"bounding all combinations{told}")
+
+    def _begin(self) -> bool:
+        """Rows of some poses read off a first design; False where the error is no sum of products."""
+        problem = self.context.problem
+        pick = next(pick for pick in uniform(problem) if pick.agrees(problem.same))
+        space = design_space(problem, pick.shapes)
+        start = starting_points(space, material_row(pick.materials, problem), 1)[0]
+        arm = arm_of(space, start, pick.materials)
+        self._read_off = arm, numeric_beams(arm, problem.load_cases)
+        self.chooser.pool = self.chooser.pool or first_pool(self.context, space, start, pick.materials)
+        if problem.minimize == "max_error":
+            self.worth = self.context.search.worst(self._read_off[1], certify=False).error
+        else:
+            mass, cost, _ = self.chooser.totals(pick, start)
+            own = {"mass": mass, "total_mass": mass + carried_mass(problem)}
+            self.worth = max(own.get(problem.minimize, cost), _LITTLE)
+        return self._refresh()
+
+    def _refresh(self) -> bool:
+        """The rows of the pool as it is now; False where there are none."""
+        pool = self.chooser.pool
+        assert pool is not None
+        assert self._read_off is not None
+        if self._rows_for is pool:
+            return True
+        rows = rows_of(self.context, pool, *self._read_off, self.worth)
+        if rows is None:
+            return False
+        if self._rows_for is not None:
+            self._heap = [(bound, n, replace(node, tangents=())) for bound, n, node in self._heap]
+        self.relaxation.rows, self._rows_for = rows, pool
+        return True
+
+    def _roots(self) -> list[Node]:
+        """All designs, in parts that agree in what must be the same."""
+        same = self.context.problem.same
+        kinds: list[list[tuple[object, ...]]] = []
+        for cells in self.relaxation.cells:
+            alike = "section" in same or "size" in same
+            kinds.append([(s if alike else None, m.name if "material" in same else None) for s, m in cells.options])
+        found: list[Node] = []
+        for kind in dict.fromkeys(kinds[0]):
+            allowed = [np.flatnonzero([each == kind for each in own]) for own in kinds]
+            found.append(self.relaxation.root(allowed))
+        return found
+
+    def _push(self, node: Node) -> None:
+        heapq.heappush(self._heap, (node.bound, next(self._order), node))
+
+    def _step(self, node: Node) -> bool:
+        self.parts += 1
+        enough = self.objective * (1.0 - 0.9 * self.wanted)
+        if node.bound >= enough:
+            self._out = min(self._out, node.bound)
+            return True
+        found = self.relaxation.solve(node, enough)
+        bound = max(found.bound, node.bound)
+        if bound >= enough:
+            self._out = min(self._out, bound)
+            return True
+        pick = self._pick(found)
+        if pick not in self.chooser.candidates:
+            self._try(pick)
+            if not self._refresh():
+                return False
+        parts = self._split(replace(found.node, bound=bound), found)
+        if not parts:
+            self._out = min(self._out, bound)
+        for part in parts:
+            self._push(part)
+        return True
+
+    def _pick(self, found: Relaxed) -> Combination:
+        """The combination that a relaxed solution is nearest to."""
+        chosen: list[int] = []
+        for k, cells in enumerate(self.relaxation.cells):
+            weights: dict[int, float] = {}
+            for column, share in found.shares:
+                if column.link == k:
+                    option = int(cells.option[column.cell])
+                    weights[option] = weights.get(option, 0.0) + share
+            chosen.append(max(weights, key=lambda each: weights[each]))
+        return self._combination(chosen)
+
+    def _combination(self, chosen: Sequence[int]) -> Combination:
+        """The combination of an option of each elastic link."""
+        size = self.context.problem.arm.size
+        shapes: list[str | None] = [None] * size
+        materials: list[Material | None] = [None] * size
+        for link, cells, option in zip(self.links, self.relaxation.cells, chosen, strict=True):
+            shapes[link], materials[link] = cells.options[option]
+        return Combination(tuple(shapes), tuple(materials))
+
+    def _try(self, pick: Combination) -> None:
+        """Solve a combination, with an exchange where it could win."""
+        if not pick.agrees(self.context.problem.same):
+            return
+        solved = self.chooser.solve(pick)
+        if solved.objective is None or solved.solution is None:
+            return
+        if solved.objective < self.chooser.objective:
+            self.chooser.finish(pick, solved.solution.x)
+        else:
+            self.chooser.note(pick, solved.objective, "bounded out")
+
+    def _split(self, node: Node, found: Relaxed) -> list[Node]:
+        """A part in two, by the column in which what is mixed differs most."""
+        scores = found.chords.copy()
+        for k in range(len(self.links)):
+            mixed: dict[int, tuple[float, Array]] = {}
+            for column, share in found.shares:
+                if column.link == k:
+                    weight, at = mixed.get(column.cell, (0.0, np.zeros(len(COLUMNS))))
+                    mixed[column.cell] = (weight + share, at + share * column.values)
+            for weight, at in mixed.values():
+                scores[k] += np.abs(found.prices[k]) * np.abs(at - weight * found.y[k])
+        k, column = (int(x) for x in np.unravel_index(int(scores.argmax()), scores.shape))
+        if scores[k, column] <= _LEAST_SCORE:
+            return []
+        at = float(found.y[k, column])
+        parts: list[Node] = []
+        for side in (0, 1):
+            low, high = node.low.copy(), node.high.copy()
+            (high if side == 0 else low)[k, column] = at
+            least, most = self.relaxation.cells[k].spans(node.cells[k])
+            inside = (least[:, column] <= at) if side == 0 else (most[:, column] >= at)
+            cells: tuple[Ids, ...] = tuple(ids[inside] if j == k else ids for j, ids in enumerate(node.cells))
+            parts.append(replace(node, cells=cells, low=low, high=high))
+        return parts
+
+
+def _sums_below(room: float, lists: Sequence[Sequence[float]]) -> int:
+    """How many ways there are to take a number from each list with a sum below `room`; no fewer, a few more."""
+    bins = 4000
+    counts = np.zeros(bins)
+    counts[0] = 1.0
+    for own in lists:
+        steps = np.bincount((np.array(own) / room * bins).astype(int), minlength=bins)[:bins]
+        counts = np.convolve(counts, steps)[:bins]
+    return int(counts.sum())

@@ -1,0 +1,172 @@
+"""The rows of the finite problem as sums of products of what links bring: objective, binding poses and limits.
+
+Only rows that are such sums are here, and each is one that every design of every combination keeps: what they bound
+from below is bounded for all. Limits that are not here (a tip's stiffness, a torque) could only raise the bound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.errors.model import beams_of
+from arm.limits.strength import STATIONS
+from optimize.choice.pose_products import compression_products, error_vectors, inertia_products, stress_products
+from optimize.choice.products import Power, Products
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.exchange import Context
+from optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from optimize.limits import Cut
+from optimize.problem import Problem
+from sections.numeric import Array
+
+from .cells import COLUMNS, EXPANSION, PRICE
+
+
+@dataclass(frozen=True)
+class PoseRow:
+    """The length of a vector (or a number) that is a sum of products, plus a shift: not above t (where `objective`) or
+    not above nought. All are relative to what the best design does, or to the limit.
+
+    `powers` (T, n K) are of the links' columns in logarithms, `linear` (n K, D) of columns as they are.
+    """
+
+    constant: Array
+    coefficients: Array
+    powers: Array
+    linear: Array
+    objective: bool
+    shift: float
+
+    def vector(self, y: Array) -> Array:
+        """Its vector for columns y (n K)."""
+        return self.constant + self.linear.T @ y + self.coefficients.T @ np.exp(self.powers @ y)
+
+    def value(self, y: Array) -> float:
+        """What must not be above t, or nought."""
+        found = self.vector(y)
+        return self.shift + (float(found[0]) if len(found) == 1 else float(np.linalg.norm(found)))
+
+
+def row_of(terms: dict[Power, Array], size: int, *, objective: bool, scale: float, shift: float = 0.0) -> PoseRow:
+    """The row of a sum of products with vector coefficients, each over `scale`; the shift as well."""
+    dimension = len(next(iter(terms.values()))) if terms else 1
+    width = len(COLUMNS)
+    constant, linear = np.zeros(dimension), np.zeros((size * width, dimension))
+    coefficients: list[Array] = []
+    powers: list[Array] = []
+    for power, c in terms.items():
+        if not power:
+            constant = constant + c / scale
+            continue
+        if any(k == EXPANSION for _, k in power):
+            # Expansion stands alone in an error.
+            link, k = power[0]
+            linear[link * width + k] += c / scale
+            continue
+        own = np.zeros(size * width)
+        for link, k in power:
+            own[link * width + k] += 1.0
+        coefficients.append(c / scale)
+        powers.append(own)
+    return PoseRow(
+        constant,
+        np.array(coefficients).reshape(-1, dimension),
+        np.array(powers).reshape(-1, size * width),
+        linear,
+        objective,
+        shift / scale,
+    )
+
+
+def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> list[PoseRow] | None:
+    """The rows of a problem for a pool, read off about a design whose objective is `worth`; None where the error is no
+    sum of products."""
+    problem = context.problem
+    size = arm.size
+    fixed = fixed_error(context.model)
+    found: list[PoseRow] = []
+    own, rest = _own(problem, arm)
+    if problem.minimize in own:
+        terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
+        found.append(row_of(terms, size, objective=True, scale=worth))
+    elif problem.minimize != "max_error":
+        return None
+    for limit in problem.limits:
+        if limit.name not in own:
+            continue
+        terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
+        if limit.relation != ">=":
+            found.append(row_of(terms, size, objective=False, scale=limit.value))
+        if limit.relation != "<=":
+            terms = {power: -c for power, c in terms.items()}
+            found.append(row_of(terms, size, objective=False, scale=limit.value))
+    least = min((each.value for each in problem.limit("max_error")), default=math.inf)
+    for cut in dict.fromkeys(pool.errors):
+        vectors = error_vectors(context.model, cut, p)
+        if vectors is None:
+            return None
+        terms = dict(vectors.terms)
+        if problem.minimize == "max_error":
+            found.append(row_of(terms, size, objective=True, scale=worth, shift=fixed))
+        if math.isfinite(least):
+            found.append(row_of(terms, size, objective=False, scale=least, shift=fixed - least))
+    for family, prepared in context.families:
+        for cut in pool.of(family.name):
+            found += _family_rows(problem, family.name, prepared, cut, arm, p)
+    return found
+
+
+def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dict[str, float]]:
+    """Masses and cost: the products of each, and what no choice changes."""
+    elastic = [(k, float(link.length)) for k, link in enumerate(arm.links) if link.section is not None]
+    rigid = sum(link.mass or 0.0 for link in arm.links if link.section is None)
+    mass: dict[Power, Array] = {((k, 0),): np.array([length]) for k, length in elastic}
+    cost: dict[Power, Array] = {((k, PRICE),): np.array([length]) for k, length in elastic}
+    rest = {"mass": rigid, "total_mass": rigid + carried_mass(problem), "cost": drives_cost(problem)}
+    return {"mass": mass, "total_mass": mass, "cost": cost}, rest
+
+
+def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm, p: Array) -> list[PoseRow]:
+    size = arm.size
+    if name == "strengths":
+        return [_scalar(each, size) for each in _strength(problem, prepared[cut.group], cut, p)]
+    if name != "modes":
+        return []
+    beams = beams_of(arm, problem.load_cases)
+    found: list[PoseRow] = []
+    for limit in problem.limits:
+        if limit.name == "first_frequency":
+            sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)
+            if sums is not None:
+                found.append(_scalar(sums[0].scaled(1.0 / sums[1]), size))
+    return found
+
+
+def _scalar(products: Products, size: int) -> PoseRow:
+    return row_of({power: np.array([c]) for power, c in products.terms.items()}, size, objective=False, scale=1.0)
+
+
+def _strength(problem: Problem, case: Any, cut: Cut, p: Array) -> list[Products]:
+    """Stresses and compressions of a pose that tell, over what is allowed, less one."""
+    stresses = stress_products(case, cut, p)
+    presses = compression_products(case, cut, p)
+    found: list[Products] = []
+    for limit in problem.limits:
+        for entry in range(len(presses)):
+            if limit.name == "buckling":
+                sums: Sequence[Products] = [presses[entry]]
+            elif limit.name == "safety_factor":
+                sums = [stresses[entry, station] for station in range(len(STATIONS))]
+            else:
+                continue
+            for each in sums:
+                terms = {power: limit.value * c for power, c in each.terms.items() if c != 0.0}
+                terms[()] = terms.get((), 0.0) - 1.0
+                found.append(Products(terms))
+    return found

@@ -1,0 +1,412 @@
+"""A bound from below on all combinations at once: every link anywhere in the convex hull of its cells.
+
+In the logarithms of what links bring (`cells`), a product with a positive coefficient is convex and a
+product with a negative one lies above its chord; so the finite problem with each link in the hull of its options is
+convex, and a linear program with tangents (Kelley 1960, doi:10.1137/0108053) solves it. Its multipliers make one sum
+over links, and the least of each link's part over its cells, which needs no linear program to be right, is the bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.optimize import linprog
+
+from sections.numeric import Array
+
+from .cells import COLUMNS, NARROWEST, Cells, Ids
+from .pose_rows import PoseRow
+
+_WIDTH = len(COLUMNS)
+_PRICES = (30.0, 1000.0)
+"""What it costs the relaxation to break a limit wholly, at first and where it is broken nevertheless."""
+_BROKEN = 1e-5
+"""A limit broken by less (relative) is kept."""
+_CLOSED = 2e-4
+"""The linear program and the bound are this near to each other at the end."""
+_MOST_ROUNDS = 40
+_SEARCHING = 0.1
+"""From this distance between linear program and bound on, cells are split where they are loose."""
+_LOOSE = 1e-3
+"""A cell whose bound is this far below the best of its sections seen is loose."""
+_ROUGHER = 3.0
+"""So many times looser cells may be where it is only to be told which combinations come near the best."""
+_LITTLE = 1e-3
+"""The relaxation's value counts as at least this where something is held against it."""
+_MOST_SPLIT = 128
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """A row along a direction, with what is convex of it touched at columns `at`."""
+
+    row: int
+    direction: Array
+    at: Array
+
+
+@dataclass(frozen=True)
+class Node:
+    """A part of all designs: each link's cells, between `low` and `high` (n, K) in its columns."""
+
+    cells: tuple[Ids, ...]
+    low: Array
+    high: Array
+    bound: float = -np.inf
+    tangents: tuple[Tangent, ...] = ()
+    prices: Array | None = None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A corner of a cell of a link, with the columns that it counts with."""
+
+    link: int
+    cell: int
+    corner: int
+    values: Array
+
+
+@dataclass
+class Relaxed:
+    """What a node came to: its bound, the least of the relaxation (columns `y` (n, K)), what each link is there (a
+    column with its share), what each column is worth there, and what is lost to chords by column."""
+
+    node: Node
+    bound: float
+    y: Array
+    shares: list[tuple[Column, float]] = field(default_factory=list)
+    prices: Array = field(default_factory=lambda: np.zeros(0))
+    chords: Array = field(default_factory=lambda: np.zeros(0))
+    broken: float = 0.0
+    constant: float = 0.0
+    """What the bound by these prices has beside the links' parts."""
+
+
+class Relaxation:
+    """The relaxation of the finite problem; `cells` of each elastic link, at its place in the arm."""
+
+    def __init__(self, cells: Sequence[Cells], links: Sequence[int], size: int) -> None:
+        self.cells, self.links, self.size = tuple(cells), tuple(links), size
+        self.rows: list[PoseRow] = []
+
+    def root(self, allowed: Sequence[Ids] | None = None) -> Node:
+        """The node of all designs; `allowed`: of each link the options that it may be."""
+        found: list[Ids] = []
+        for k, own in enumerate(self.cells):
+            ids = own.roots
+            found.append(ids if allowed is None else ids[np.isin(own.option[ids], allowed[k])])
+        free = np.full((len(self.cells), _WIDTH), np.inf)
+        return Node(tuple(found), -free, free)
+
+    def solve(self, node: Node, enough: float, *, rough: bool = False) -> Relaxed:
+        """Bound a node; given up where the bound is `enough`, and with `rough` before any cell is split for it."""
+        if any(len(ids) == 0 for ids in node.cells):
+            return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
+        return _Solve(self, node).run(enough, rough=rough)
+
+    def by_option(self, found: Relaxed, room: float) -> tuple[float, list[dict[int, float]]]:
+        """A bound by what a relaxed node's prices say, and for each link by how much more (at least) each option that
+        the node has raises it; exact to a few thousandths only where that is less than `room`."""
+        bound = found.constant
+        losses: list[dict[int, float]] = []
+        for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
+            ids, size = start, np.abs(price)
+            loose = _LOOSE * max(abs(found.bound), _LITTLE)
+            while True:
+                scores = own.corners[ids] @ price
+                values = scores[:, :-1].min(axis=1) - own.pad[ids] @ size
+                options, places = np.unique(own.option[ids], return_inverse=True)
+                least = np.full(len(options), np.inf)
+                np.minimum.at(least, places, values)
+                real = np.where(own.kept[ids], scores, np.inf).min(axis=1)
+                coarse = (values <= least[places] + loose) & (values <= least.min() + room)
+                coarse &= (real - values > _ROUGHER * loose) & (own.width(ids) > NARROWEST)
+                if own.spent or not coarse.any():
+                    break
+                axes = own.telling_axes(ids[coarse], price)
+                ids = np.concatenate([ids[~coarse], own.split(ids[coarse], axes)])
+            bound += float(least.min())
+            losses.append(dict(zip(options.tolist(), (least - least.min()).tolist(), strict=True)))
+        return bound, losses
+
+    def full(self, y: Array) -> Array:
+        """Columns of the elastic links (n, K) among those of all links, flat."""
+        found = np.zeros((self.size, _WIDTH))
+        found[list(self.links)] = y
+        return found.ravel()
+
+
+class _Solve:
+    def __init__(self, relaxation: Relaxation, node: Node) -> None:
+        self.relaxation, self.node = relaxation, node
+        self.cells = list(node.cells)
+        self.count = len(self.cells)
+        self.columns: list[Column] = []
+        self.tangents = list(node.tangents)
+        self.known = {_key(each) for each in self.tangents}
+        self._box()
+        self.best = -np.inf
+        self.price, self.cost = _PRICES[0], 1.0
+
+    def _box(self) -> None:
+        """The least and the greatest of each column in the node."""
+        low, high = self.node.low.copy(), self.node.high.copy()
+        for k, own in enumerate(self.relaxation.cells):
+            least, most = own.spans(self.cells[k])
+            low[k] = np.maximum(low[k], least.min(axis=0))
+            high[k] = np.minimum(high[k], most.max(axis=0))
+        self.low, self.high = self.relaxation.full(low), self.relaxation.full(np.maximum(low, high))
+        self.cuts: list[tuple[Array, float, bool]] = [self._cut(each) for each in self.tangents]
+
+    def _cut(self, tangent: Tangent) -> tuple[Array, float, bool]:
+        """A tangent as (gradient of all columns (n, K), constant, whether it is of the objective)."""
+        row = self.relaxation.rows[tangent.row]
+        c = row.coefficients @ tangent.direction
+        gradient = row.linear @ tangent.direction
+        constant = row.shift + float(row.constant @ tangent.direction)
+        up = c > 0.0
+        there = row.powers[up] @ tangent.at
+        size = c[up] * np.exp(there)
+        gradient = gradient + size @ row.powers[up]
+        constant += float(size @ (1.0 - there))
+        if not up.all():
+            powers = row.powers[~up]
+            first, last = powers @ self.low, powers @ self.high
+            wide = last - first > 1e-9
+            slope = np.where(
+                wide, np.exp(first) * np.expm1(last - first) / np.where(wide, last - first, 1.0), np.exp(first)
+            )
+            gradient = gradient + (c[~up] * slope) @ powers
+            constant += float(c[~up] @ (np.exp(first) - slope * first))
+        return gradient.reshape(-1, _WIDTH)[list(self.relaxation.links)], constant, row.objective
+
+    def run(self, enough: float, *, rough: bool) -> Relaxed:
+        prices = self.node.prices if self.node.prices is not None else self._first_prices()
+        for k in range(self.count):
+            self._price(k, prices[k])
+        if self.node.prices is None:
+            for k in range(self.count):
+                for column in (0, 2):
+                    self._price(k, np.eye(_WIDTH)[column])
+        if not self.tangents:
+            self._touch(self._mean(), -np.inf, every=True)
+        answer = self._rounds(enough, rough=rough)
+        if rough or self.best >= enough or answer.broken <= _BROKEN:
+            return answer
+        # Can the limits be kept at all, whatever the objective?
+        known, self.best, self.cost = self.best, -np.inf, 0.0
+        if self._rounds(0.1 * _BROKEN, rough=False).bound > 0.1 * _BROKEN:
+            return replace(answer, bound=np.inf)
+        self.best, self.cost, self.price = known, 1.0, _PRICES[1]
+        return self._rounds(enough, rough=False)
+
+    def _rounds(self, enough: float, *, rough: bool) -> Relaxed:
+        """Tangents and columns until the linear program and the bound meet."""
+        answer: Relaxed | None = None
+        for _ in range(_MOST_ROUNDS):
+            value, t, shares, multipliers, sides = self._program()
+            y = self._mixed(shares)
+            prices, constant = self._lagrangian(multipliers, sides)
+            near = value - self.best < _SEARCHING * max(abs(value), _LITTLE)
+            if near and rough and answer is not None:
+                break
+            fresh = False
+            total = constant
+            for k in range(self.count):
+                least, added = self._price(k, prices[k], loose=_LOOSE * max(abs(value), _LITTLE) if near else None)
+                total += least
+                fresh = fresh or added
+            self.best = max(self.best, total)
+            answer = Relaxed(
+                self._after(multipliers, prices),
+                self.best,
+                y,
+                shares,
+                prices,
+                self._chords(multipliers, y),
+                (value - self.cost * t) / self.price,
+                constant,
+            )
+            if self.best >= enough:
+                break
+            touched = self._touch(y, t)
+            if not touched and (not fresh or value - self.best <= _CLOSED * max(abs(value), _LITTLE)):
+                break
+        assert answer is not None
+        return answer
+
+    def _after(self, multipliers: Array, prices: Array) -> Node:
+        used = tuple(each for each, m in zip(self.tangents, multipliers, strict=True) if m > 1e-7)
+        return replace(self.node, cells=tuple(self.cells), bound=self.best, tangents=used, prices=prices)
+
+    def _first_prices(self) -> Array:
+        found = np.zeros((self.count, _WIDTH))
+        found[:, 0], found[:, 2] = 1.0, 1.0
+        return found
+
+    def _mean(self) -> Array:
+        """Columns somewhere in the middle of those begun with."""
+        found = np.zeros((self.count, _WIDTH))
+        for k in range(self.count):
+            found[k] = np.mean([each.values for each in self.columns if each.link == k], axis=0)
+        return found
+
+    def _mixed(self, shares: Sequence[tuple[Column, float]]) -> Array:
+        found = np.zeros((self.count, _WIDTH))
+        for column, share in shares:
+            found[column.link] += share * column.values
+        return found
+
+    def _touch(self, y: Array, t: float, *, every: bool = False) -> bool:
+        """Add tangents at columns y where rows are above t or nought."""
+        at = self.relaxation.full(y)
+        fresh = False
+        for number, row in enumerate(self.relaxation.rows):
+            found = row.vector(at)
+            length = float(np.linalg.norm(found))
+            value = row.shift + (float(found[0]) if len(found) == 1 else length)
+            over = (value - t if self.cost else 0.0) if row.objective else value
+            if not every and over <= _CLOSED * (max(t, _LITTLE) if row.objective else 1.0):
+                continue
+            direction = np.ones(1) if len(found) == 1 else found / max(length, 1e-300)
+            tangent = Tangent(number, direction, at)
+            key = _key(tangent)
+            if key in self.known:
+                continue
+            self.known.add(key)
+            self.tangents.append(tangent)
+            self.cuts.append(self._cut(tangent))
+            fresh = True
+        return fresh
+
+    def _program(self) -> tuple[float, float, list[tuple[Column, float]], Array, Array]:
+        """The linear program over the columns so far: its value, t, shares, multipliers of the tangents and of the
+        node's sides (2, n, K)."""
+        columns = self.columns
+        gradients = np.array([each[0] for each in self.cuts])
+        constants = np.array([each[1] for each in self.cuts])
+        objective = np.array([each[2] for each in self.cuts])
+        links = np.array([each.link for each in columns])
+        values = np.array([each.values for each in columns])
+        table = np.einsum("mck,ck->mc", gradients[:, links], values)
+        head = np.stack([-objective.astype(float), objective.astype(float) - 1.0], axis=1)
+        rows, right = [np.hstack([head, table])], [-constants]
+        sides: list[tuple[int, int, int]] = []
+        for side, bounds in enumerate((self.node.low, self.node.high)):
+            for k, column in np.argwhere(np.isfinite(bounds)).tolist():
+                sign = -1.0 if side == 0 else 1.0
+                own = np.where(links == k, sign * values[:, column], 0.0)
+                rows.append(np.concatenate([[0.0, -1.0], own])[None])
+                right.append(np.array([sign * bounds[k, column]]))
+                sides.append((side, k, column))
+        one = np.zeros((self.count, 2 + len(columns)))
+        one[links, np.arange(2, 2 + len(columns))] = 1.0
+        cost = np.zeros(2 + len(columns))
+        cost[:2] = self.cost, self.price
+        result = linprog(
+            cost, np.vstack(rows), np.concatenate(right), one, np.ones(self.count), bounds=(0.0, None), method="highs"
+        )
+        multipliers = np.maximum(-result.ineqlin.marginals, 0.0)
+        count = len(self.cuts)
+        # The bound holds for any multipliers whose sums keep to the costs of t and of breaking limits.
+        weight = float(multipliers[:count] @ objective)
+        limit = float(multipliers[:count] @ ~objective + multipliers[count:].sum())
+        multipliers = multipliers * min(1.0, _over(self.cost, weight), _over(self.price, limit))
+        held = np.zeros((2, self.count, _WIDTH))
+        for (side, k, column), each in zip(sides, multipliers[count:], strict=True):
+            held[side, k, column] = each
+        found = [(column, share) for column, share in zip(columns, result.x[2:].tolist(), strict=True) if share > 1e-9]
+        return float(result.fun), float(result.x[0]), found, multipliers[:count], held
+
+    def _lagrangian(self, multipliers: Array, sides: Array) -> tuple[Array, float]:
+        """What each column is worth (n, K), and the constant beside."""
+        prices = np.zeros((self.count, _WIDTH))
+        constant = 0.0
+        for (gradient, own, _), weight in zip(self.cuts, multipliers.tolist(), strict=True):
+            if weight > 0.0:
+                prices += weight * gradient
+                constant += weight * own
+        prices += sides[1] - sides[0]
+        low = np.where(np.isfinite(self.node.low), self.node.low, 0.0)
+        high = np.where(np.isfinite(self.node.high), self.node.high, 0.0)
+        return prices, constant + float((sides[0] * low).sum() - (sides[1] * high).sum())
+
+    def _price(self, k: int, price: Array, *, loose: float | None = None) -> tuple[float, bool]:
+        """The least of a link's part over its cells, and whether a column was added for it; cells that are near
+        the least and by more than `loose` below the best of their sections are split first."""
+        own = self.relaxation.cells[k]
+        size = np.abs(price)
+        while True:
+            ids = self.cells[k]
+            scores = own.corners[ids] @ price
+            corner = scores[:, :-1].argmin(axis=1)
+            values = scores[np.arange(len(ids)), corner] - own.pad[ids] @ size
+            best = int(values.argmin())
+            if loose is None or own.spent:
+                break
+            near = np.flatnonzero(values <= values[best] + loose)
+            near = near[np.argsort(values[near])][:_MOST_SPLIT]
+            real = np.where(self._inside(own, ids[near], k), scores[near], np.inf).min(axis=1)
+            coarse = near[(real - values[near] > loose) & (own.width(ids[near]) > NARROWEST)]
+            if not len(coarse):
+                break
+            parts = own.split(ids[coarse], own.telling_axes(ids[coarse], price))
+            parts = self._overlapping(own, parts, k)
+            self.cells[k] = np.concatenate([np.delete(ids, coarse), parts])
+            gone = set(ids[coarse].tolist())
+            self.columns = [each for each in self.columns if each.link != k or each.cell not in gone]
+            if not len(self.cells[k]):
+                return np.inf, False
+        cell = int(ids[best])
+        taken = own.corners[cell, corner[best]] - np.sign(price) * own.pad[cell]
+        if any(
+            each.link == k and each.cell == cell and np.allclose(each.values, taken, atol=1e-12)
+            for each in self.columns
+        ):
+            return float(values[best]), False
+        self.columns.append(Column(k, cell, int(corner[best]), taken))
+        return float(values[best]), True
+
+    def _inside(self, own: Cells, ids: Ids, k: int) -> Array:
+        """Which sections of cells are real: they keep all limits on single links, and lie in the node."""
+        points = own.corners[ids]
+        room = 1e-9
+        within = (points >= self.node.low[k] - room) & (points <= self.node.high[k] + room)
+        return own.kept[ids] & within.all(axis=2)
+
+    def _overlapping(self, own: Cells, ids: Ids, k: int) -> Ids:
+        least, most = own.spans(ids)
+        return ids[((most >= self.node.low[k]) & (least <= self.node.high[k])).all(axis=1)]
+
+    def _chords(self, multipliers: Array, y: Array) -> Array:
+        """What is lost to chords, shared among the columns (n, K) whose ranges it comes from."""
+        lost = np.zeros(self.relaxation.size * _WIDTH)
+        at = self.relaxation.full(y)
+        for tangent, weight in zip(self.tangents, multipliers.tolist(), strict=True):
+            if weight <= 1e-9:
+                continue
+            row = self.relaxation.rows[tangent.row]
+            c = row.coefficients @ tangent.direction
+            down = c < 0.0
+            if not down.any():
+                continue
+            powers = row.powers[down]
+            first, last, here = powers @ self.low, powers @ self.high, powers @ at
+            share = np.clip((here - first) / np.maximum(last - first, 1e-12), 0.0, 1.0)
+            chord = (1.0 - share) * np.exp(first) + share * np.exp(last)
+            loss = -weight * c[down] * np.maximum(chord - np.exp(here), 0.0)
+            wide = powers * (self.high - self.low)
+            lost += loss @ (wide / np.maximum(wide.sum(axis=1, keepdims=True), 1e-12))
+        return lost.reshape(-1, _WIDTH)[list(self.relaxation.links)]
+
+
+def _over(most: float, sum_of_multipliers: float) -> float:
+    """By how much multipliers must shrink for their sum to keep to the most."""
+    return most / sum_of_multipliers if sum_of_multipliers > most else 1.0
+
+
+def _key(tangent: Tangent) -> tuple[object, ...]:
+    return tangent.row, tuple(np.round(tangent.direction, 9)), tuple(np.round(tangent.at, 9))

@@ -1,0 +1,64 @@
+"""More combinations than can have a bound each: one bound for all, against every combination solved by formulas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from optimize.choice import combinations as chooser
+from optimize.choice import many
+from optimize.choice.at_once.branching import Branching
+from optimize.choice.chooser import Chooser
+from optimize.choice.picks import count
+from optimize.exchange.exchange import context_of
+from optimize.run import optimise
+from tests.optimize.builders import jointed, problem_of, ranged
+from tests.optimize.choice.test_many_combinations import least_sags, materials, named
+
+CATALOGUE = """[aluminium-2024-t3, aluminium-5083-h111, aluminium-6061-t6, aluminium-6063-t6, aluminium-6082-t6,
+  aluminium-7075-t6, steel-s235, steel-s275, steel-s355, steel-s460n, titanium-ti-6al-4v, magnesium-az31b]"""
+
+
+def test_bound_on_all_is_below_every_combination_and_near_the_best(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
+    rows = materials(12, 3)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"choose: {{section: [circle], material: {named(rows)}}}\n"
+        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
+    )
+    result = optimise(problem_of(tmp_path, arm, text))
+    every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    assert result.objective == pytest.approx(every.min(), rel=1e-3)
+    assert result.bound_of == "all_designs"
+    assert 0.97 * every.min() <= result.lower_bound <= every.min() * (1.0 + 1e-4)
+    assert result.lower_bound_gap == pytest.approx(1.0 - result.lower_bound / result.objective)
+    near = np.argwhere(every < every.min() * 1.0299)
+    found = {each.materials for each in result.near_ties} | {
+        tuple(link.material.name for link in result.arm.links if link.material is not None)
+    }
+    assert result.near_ties_left == 0
+    assert found >= {(f"m{one}", f"m{other}") for one, other in near.tolist()}
+    for each in result.near_ties:
+        one, other = (int(str(name)[1:]) for name in each.materials)
+        assert each.objective == pytest.approx(every[one, other], rel=1e-3)
+
+
+def test_thirteen_millions_are_bounded_at_once(tmp_path: Path) -> None:
+    text = (
+        f"choose: {{section: [circle, tube, rectangle, triangle, ellipse], material: {CATALOGUE}}}\n"
+        "subject_to: {mass: '<= 6 kg', section_size: [20 mm, 120 mm], thickness: [2 mm, 10 mm]}\n"
+    )
+    arm = jointed((400, 420, 420, 200), ranged(*["-90 90"] * 4))
+    problem = problem_of(tmp_path, arm, text)
+    assert count(problem) == 60**4 > many.MOST_AT_ONCE
+    worker = Chooser(context_of(problem), None, None)
+    proof = Branching(worker, many.WANTED).run(20)
+    assert proof is not None
+    assert proof.reached
+    assert proof.bound <= worker.objective <= proof.bound * 1.0101
