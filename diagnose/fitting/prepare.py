@@ -285,7 +285,8 @@ def _scatter(left: Array, observed: Observed) -> Array:
 
 def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     """Readings (N, C), over their scatter, that lie far off and are no part of the mismatch: a handful anywhere; where
-    they are many, those that the other readings of their own visit do not bear out."""
+    they are many, those that the other readings of their own visit do not bear out. Repeats that are mostly alike to
+    the last digit are one count of an encoder written down again, and bear nothing out."""
     width, rules = observed.components, observed.rules.fitting
     tip = scaled[:, :width]
     distance = np.sqrt(np.sum(tip**2, axis=1))
@@ -303,8 +304,17 @@ def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     far &= ~_warming_up(tip, far, observed)
     if far.mean() <= rules.most_outliers:
         return far
+    if _mostly_alike(observed, visit, count):
+        return np.zeros(len(far), dtype=bool)
     alone = far & ((count > outside) | (whole & apart))[visit]
     return alone if alone.mean() <= rules.most_alone else np.zeros(len(far), dtype=bool)
+
+
+def _mostly_alike(observed: Observed, visit: NDArray[np.int64], count: NDArray[np.int64]) -> bool:
+    """Whether most readings of visits (numbered, with so many readings each) that were repeated say just the same."""
+    tip = observed.recording.tip
+    repeated = np.flatnonzero((count[visit[1:]] > 1) & (visit[1:] == visit[:-1]))
+    return len(repeated) > 0 and float(np.mean((tip[repeated + 1] == tip[repeated]).all(axis=1))) > 0.5
 
 
 def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArray[np.bool_]:

@@ -225,6 +225,8 @@ def _clean(
         else:
             scale = np.sqrt(squares / dof)
         scale = np.maximum(np.maximum(scale, least), rules.finest)
+        if not (scale > rules.finest).any():
+            break  # repeats alike to the last digit in all components, in steps of no decimal: they tell no scale
         kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules)
         squares, dof = _pooled(residual, kept)
     return _Cleaned(kept, squares, dof, outliers, doubtful)

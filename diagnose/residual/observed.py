@@ -320,11 +320,13 @@ def poses(observed: Observed) -> NDArray[np.int64]:
 
 
 def one_condition(observed: Observed) -> bool:
-    """Whether all readings are of one pose, payload, side and force, however often it was read."""
+    """Whether all readings are of one pose, payload, side, force and temperature, however often it was read."""
     recording = observed.recording
     near = observed.rules.residual.one_pose * same_pose(observed.arm, observed.rules.residual)
     held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
     still = bool((np.ptp(recording.q, axis=0) <= near).all())
+    warmed = [each for each in (recording.temperature, recording.link_temperature) if each is not None]
+    still &= all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_temperature for each in warmed)
     return still and all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_load for each in held)
 
 

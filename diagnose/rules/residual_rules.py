@@ -38,6 +38,9 @@ class ResidualRules:
     other_load: float = rule(
         1e-3, "share", "Payload, side or force that changes by more from one reading to the next is another.", JUDGED
     )
+    other_temperature: float = rule(
+        1.0, "K", "Temperatures of a recording that lie further apart are conditions of their own.", JUDGED
+    )
     other_speed: float = rule(
         1e-2, "share", "A speed that changes by more from one reading to the next is another.", JUDGED
     )
