@@ -65,13 +65,13 @@ def exchange_against_grid(*, quick: bool) -> list[str]:
         (Path(folder) / "problem.yaml").write_text(PROBLEM, encoding="utf-8")
         problem = read_problem(Path(folder) / "problem.yaml")
     context = context_of(problem)
-    _by_exchange(context, problem)
-    ours, grid, mapped = [], [], []
+    by_exchange(context, problem)
+    ours, whole, mapped = [], [], []
     for _ in range(1 if quick else 3):
-        grid.append(_by_full_pool(context, problem))
+        whole.append(_by_full_pool(context, problem))
         mapped.append(_by_mapped_grid(context, problem))
-        ours += [_by_exchange(context, problem) for _ in range(5)]
-    best, other, quicker = (min(sides, key=lambda side: side.seconds) for sides in (ours, grid, mapped))
+        ours += [by_exchange(context, problem) for _ in range(5)]
+    best, other, quicker = (min(sides, key=lambda side: side.seconds) for sides in (ours, whole, mapped))
     off = max(abs(side.true / best.true - 1.0) for side in (other, quicker))
     if not (off <= AGREEMENT and best.certified):
         raise SystemExit(f"the sides differ by {off:.1e}, or ours is not certified: there is nothing to compare")
@@ -86,7 +86,8 @@ def exchange_against_grid(*, quick: bool) -> list[str]:
     return [] if ratio >= TARGET else [f"exchange against grid: {ratio:.0f} times instead of {TARGET:.0f}"]
 
 
-def _by_exchange(context: Context, problem: Problem) -> Side:
+def by_exchange(context: Context, problem: Problem) -> Side:
+    """The exchange's side."""
     began = time.perf_counter()
     pick = combinations(problem)[0]
     space = design_space(problem, pick.shapes)
@@ -107,7 +108,7 @@ def _by_full_pool(context: Context, problem: Problem) -> Side:
     space = design_space(problem, pick.shapes)
     materials = material_row(pick.materials, problem)
     start = starting_points(space, materials, 1)[0]
-    pool = Pool(errors=tuple(ErrorCut(tuple(q.tolist()), 0, (), (0.0, 0.0, 0.0)) for q in _grid(problem)))
+    pool = Pool(errors=tuple(ErrorCut(tuple(q.tolist()), 0, (), (0.0, 0.0, 0.0)) for q in grid(problem)))
     solution = Exchange(context, space).program(pool, spare=False).solve(start, materials, pool)
     seconds = time.perf_counter() - began
     if not solution.solved:
@@ -116,7 +117,8 @@ def _by_full_pool(context: Context, problem: Problem) -> Side:
     return Side(solution.error, context.search.worst(beams).error, False, seconds, f"{pool.size} poses")
 
 
-def _grid(problem: Problem) -> np.ndarray:
+def grid(problem: Problem) -> np.ndarray:
+    """The poses of the grid."""
     axes = [np.linspace(*joint.range, EACH) for joint in problem.arm.joints]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
 
@@ -127,7 +129,7 @@ def _by_mapped_grid(context: Context, problem: Problem) -> Side:
     space = design_space(problem, pick.shapes)
     materials = material_row(pick.materials, problem)
     start = starting_points(space, materials, 1)[0]
-    poses = _grid(problem)
+    poses = grid(problem)
     case = context.model.cases[0]
     xs, qs, ps = ca.SX.sym("x", len(space.variables)), ca.SX.sym("q", problem.arm.size), ca.SX.sym("p", case.p.numel())
     design = expressions(space, xs, ca.SX(ca.DM(materials)))

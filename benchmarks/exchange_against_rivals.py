@@ -1,0 +1,239 @@
+"""The exchange against general optimisers on one problem: python -m benchmarks.exchange_against_rivals [--rounds N]
+
+The problem of `benchmarks.exchange_against_grid`: three diameters and three lengths, the worst error over the joint
+ranges, a mass and a reach. All rivals share one vectorised evaluator of the error at 13^3 poses, exact gradients
+included, and the exchange's start and bounds.
+
+- SLSQP (SciPy), exact gradients: the epigraph with a row for each of the 2,197 poses.
+- SLSQP, finite differences: the same without gradients.
+- SLSQP, few poses: the poses that are worst at the start and those that turn out worst at its answers, until the grid
+  has none worse. This is an exchange itself, with exact gradients but no certificate and nothing but error, mass and
+  reach: what ours costs beyond that is said, and has no target.
+- differential_evolution (SciPy) and a genetic algorithm (pymoo): the worst over the grid and the mass's excess as a
+  penalty; the last length follows from the reach, so that no equality is in their way. Both stop by themselves.
+
+All sides set their model up anew, and that counts. Each answer is held against the certified worst error over all poses
+between. Exit status 1 where the exchange is less than 5 times as fast as SLSQP with exact gradients, or 20 with finite
+differences, or a rival's answer is better.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+from pymoo.algorithms.soo.nonconvex.ga import GA
+from pymoo.core.problem import Problem as Population
+from pymoo.optimize import minimize as evolve
+from scipy.optimize import differential_evolution, minimize
+
+from arm.compiled.vectorise import vectorise
+from benchmarks.exchange_against_grid import ARM, EACH, MASS, PROBLEM, REACH, by_exchange, grid
+from optimize.choice.combinations import combinations
+from optimize.exchange.design import arm_of, design_space, expressions, material_row, numeric_beams, starting_points
+from optimize.exchange.exchange import Context, context_of
+from optimize.problem import Problem, read_problem
+from sections.numeric import Array
+
+TARGETS = {"SLSQP, exact gradients": 5.0, "SLSQP, finite differences": 20.0}
+_WORST = 24
+"""Poses that a round of SLSQP begins with and adds at most."""
+_PENALTY = 10.0
+"""On the logarithm of a mass above what is allowed."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The optimiser's numbers, and seconds."""
+
+    x: Array
+    seconds: float
+
+
+class Model:
+    """The vectorised evaluator: log of the error (mm) at poses, mass and reach, each with its gradient."""
+
+    def __init__(self, context: Context, problem: Problem) -> None:
+        self.pick = combinations(problem)[0]
+        self.space = design_space(problem, self.pick.shapes)
+        self.problem, self.context = problem, context
+        materials = material_row(self.pick.materials, problem)
+        self.start = starting_points(self.space, materials, 1)[0]
+        self.lower, self.upper = (np.array(each) for each in self.space.bounds())
+        case = context.model.cases[0]
+        x, q = ca.SX.sym("x", len(self.space.variables)), ca.SX.sym("q", problem.arm.size)
+        design = expressions(self.space, x, ca.SX(ca.DM(materials)))
+        error = 1e3 * case.function(q, design.beam_column)[0]
+        size = 0.5 * ca.log(ca.dot(error, error) + 1e-14)
+        sums = ca.vertcat(ca.log(design.mass / MASS), ca.log(design.reach / REACH))
+        self._size = vectorise([q, x], [size])
+        self._gradient = vectorise([q, x], [ca.gradient(size, x)])
+        self._sums = vectorise([x], [sums])
+        self._slopes = ca.Function("slopes", [x], [ca.jacobian(sums, x)])
+        self.poses = grid(problem)
+
+    def sizes(self, x: Array, poses: Array | None = None) -> Array:
+        """Logarithm of the error (mm) at each pose."""
+        return self._size(self.poses if poses is None else poses, x)[0][:, 0]
+
+    def gradients(self, x: Array, poses: Array) -> Array:
+        """Its gradient at each pose, (N, n)."""
+        return self._gradient(poses, x)[0]
+
+    def sums(self, x: Array) -> Array:
+        """Logarithms of mass and reach over what they should be, (N, 2) for designs (N, n)."""
+        return self._sums(np.atleast_2d(x))[0]
+
+    def slopes(self, x: Array) -> Array:
+        """Their gradients, (2, n)."""
+        return np.array(self._slopes(x))
+
+    def true(self, x: Array) -> float:
+        """The certified worst error over all poses, mm."""
+        beams = numeric_beams(arm_of(self.space, x, self.pick.materials), self.problem.load_cases)
+        return 1e3 * self.context.search.worst(beams).error
+
+
+def by_slsqp(model: Model, *, exact: bool, few: bool = False) -> Array:
+    """The epigraph over all poses, or over few and more of them round by round until the grid has none worse."""
+    x = model.start
+    sizes = model.sizes(x)
+    kept = np.argsort(-sizes)[: _WORST if few else len(sizes)]
+    y = float(sizes.max())
+    count = len(x)
+    for _ in range(20):
+        poses = model.poses[kept]
+        constraints = [
+            {"type": "ineq", "fun": lambda z, poses=poses: z[-1] - model.sizes(z[:-1], poses)},
+            {"type": "ineq", "fun": lambda z: -model.sums(z[:-1])[0, :1]},
+            {"type": "eq", "fun": lambda z: model.sums(z[:-1])[0, 1:]},
+        ]
+        if exact:
+
+            def rows(z: Array, poses: Array = poses) -> Array:
+                return np.hstack([-model.gradients(z[:-1], poses), np.ones((len(poses), 1))])
+
+            constraints[0]["jac"] = rows
+            constraints[1]["jac"] = lambda z: np.append(-model.slopes(z[:-1])[0], 0.0)[None]
+            constraints[2]["jac"] = lambda z: np.append(model.slopes(z[:-1])[1], 0.0)[None]
+        found = minimize(
+            lambda z: z[-1],
+            np.append(x, y),
+            jac=(lambda _: np.eye(count + 1)[-1]) if exact else None,
+            bounds=[*zip(model.lower, model.upper, strict=True), (-40.0, 40.0)],
+            constraints=constraints,
+            method="SLSQP",
+            options={"ftol": 1e-9, "maxiter": 200},
+        )
+        x = np.clip(found.x[:-1], model.lower, model.upper)
+        sizes = model.sizes(x)
+        y = float(sizes.max())
+        if y <= found.x[-1] + 1e-5:
+            break
+        kept = np.union1d(kept, np.argsort(-sizes)[:_WORST])
+    return x
+
+
+def _free(model: Model) -> tuple[list[int], int]:
+    """The variables but the last length, and that."""
+    lengths = [k for k in range(len(model.start)) if abs(model.slopes(model.start)[1, k]) > 0.0]
+    return [k for k in range(len(model.start)) if k != lengths[-1]], lengths[-1]
+
+
+def _whole(model: Model, free: Array) -> Array:
+    """All variables from those that are free: the last length (its logarithm) fills up the reach."""
+    which, last = _free(model)
+    x = model.start.copy()
+    x[which] = free
+    for _ in range(30):
+        step = model.sums(x)[0, 1] / max(model.slopes(x)[1, last], 1e-6)
+        x[last] = np.clip(x[last] - step, model.lower[last], model.upper[last])
+        if abs(step) < 1e-12:
+            break
+    return x
+
+
+def _penalised(model: Model, free: Array) -> float:
+    x = _whole(model, free)
+    heavy, off = model.sums(x)[0]
+    return float(model.sizes(x).max() + _PENALTY * (max(heavy, 0.0) + abs(off)))
+
+
+def by_differential_evolution(model: Model) -> Array:
+    """SciPy's, with its own defaults, from the exchange's start."""
+    which, _ = _free(model)
+    bounds = list(zip(model.lower[which], model.upper[which], strict=True))
+    found = differential_evolution(
+        lambda free: _penalised(model, free), bounds, x0=model.start[which], seed=1, tol=1e-4
+    )
+    return _whole(model, found.x)
+
+
+def by_pymoo(model: Model) -> Array:
+    """A genetic algorithm of pymoo's, with its own defaults."""
+    which, _ = _free(model)
+
+    class Designs(Population):
+        """All designs of a generation."""
+
+        def __init__(self) -> None:
+            super().__init__(n_var=len(which), n_obj=1, xl=model.lower[which], xu=model.upper[which])
+
+        def _evaluate(self, x: Array, out: dict[str, Array], *more: object, **named: object) -> None:
+            del more, named
+            out["F"] = np.array([[_penalised(model, each)] for each in x])
+
+    found = evolve(Designs(), GA(pop_size=100), seed=1)
+    return _whole(model, np.asarray(found.X, dtype=float))
+
+
+def _timed(way: Callable[[Model], Array], context: Context, problem: Problem) -> Answer:
+    began = time.perf_counter()
+    found = way(Model(context, problem))
+    return Answer(found, time.perf_counter() - began)
+
+
+def main() -> int:
+    """Run all, hold the answers against each other, print; 1 where a target is missed."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.exchange_against_rivals")
+    parser.add_argument("--rounds", type=int, default=5, help="of the quick ones; the best of them counts")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "arm.yaml").write_text(ARM, encoding="utf-8")
+        (Path(folder) / "problem.yaml").write_text(PROBLEM, encoding="utf-8")
+        problem = read_problem(Path(folder) / "problem.yaml")
+    context = context_of(problem)
+    model = Model(context, problem)
+    ways: dict[str, tuple[Callable[[Model], Array], int]] = {
+        "SLSQP, exact gradients": (partial(by_slsqp, exact=True), asked.rounds),
+        "SLSQP, finite differences": (partial(by_slsqp, exact=False), asked.rounds),
+        "SLSQP, few poses": (partial(by_slsqp, exact=True, few=True), asked.rounds),
+        "differential_evolution": (by_differential_evolution, 1),
+        "pymoo, GA": (by_pymoo, 1),
+    }
+    ours = min((by_exchange(context, problem) for _ in range(asked.rounds + 1)), key=lambda side: side.seconds)
+    print(f"exchange, certified: {1e3 * ours.true:.6f} mm in {ours.seconds:.4f} s; rivals over {EACH}^3 poses")
+    missed = 0
+    for name, (way, rounds) in ways.items():
+        found = min((_timed(way, context, problem) for _ in range(rounds)), key=lambda answer: answer.seconds)
+        heavy, off = model.sums(found.x)[0]
+        true, ratio = model.true(found.x), found.seconds / ours.seconds
+        kept = max(heavy, abs(off)) <= 1e-6
+        worse = 100.0 * (true / (1e3 * ours.true) - 1.0)
+        print(
+            f"  {name:26} {true:.6f} mm ({worse:+.3f} %{'' if kept else ', breaks a limit'}) in {found.seconds:.4f} s: "
+            f"{ratio:.1f} times as long"
+        )
+        missed += ratio < TARGETS.get(name, 0.0) or (kept and worse < -0.01)
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
