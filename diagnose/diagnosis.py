@@ -9,7 +9,7 @@ import numpy as np
 
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
-from diagnose.answer.sentences import mm, name_of
+from diagnose.answer.sentences import put_right
 from diagnose.fitting.prepare import prepare
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
@@ -106,9 +106,8 @@ def _with_labels(
     )
     if wrong is None:
         return found
-    names = " and ".join(name_of(effect, at) for effect, at in wrong.named)
-    said = f"{wrong.said}: with that put right, {names} leave {mm(wrong.rms)} RMS, the noise floor"
-    return replace(found, labels=said, sentence=f"{found.sentence} It looks as if {said}.")
+    said = f"It looks as if {wrong.said}: with that put right, {put_right(wrong)}."
+    return replace(found, labels=wrong, sentence=f"{found.sentence} {said}")
 
 
 def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:

@@ -179,6 +179,16 @@ class WrittenArm:
 
 
 @dataclass(frozen=True)
+class Mislabelled:
+    """Labels that seem to stand beside the wrong readings: `said` in words, what is `named` (effect, joints or links
+    from 1) once they are put right, and what that leaves (RMS, m), which is the noise floor."""
+
+    said: str
+    named: tuple[tuple[str, tuple[int, ...]], ...]
+    rms: float
+
+
+@dataclass(frozen=True)
 class Detectable:
     """The smallest size of an effect at a place that this recording would have shown (power 0.9): the RMS displacement
     of the tip (m), and the value of its parameter in the SI unit of `kind`.
@@ -229,7 +239,7 @@ class Diagnosis:
     read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
     more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
-    or payloads seem to stand beside the wrong readings (empty: none).
+    or payloads seem to stand beside the wrong readings (None: none).
     """
 
     arm: Arm
@@ -264,7 +274,7 @@ class Diagnosis:
     scatter: float | None = None
     rms_promised: float = math.nan
     written: WrittenArm | None = None
-    labels: str = ""
+    labels: Mislabelled | None = None
 
     @property
     def describes_part(self) -> bool:

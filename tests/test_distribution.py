@@ -12,23 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_house import ROOT, tracked_files
+from tests.test_house import MAY_USE, ROOT, tracked_files
 
 # The environment is built once: all these tests go to one worker.
 pytestmark = pytest.mark.xdist_group("distribution")
 
-ROOMS = (
-    "units",
-    "registries",
-    "executors",
-    "sections",
-    "materials",
-    "catalogues",
-    "arm",
-    "optimize",
-    "diagnose",
-    "linkwright",
-)
+ROOMS = tuple(MAY_USE)
 
 ARM = """\
 name: two links on a bench

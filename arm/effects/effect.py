@@ -232,6 +232,9 @@ class Effect:
     `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
     (from 0), in its unit: file and finding together are not less than nought (infinite: nobody knows).
     `kinks` tells which of the twists are piecewise linear in a load, and where they bend.
+    `under_forces` marks what gives under forces, not under moments about where it is alone: of links that nobody has
+    weighed it shows the masses beside the first moments. `weights_named` marks what could be almost anything under
+    unknown weights of its own, and is sought only under those that an arm file names.
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
     """
@@ -274,6 +277,8 @@ class Effect:
     declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
     repeats: bool = False
     kinks: Callable[[PoseState, Settings], Iterable[Kink]] = no_kinks
+    under_forces: bool = False
+    weights_named: bool = False
 
     @property
     def belongs_to_link(self) -> bool:

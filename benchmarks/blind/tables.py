@@ -19,8 +19,8 @@ def _clean(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def as_json(score: Score) -> str:
-    """All figures; null where there is nothing to count."""
+def as_json(score: Any) -> str:
+    """All figures of a score (a dataclass); null where there is nothing to count."""
     return json.dumps(_clean(asdict(score)), indent=1) + "\n"
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
-import json
-import math
 import sys
 from pathlib import Path
-from typing import Any
 
 from benchmarks.blind.answers import load
 from benchmarks.blind.run import SealedTwiceError, run
 from benchmarks.blind.seal import BrokenSealError
+from benchmarks.blind.tables import as_json
 from benchmarks.multibody.cases import HALVES, REMOUNTS, NoCaseError
 from benchmarks.multibody.make import make
 from benchmarks.multibody.page import section, write_section
@@ -46,14 +43,6 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _clean(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _clean(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_clean(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; exit status 0, or 2 with one line where the input is wrong."""
     asked = _parser().parse_args(arguments)
@@ -65,7 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
         else:
             result = score(*load(asked.cases, asked.answers, partial=asked.partial))
             if asked.json:
-                asked.json.write_text(json.dumps(_clean(dataclasses.asdict(result)), indent=1) + "\n", encoding="utf-8")
+                asked.json.write_text(as_json(result), encoding="utf-8")
             if asked.page:
                 write_section(asked.page, result)
             print(section(result))

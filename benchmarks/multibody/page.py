@@ -21,7 +21,8 @@ WORDS = (
     """,
     """
     Thirty-two unknown classes are split BY CLASS, by a recorded seed, into a development half and a proof half: what is
-    in the proof half is drawn there alone, and nothing in the tool may be made for it. An unknown's size is what
+    in the proof half is drawn there alone, and nothing in the tool may be made for it. The tool's rules are set by the
+    development half, which is therefore a guide and no proof. An unknown's size is what
     geometry and any three usual causes leave of it.
     """,
     """
@@ -29,9 +30,10 @@ WORDS = (
     once); `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. A
     tracker set up anew half-way gives a case two recordings, which are asked together; `PROOF_REMOUNTS=0`
     draws none, for a `diagnose` that takes one recording at a time. The oracle knows every cause at its true size and
-    fits frame and tool where they are free. Bias, F1 and false discoveries are the three figures of arXiv:2606.23215 in
-    a recording's terms: relative errors of parameters rightly named; joints, moments and covariates that are pointed at
-    (a small cause's joint is no false one); names that are neither a cause's nor declare it.
+    fits frame and tool where they are free. Bias, F1 and false discovery rate are the figures that arXiv:2606.23215 is
+    quoted for; what they mean for a recording is defined here: relative errors of parameters rightly named; joints,
+    moments and covariates that are pointed at (a small cause's joint is no false one); names that are neither a cause's
+    nor declare it.
     """,
 )
 

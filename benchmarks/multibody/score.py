@@ -1,7 +1,7 @@
 """The score of the second proof: from truths and answers to targets, tables, the three figures and a list of misses.
 
-The three figures are those that arXiv:2606.23215 asks of fault diagnosis, in the terms of a recording: the bias of
-parameters that are rightly named, F1 of localisation by joint, by time and by region (the covariates on which the
+The three figures are those that arXiv:2606.23215 is quoted for, defined here for a recording: the bias of parameters
+that are rightly named, F1 of localisation by joint, by time and by region (the covariates on which the
 mismatch is said to depend), and the share of false ones among all discoveries.
 """
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from arm.effects import EFFECTS
 from diagnose.fitting.prepare import Prepared
-from diagnose.result import Alternative, Finding, FittedParameter, LackOfFit, Unknown
+from diagnose.result import Alternative, Finding, FittedParameter, LackOfFit, Mislabelled, Unknown
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from units.quantities import format_quantity
@@ -131,6 +131,12 @@ def refutation(found: LackOfFit) -> str:
         "alone leaves where readings were held out. What is named describes part of it, and may stand for something "
         "else."
     )
+
+
+def put_right(labels: Mislabelled) -> str:
+    """What is named once labels are put right, and what that leaves."""
+    names = " and ".join(name_of(effect, at) for effect, at in labels.named)
+    return f"{names} leave {mm(labels.rms)} RMS, the noise floor"
 
 
 def _named(finding: Finding) -> str:

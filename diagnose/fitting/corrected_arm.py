@@ -15,8 +15,9 @@ from diagnose.patterns.unknown_weights import weight_entries
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 
-from .refit import Refit, Term
+from .refit import Refit
 from .shared_weights import factors
+from .terms import Term
 
 
 def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fitting) -> tuple[Arm, tuple[str, ...]]:

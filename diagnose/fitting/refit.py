@@ -20,23 +20,12 @@ from scipy.optimize import minimize_scalar
 
 from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import file_compliance
 from diagnose.patterns.flexibility import entry, through_flexibility
 from diagnose.patterns.library import Candidate, columns_of, kind_of, parameter_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.patterns.unknown_weights import (
     Weight,
-    columns_under_weights,
-    levers,
-    masses_show,
-    only_products,
-    product_entry,
-    turned_under_weights,
-    unknown_weights,
-    weight_entries,
-    weights_given,
 )
-from diagnose.residual.observed import Observed
 from diagnose.result import FittedParameter
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
@@ -44,7 +33,18 @@ from sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, limits
-from .shared_weights import Steps, factors, steps
+from .shared_weights import factors
+from .terms import Term
+from .under_weights import (
+    entries_of,
+    hold_of,
+    known_load,
+    less_known,
+    not_under_known_loads,
+    sag,
+    steps_of,
+    under_one_set_of_weights,
+)
 
 _SWEEPS = 2
 _SCAN = 14
@@ -55,28 +55,6 @@ _SETTLED = 1e-9
 _DIFFERENCE = 1e-4
 _SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
 _ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class Term:
-    """One finding with its parameters: `sizes` (d,) and the candidate's shapes; `columns` (N, C, d) are the derivatives
-    by the sizes, `moved` (N, C) what it adds to the model, m and rad. `through` (N, C, d) is what flexibility adds to
-    its derivatives by the loads found that act through it, None where there are none.
-
-    What gives under unknown `weights` (none named: those of the arm file) has a product for each of them among its
-    sizes, and last its own size under the loads that are known; None: nothing of that kind."""
-
-    candidate: Candidate
-    sizes: Array
-    columns: Array
-    moved: Array
-    through: Array | None = None
-    weights: tuple[Weight, ...] | None = None
-
-    @property
-    def shared(self) -> bool:
-        """Whether it gives under unknown weights, which are one set for all that does."""
-        return self.weights is not None
 
 
 @dataclass(frozen=True)
@@ -105,16 +83,16 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
     if not terms:
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
-    terms, weights = _under_one_set_of_weights(prepared, terms)
+    terms, weights = under_one_set_of_weights(prepared, terms)
     terms = _shapes_found(prepared, terms, fitted.unit)
     given = prepared
     prepared, terms = _solved(given, terms, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     errors, told = _errors(prepared, terms, rss / max(freedom, 1))
-    doubtful = _not_under_known_loads(prepared, terms, errors, told, freedom)
+    doubtful = not_under_known_loads(prepared, terms, errors, told, freedom)
     if doubtful:
         prepared, terms = _solved(
-            given, [_less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
+            given, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
         )
         residual, rss, freedom = _left(prepared, terms)
         errors, told = _errors(prepared, terms, rss / max(freedom, 1))
@@ -123,78 +101,6 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
         for place, (error, sure) in enumerate(zip(errors, told, strict=True))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
-
-
-def _under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
-    """The terms, those that give under unknown weights with a column for each weight that any of them shows."""
-    observed = prepared.observed
-    places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
-    if not places or weights_given(observed):
-        return [replace(t, weights=() if k in places else None) for k, t in enumerate(terms)], ()
-    masses = any(masses_show(EFFECTS[terms[k].candidate.effect]) for k in places)
-    weights = unknown_weights(observed, masses=masses)
-    found, begun = list(terms), np.zeros(len(weights))
-    # The weights of what moves most to begin with, and of each other term what comes nearest to its own with them.
-    for k in sorted(places, key=lambda k: -float(np.sum(observed.whitened(terms[k].moved) ** 2))):
-        candidate, own = terms[k].candidate, observed.whitened(terms[k].moved)
-        columns = columns_under_weights(observed, candidate.effect, candidate.at, weights)
-        white = observed.whitened(columns)
-        sizes = solved(white, own)
-        if begun.any():
-            pattern = white[:, :-1] @ begun
-            amount, sizes[-1] = solved(np.stack([pattern, white[:, -1]], axis=1), own).tolist()
-            sizes[:-1] = amount * begun
-        begun = begun if begun.any() else sizes[:-1]
-        found[k] = Term(candidate, sizes, columns, columns @ sizes, weights=weights)
-    return found, weights
-
-
-def _only_products(observed: Observed, candidate: Candidate) -> bool:
-    inside = not (candidate.outside or candidate.share)
-    return inside and only_products(observed, EFFECTS[candidate.effect], candidate.at)
-
-
-def _not_under_known_loads(
-    prepared: Prepared, terms: Sequence[Term], errors: Sequence[Array], told: Sequence[NDArray[np.bool_]], freedom: int
-) -> set[int]:
-    """The places of the terms under unknown weights whose own size the known loads do not tell, or would make what
-    cannot be."""
-    factor, found = t_quantile(freedom), set[int]()
-    for k, term in enumerate(terms):
-        if not term.shared or not term.columns[:, :, -1].any():
-            continue
-        candidate, value = term.candidate, float(term.sizes[-1])
-        least = -file_compliance(prepared.observed.arm, candidate.at[0]) if candidate.of_drives else 0.0
-        telling = prepared.observed.rules.fitting.telling
-        if value <= least or not told[k][-1] or factor * float(errors[k][-1]) > telling * abs(value):
-            found.add(k)
-    return found
-
-
-def _less_known(term: Term) -> Term:
-    """A term under unknown weights that known loads do not move."""
-    columns, sizes = term.columns.copy(), term.sizes.copy()
-    columns[:, :, -1], sizes[-1] = 0.0, 0.0
-    return replace(term, columns=columns, sizes=sizes, moved=columns @ sizes)
-
-
-def _steps(terms: Sequence[Term], spans: Sequence[slice], count: int) -> Steps | None:
-    """The coordinates of a fit's steps where terms share unknown weights, None where none do (or the file has them)."""
-    shared = [span for term, span in zip(terms, spans, strict=True) if term.shared]
-    if not shared:
-        return None
-    return steps(count, shared, factors(np.stack([term.sizes[:-1] for term in terms if term.shared])))
-
-
-def _held(prepared: Prepared, terms: Sequence[Term], unit: float) -> Array:
-    """How strongly unknown weights (K,) are held to nought where data do not show them: `unit`, the scatter of whitened
-    residuals, over how large one may be against the largest. A first moment is a mass, no more than all of them, times
-    a lever, no longer than what lies beyond the joint."""
-    weights = next((term.weights for term in terms if term.weights is not None), None)
-    if not weights:
-        return np.zeros(0 if weights is None else 1)
-    rules = prepared.observed.rules.fitting
-    return unit / (rules.weights_alike * levers(prepared.observed.arm, weights, rules.least_lever))
 
 
 def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
@@ -278,7 +184,7 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
     """The terms with loads acting through the flexibility among them as it now is, and the recording with it."""
     entries = [_entry(term) for term in terms]
     loads = [k for k, term in enumerate(terms) if through_flexibility(term.candidate)]
-    products = _products(terms)
+    products = entries_of(terms)
     if not loads or not (any(entries) or products):
         return prepared, list(terms)
 
@@ -308,19 +214,6 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
     return now, found
 
 
-def _products(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
-    """What gives under unknown weights among the terms, with those weights, as entries."""
-    shared = [term for term in terms if term.weights is not None]
-    if not shared:
-        return ()
-    found = factors(np.stack([term.sizes[:-1] for term in shared]))
-    giving = zip(shared, found.compliance.tolist(), strict=True)
-    return (
-        *weight_entries(shared[0].weights or (), found.weight.tolist() if shared[0].weights else ()),
-        *(product_entry(term.candidate.effect, term.candidate.numbers, product) for term, product in giving),
-    )
-
-
 def _entry(term: Term) -> EffectEntry | None:
     return entry(term.candidate, term.sizes.tolist())
 
@@ -335,9 +228,9 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
-        together = _steps(terms, spans, design.shape[1])
+        together = steps_of(terms, spans, design.shape[1])
         if together is not None:
-            held, asked = together.held(_held(prepared, terms, unit))
+            held, asked = together.held(hold_of(prepared, terms, unit))
             design, white = np.vstack([design @ together.slopes, held]), np.concatenate([white, asked])
         step, before = solved(design, white), value
         for share in _SHARES:
@@ -367,13 +260,13 @@ def _to_be_least(prepared: Prepared, terms: Sequence[Term], unit: float) -> floa
     white = prepared.observed.whitened(beyond_nuisances(prepared, left))
     _, wanted = _tethers(prepared, terms, unit)
     shared = [term.sizes[:-1] for term in terms if term.shared]
-    held = _held(prepared, terms, unit) * (factors(np.stack(shared)).weight if shared else np.zeros(0))
+    held = hold_of(prepared, terms, unit) * (factors(np.stack(shared)).weight if shared else np.zeros(0))
     return float(white @ white) + float(wanted @ wanted) + float(held @ held)
 
 
 def _left(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, int]:
     design, spans = _design(prepared, terms)
-    together = _steps(terms, spans, design.shape[1])
+    together = steps_of(terms, spans, design.shape[1])
     if together is not None:
         design = design @ together.slopes
     left = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
@@ -457,10 +350,10 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
                 further.append(prepared.observed.whitened(change))
     unit = float(np.sqrt(variance))
     rows, _ = _tethers(prepared, terms, unit)
-    together = _steps(terms, spans, design.shape[1])
+    together = steps_of(terms, spans, design.shape[1])
     slopes = np.eye(design.shape[1]) if together is None else together.slopes
     if together is not None:
-        held, _ = together.held(_held(prepared, terms, unit))
+        held, _ = together.held(hold_of(prepared, terms, unit))
         design, rows = design @ slopes, np.vstack([rows @ slopes, held])
     full = np.column_stack([design, *further]) if further else design
     full = np.vstack([full, np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])])
@@ -492,8 +385,8 @@ def _parameters(
     ending = f"_{at[0]}" if len(at) == 1 else ""
     if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
-        known = _known_load(term, kind, errors, told, factor, at, rules.telling)
-        return (_sag(prepared, term, factor, variance, at), *known)
+        known = known_load(term, kind, errors, told, factor, at, rules.telling)
+        return (sag(prepared, term, factor, variance, at), *known)
     found: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
     held = tether(term, 1.0, rules=rules) * errors > rules.held
@@ -517,40 +410,6 @@ def _parameters(
             kind = kind_of(arm, candidate, name)
             found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
     return tuple(found)
-
-
-def _known_load(
-    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...], telling: float
-) -> tuple[FittedParameter, ...]:
-    """The compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
-    its own column, the last, tells it. Nothing where the data hardly do."""
-    value, error = float(term.sizes[-1]), float(errors[-1])
-    if not told[-1] or factor * error > telling * abs(value):
-        return ()
-    interval = (value - factor * error, value + factor * error)
-    name = term.candidate.sizes[0]
-    return (FittedParameter("_".join([name, *map(str, at)]), name, at, kind, value, interval),)
-
-
-def _sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
-    """Where the links' masses are unknown, a compliance cannot be had by itself: the most that something sags under
-    their weight over the recording stands for it, with the relative error of the whole displacement."""
-    observed, candidate = prepared.observed, term.candidate
-    slides = candidate.of_drives and not observed.arm.joints[candidate.at[0]].revolute
-    if candidate.of_drives:
-        unit = observed.drive_moved(candidate.at[0])
-        reach = np.sum(unit**2, axis=1)
-        angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
-        value = float(angle[np.argmax(np.abs(angle))])
-    else:
-        turn = turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), term.sizes[:-1])
-        value = float(np.max(np.linalg.norm(turn, axis=1)))
-    shown = prepared.pool.projected(observed.whitened(term.moved))
-    error = abs(value) * float(np.sqrt(variance / max(float(shown @ shown), 1e-300)))
-    interval = (value - factor * error, value + factor * error)
-    return FittedParameter(
-        "_".join(["sag", *map(str, at)]), "sag", at, "length" if slides else "angle", value, interval
-    )
 
 
 def _profile(

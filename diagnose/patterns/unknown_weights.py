@@ -16,9 +16,6 @@ import numpy as np
 from arm.chain.chain import Arm, EffectEntry
 from arm.chain.statics import PoseState
 from arm.effects import EFFECTS, Effect, Settings
-from arm.effects.elastic.column_bending import COLUMN_BENDING
-from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
-from arm.effects.elastic.link_bending import LINK_BENDING
 from arm.effects.loads.unknown_weight import MOMENTS, UNKNOWN_WEIGHT, unit_weights, without_unit_weights
 from arm.errors.recorded import Asked, seen
 from diagnose.residual.observed import Observed
@@ -47,7 +44,7 @@ def only_products(observed: Observed, effect: Effect, at: Sequence[int]) -> bool
     first = min(at, default=0)
     if not gives_under_weights(effect) or not any(link >= first for link in observed.unknown_masses):
         return False
-    return effect.id not in (LINK_BENDING.id, LATERAL_COMPLIANCE.id) or weights_given(observed)
+    return weights_given(observed) or not effect.weights_named
 
 
 def weights_given(observed: Observed) -> bool:
@@ -67,11 +64,6 @@ def unknown_weights(observed: Observed, *, masses: bool) -> tuple[Weight, ...]:
             found.append((link, "mass"))
         found += [(link, name) for name in MOMENTS]
     return tuple(found)
-
-
-def masses_show(effect: Effect) -> bool:
-    """Whether an effect gives under forces, and not just under moments about where it is."""
-    return effect.id in (LINK_BENDING.id, COLUMN_BENDING.id)
 
 
 def weighed(observed: Observed, effect: Effect, at: tuple[int, ...], weights: Sequence[Weight]) -> Array:
@@ -121,7 +113,7 @@ def weights_of(observed: Observed, effect: str, at: tuple[int, ...]) -> tuple[We
     if weights_given(observed):
         return ()
     first = min(at, default=0)
-    whole = unknown_weights(observed, masses=masses_show(EFFECTS[effect]))
+    whole = unknown_weights(observed, masses=EFFECTS[effect].under_forces)
     return tuple(weight for weight in whole if weight[0] >= first)
 
 

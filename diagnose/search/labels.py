@@ -19,19 +19,11 @@ from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.recording import Recording
 from diagnose.residual.observed import observe, rms_length, visits
+from diagnose.result import Mislabelled
 from diagnose.rules.rules import Rules
 from sections.numeric import Array
 
 from .naming import Namer, name_missing
-
-
-@dataclass(frozen=True)
-class Mislabelled:
-    """Labels that seem wrong: in words, with what is named once they are put right and what that leaves (RMS, m)."""
-
-    said: str
-    named: tuple[tuple[str, tuple[int, ...]], ...]
-    rms: float
 
 
 @dataclass(frozen=True)

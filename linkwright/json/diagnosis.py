@@ -9,7 +9,18 @@ from types import MappingProxyType
 from typing import Any
 
 from arm.chain.chain import Arm
-from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, LackOfFit, RejectedForm, Unknown
+from diagnose.answer.sentences import put_right
+from diagnose.result import (
+    Covered,
+    Detectable,
+    Diagnosis,
+    Finding,
+    FittedParameter,
+    LackOfFit,
+    Mislabelled,
+    RejectedForm,
+    Unknown,
+)
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.version import program_version
 from units.quantities import format_quantity, kind_of
@@ -114,6 +125,15 @@ def covered_json(covered: Covered) -> dict[str, Any]:
     return {**fields(covered, "symbol", "name", "standard", "count"), "value": 1e3 * covered.value, "unit": unit}
 
 
+def _labels(labels: Mislabelled) -> dict[str, Any]:
+    named = [[effect, list(at)] for effect, at in labels.named]
+    return {
+        "sentence": f"{labels.said}: with that put right, {put_right(labels)}",
+        "named": named,
+        **fields(labels, "rms_mm"),
+    }
+
+
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
     arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
@@ -129,7 +149,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "lack_of_fit_p": None if diagnosis.lack_of_fit is None else diagnosis.lack_of_fit.p_value,
         "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
         "scatter_over_floor": diagnosis.scatter,
-        "labels": diagnosis.labels or None,
+        "labels": None if diagnosis.labels is None else _labels(diagnosis.labels),
         "describes_part": diagnosis.describes_part,
         "written_arm_rms_mm": None if diagnosis.written is None else in_mm(diagnosis.written.rms),
         "written_arm": None

@@ -65,4 +65,5 @@ COLUMN_BENDING = Effect(
     rank=225,
     linear=True,
     flexible=True,
+    under_forces=True,
 )

@@ -38,13 +38,12 @@ LATERAL_COMPLIANCE = Effect(
     cause="flexibility",
     needs="poses out of the plane, two loads",
     aliases=("base_compliance", "axis_misalignment", "link_bending"),
-    source="A. Klimchik, D. Chablat & A. Pashkevich, Stiffness modeling for perfect and non-perfect parallel "
-    "manipulators under internal and external loadings, Mech. Mach. Theory 79 (2014) 1, "
-    "doi:10.1016/j.mechmachtheory.2014.04.002: joints with compliance in all six directions",
+    source="A. Klimchik, A. Pashkevich & D. Chablat, Fundamentals of manipulator stiffness modeling using matrix "
+    "structural analysis, Mech. Mach. Theory 133 (2019) 365, doi:10.1016/j.mechmachtheory.2018.11.023: elastic joints",
     parameters=(
         size("compliance", "compliance", 0.0, 1e-2, (1e-7, 1e-5)).means(
             "tilt across the axis for one unit of moment across it",
-            "moment stiffness of crossed-roller bearings and reducers' main bearings, 1e5 to 1e7 N*m/rad",
+            "where it is sought: 1e5 to 1e7 N*m/rad, as drives and pedestals of such arms have",
         ),
         unit_sag("the bearing"),
     ),
@@ -54,4 +53,5 @@ LATERAL_COMPLIANCE = Effect(
     rank=235,
     linear=True,
     flexible=True,
+    weights_named=True,
 )

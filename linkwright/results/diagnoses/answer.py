@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from arm.effects.effect import Condition
-from diagnose.answer.sentences import chief
+from diagnose.answer.sentences import chief, put_right
 from diagnose.recording import Recording
 from diagnose.result import Diagnosis, Finding, FittedParameter
 from linkwright.results.figures_in_words import figure, mm
@@ -53,15 +53,14 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     mismatch, left = mm(diagnosis.rms_before, 3), mm(diagnosis.rms_after, 3)
     if diagnosis.verdict == "insufficient_data":
         return [diagnosis.sentence.removesuffix(".")]
-    if diagnosis.verdict == "none" and not diagnosis.labels:
+    if diagnosis.verdict == "none" and diagnosis.labels is None:
         floor = "scatter" if diagnosis.noise_floor is None else "the noise floor"
         if diagnosis.scatter is not None:
             times = figure(diagnosis.scatter, 2)
             return [f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"]
         return [f"Nothing is missing that this recording could show: the {mismatch} that remain are {floor}"]
-    if diagnosis.labels:
-        wrong, _, then = diagnosis.labels.partition(": with that put right, ")
-        return [f"it looks as if {wrong}", f"; then {then}"]
+    if diagnosis.labels is not None:
+        return [f"it looks as if {diagnosis.labels.said}", f"; then {put_right(diagnosis.labels)}"]
     largest = _largest(diagnosis)
     if diagnosis.unknown is not None:
         on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
@@ -114,9 +113,8 @@ def main_and_small(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tu
 def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     """What to do next, the most useful first; columns of a recording by their names."""
     lines: list[str] = []
-    if diagnosis.labels:
-        wrong = diagnosis.labels.partition(":")[0]
-        lines.append(f"Look whether {wrong}; put that right in the recording, and diagnose again.")
+    if diagnosis.labels is not None:
+        lines.append(f"Look whether {diagnosis.labels.said}; put that right in the recording, and diagnose again.")
     logged = _to_log(diagnosis)
     if logged:
         lines.append(f"Log {listed(logged)}: that tells apart what this recording cannot.")

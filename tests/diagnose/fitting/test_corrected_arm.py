@@ -10,7 +10,8 @@ from arm.files.read import read_arm
 from arm.files.write import write_arm
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.corrected_arm import corrected_arm
-from diagnose.fitting.refit import Refit, Term
+from diagnose.fitting.refit import Refit
+from diagnose.fitting.terms import Term
 from diagnose.patterns.library import Candidate
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm

@@ -1,0 +1,153 @@
+"""What a joint fit does about links that nobody has weighed: one set of weights under all that gives, what known loads
+tell of a compliance beside it, and how far that sags."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.chain import EffectEntry
+from arm.effects import EFFECTS
+from arm.effects.elastic.joint_compliance import file_compliance
+from diagnose.patterns.library import Candidate
+from diagnose.patterns.unknown_weights import (
+    Weight,
+    columns_under_weights,
+    levers,
+    only_products,
+    product_entry,
+    turned_under_weights,
+    unknown_weights,
+    weight_entries,
+    weights_given,
+)
+from diagnose.residual.observed import Observed
+from diagnose.result import FittedParameter
+from sections.numeric import Array
+
+from .fit import solved, t_quantile
+from .prepare import Prepared
+from .shared_weights import Steps, factors, steps
+from .terms import Term
+
+
+def under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
+    """The terms, those that give under unknown weights with a column for each weight that any of them shows."""
+    observed = prepared.observed
+    places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
+    if not places or weights_given(observed):
+        return [replace(t, weights=() if k in places else None) for k, t in enumerate(terms)], ()
+    masses = any(EFFECTS[terms[k].candidate.effect].under_forces for k in places)
+    weights = unknown_weights(observed, masses=masses)
+    found, begun = list(terms), np.zeros(len(weights))
+    # The weights of what moves most to begin with, and of each other term what comes nearest to its own with them.
+    for k in sorted(places, key=lambda k: -float(np.sum(observed.whitened(terms[k].moved) ** 2))):
+        candidate, own = terms[k].candidate, observed.whitened(terms[k].moved)
+        columns = columns_under_weights(observed, candidate.effect, candidate.at, weights)
+        white = observed.whitened(columns)
+        sizes = solved(white, own)
+        if begun.any():
+            pattern = white[:, :-1] @ begun
+            amount, sizes[-1] = solved(np.stack([pattern, white[:, -1]], axis=1), own).tolist()
+            sizes[:-1] = amount * begun
+        begun = begun if begun.any() else sizes[:-1]
+        found[k] = Term(candidate, sizes, columns, columns @ sizes, weights=weights)
+    return found, weights
+
+
+def _only_products(observed: Observed, candidate: Candidate) -> bool:
+    inside = not (candidate.outside or candidate.share)
+    return inside and only_products(observed, EFFECTS[candidate.effect], candidate.at)
+
+
+def not_under_known_loads(
+    prepared: Prepared, terms: Sequence[Term], errors: Sequence[Array], told: Sequence[NDArray[np.bool_]], freedom: int
+) -> set[int]:
+    """The places of the terms under unknown weights whose own size the known loads do not tell, or would make what
+    cannot be."""
+    factor, found = t_quantile(freedom), set[int]()
+    for k, term in enumerate(terms):
+        if not term.shared or not term.columns[:, :, -1].any():
+            continue
+        candidate, value = term.candidate, float(term.sizes[-1])
+        least = -file_compliance(prepared.observed.arm, candidate.at[0]) if candidate.of_drives else 0.0
+        telling = prepared.observed.rules.fitting.telling
+        if value <= least or not told[k][-1] or factor * float(errors[k][-1]) > telling * abs(value):
+            found.add(k)
+    return found
+
+
+def less_known(term: Term) -> Term:
+    """A term under unknown weights that known loads do not move."""
+    columns, sizes = term.columns.copy(), term.sizes.copy()
+    columns[:, :, -1], sizes[-1] = 0.0, 0.0
+    return replace(term, columns=columns, sizes=sizes, moved=columns @ sizes)
+
+
+def steps_of(terms: Sequence[Term], spans: Sequence[slice], count: int) -> Steps | None:
+    """The coordinates of a fit's steps where terms share unknown weights, None where none do (or the file has them)."""
+    shared = [span for term, span in zip(terms, spans, strict=True) if term.shared]
+    if not shared:
+        return None
+    return steps(count, shared, factors(np.stack([term.sizes[:-1] for term in terms if term.shared])))
+
+
+def hold_of(prepared: Prepared, terms: Sequence[Term], unit: float) -> Array:
+    """How strongly unknown weights (K,) are held to nought where data do not show them: `unit`, the scatter of whitened
+    residuals, over how large one may be against the largest. A first moment is a mass, no more than all of them, times
+    a lever, no longer than what lies beyond the joint."""
+    weights = next((term.weights for term in terms if term.weights is not None), None)
+    if not weights:
+        return np.zeros(0 if weights is None else 1)
+    rules = prepared.observed.rules.fitting
+    return unit / (rules.weights_alike * levers(prepared.observed.arm, weights, rules.least_lever))
+
+
+def entries_of(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
+    """What gives under unknown weights among the terms, with those weights, as entries."""
+    shared = [term for term in terms if term.weights is not None]
+    if not shared:
+        return ()
+    found = factors(np.stack([term.sizes[:-1] for term in shared]))
+    giving = zip(shared, found.compliance.tolist(), strict=True)
+    return (
+        *weight_entries(shared[0].weights or (), found.weight.tolist() if shared[0].weights else ()),
+        *(product_entry(term.candidate.effect, term.candidate.numbers, product) for term, product in giving),
+    )
+
+
+def known_load(
+    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...], telling: float
+) -> tuple[FittedParameter, ...]:
+    """The compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
+    its own column, the last, tells it. Nothing where the data hardly do."""
+    value, error = float(term.sizes[-1]), float(errors[-1])
+    if not told[-1] or factor * error > telling * abs(value):
+        return ()
+    interval = (value - factor * error, value + factor * error)
+    name = term.candidate.sizes[0]
+    return (FittedParameter("_".join([name, *map(str, at)]), name, at, kind, value, interval),)
+
+
+def sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
+    """Where the links' masses are unknown, a compliance cannot be had by itself: the most that something sags under
+    their weight over the recording stands for it, with the relative error of the whole displacement."""
+    observed, candidate = prepared.observed, term.candidate
+    slides = candidate.of_drives and not observed.arm.joints[candidate.at[0]].revolute
+    if candidate.of_drives:
+        unit = observed.drive_moved(candidate.at[0])
+        reach = np.sum(unit**2, axis=1)
+        angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
+        value = float(angle[np.argmax(np.abs(angle))])
+    else:
+        turn = turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), term.sizes[:-1])
+        value = float(np.max(np.linalg.norm(turn, axis=1)))
+    shown = prepared.pool.projected(observed.whitened(term.moved))
+    error = abs(value) * float(np.sqrt(variance / max(float(shown @ shown), 1e-300)))
+    interval = (value - factor * error, value + factor * error)
+    return FittedParameter(
+        "_".join(["sag", *map(str, at)]), "sag", at, "length" if slides else "angle", value, interval
+    )
