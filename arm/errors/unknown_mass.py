@@ -7,7 +7,7 @@ put, and the error says which link and what gives.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +24,8 @@ from .tip import ActiveEffect, active_effects, carried_to_tip
 _POSES, _SEED = 8, 1
 _MOVED = 1e-12
 """m; a kilogram that moves the tip by less moves nothing but rounding."""
+_SAME_PAYLOAD = 1e-9
+"""Of the payload, or of a kilogram: payloads that differ by less are one, written twice."""
 
 
 def of_unknown_mass(arm: Arm) -> tuple[int, ...]:
@@ -66,6 +68,21 @@ def gives_unknown(arm: Arm) -> tuple[str, ...]:
             active = next(each for each in active_effects(replace(arm, effects=(entry,))) if each.settings.values)
             found.append(_named(active))
     return tuple(found)
+
+
+def payloads_left_out(arm: Arm, payloads: Iterable[float]) -> str | None:
+    """What payloads (kg) other than the arm's own would add and the model cannot say, in words; None where it can say
+    all of it. A product with an unknown weight was found under one payload, and tells nothing of another's."""
+    own = arm.payload.mass
+    other = sorted({mass for mass in payloads if abs(mass - own) > _SAME_PAYLOAD * max(own, 1.0)})
+    products = gives_unknown(arm) if other else ()
+    if not products:
+        return None
+    masses = ", ".join(f"{mass:.4g}" for mass in other)
+    return (
+        f"what a payload of {masses} kg adds to that of {own:.4g} kg through {', '.join(products)} is not in it: "
+        "nothing is known there but the product with an unknown weight; a recording with that payload would show it"
+    )
 
 
 def _with_masses(arm: Arm, unknown: Sequence[int], masses: dict[int, float]) -> Arm:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.compensation import Table
+from arm.errors.unknown_mass import payloads_left_out
 from linkwright.version import program_version
 
 from .fields import fields, joint_columns
@@ -30,6 +31,7 @@ def compensation_json(table: Table) -> dict[str, Any]:
     """What `compensate --json` writes."""
     columns = table_columns(table)
     length = 1e3 * np.linalg.norm(table.error, axis=1)
+    warning = payloads_left_out(table.arm, np.unique(table.payload).tolist())
     pairs = [(f"rms_{name}_mm", f"max_{name}_mm=largest_{name}") for name in ("without", "subtracted", "corrected")]
     return {
         "made_by": f"linkwright compensate {program_version()}",
@@ -39,6 +41,7 @@ def compensation_json(table: Table) -> dict[str, Any]:
         "max_error_mm": float(length.max()),
         "max_left_mm": float(1e3 * table.left.max()),
         "between": None if table.check is None else fields(table.check, "poses", *chain(*pairs)),
+        "warnings": [warning] if warning else [],
         "columns": list(columns),
         "rows": np.stack(list(columns.values()), axis=1).tolist(),
     }

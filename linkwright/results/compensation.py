@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.compensation import Table as Compensation
 from arm.effects import EFFECTS
+from arm.errors.unknown_mass import payloads_left_out
 
 from .document import Description, Item, Paragraph, length, table
 from .figures_in_words import coordinate, effect_title, figure, mm, with_unit
@@ -43,6 +44,9 @@ def describe(found: Compensation) -> Description:
         why = "the grid is coarse for it, or the load turns play over"
         items.append(Paragraph(f"Between the poses {share} % of the largest error stays: {why}."))
     items.append(Paragraph(_NOTE))
+    missing = payloads_left_out(arm, np.unique(found.payload).tolist())
+    if missing:
+        items.append(Paragraph(f"Warning: {missing}."))
     left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].of_instrument)
     if left:
         names = ", ".join(effect_title(effect) for effect in left)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from pathlib import PurePath
 
+import numpy as np
+
+from arm.errors.unknown_mass import payloads_left_out
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.predict import Leaving, Prediction
 
-from .document import Description, Item, Lines, length, table
+from .document import Description, Item, Lines, Paragraph, length, table
 from .figures_in_words import mm
 
 
@@ -21,10 +24,13 @@ def describe(found: Prediction) -> Description:
         ("the arm file's model", length(found.rms, 3), length(found.mean, 3), length(found.largest, 3)),
         ("its geometry alone", length(found.nominal_rms, 3), "", ""),
     ]
+    payloads = () if recording.payload_mass is None else np.unique(recording.payload_mass).tolist()
     items: list[Item] = [table(("residual", "RMS", "mean", "largest"), rows)]
     if found.left:
         lead = "Beyond what the arm was learned from nothing promises that its findings hold."
         items.append(Lines((*(_leaving(found, each) for each in found.left), lead)))
+    if (missing := payloads_left_out(found.arm, payloads)) is not None:
+        items.append(Paragraph(f"Warning: {missing}."))
     name = PurePath(recording.file).name
     headline = f"{mm(found.rms, 3)} RMS over {recording.size} readings, {how}"
     return Description(f"{found.arm.name} on {name}", headline, tuple(items), headline, f"{found.arm.name}: ")

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -11,8 +12,11 @@ from scipy.optimize import brentq
 
 from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.chain.kinematics import tip_position
-from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_over
+from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_at, table_over
 from arm.effects import EFFECTS
+from linkwright.json.compensation import compensation_json
+from linkwright.markdown.described import markdown
+from linkwright.results.describe import describe
 
 ARM = """\
 name: rod
@@ -193,3 +197,16 @@ def test_wrong_input_is_one_line(linkwright, rod_file, arguments, named):
     assert status == 2
     assert len(err.splitlines()) == 1
     assert named in err
+
+
+def test_what_a_product_cannot_say_of_another_payload_is_said():
+    """The drive of `rod` known only by its sag under the arm's own 10 kg."""
+    sag = EffectEntry("joint_compliance", (1,), MappingProxyType({"unit_sag": 98.1 / 2e4}))
+    weight = EffectEntry("unknown_weight", (1,), MappingProxyType({"mass": 1.0, "along": 1.0}))
+    arm = replace(rod(stiffness=None), links=(Link(1.0, mass=None),), effects=(weight, sag))
+    for payloads, missing in (((10.0,), []), ((10.0, 15.0), ["15 kg"])):
+        table = table_at(arm, np.zeros((1, 1)), payloads)
+        said = compensation_json(table)["warnings"]
+        assert len(said) == len(missing)
+        assert all(part in each for part, each in zip(missing, said, strict=True))
+        assert ("Warning: " in markdown(describe(table))) == bool(missing)

@@ -12,6 +12,7 @@ from arm.compensation import model_error
 from arm.effects import EFFECTS, Settings
 from arm.errors.model import PropertyNeeded, beams_of
 from arm.errors.recorded import Asked, seen
+from arm.errors.unknown_mass import payloads_left_out
 from arm.evaluation import evaluate
 
 UNIT = 7.0
@@ -99,3 +100,21 @@ def test_what_needs_no_mass_is_answered_and_what_does_is_named() -> None:
     heavy = replace(soft, links=product.links)
     with pytest.raises(PropertyNeeded, match=r"link 2 .* compliance of the drives at joint 2"):
         evaluate(heavy)
+
+
+def test_another_payload_through_a_product_is_said_to_be_missing() -> None:
+    """The compliance itself shows with a second payload (the tip sinks further); its product cannot say by how much."""
+    known = arm_of_known_masses()
+    soft = replace(known, effects=(EffectEntry("joint_compliance", (2,), MappingProxyType({"compliance": 1e-5})),))
+    sag = EffectEntry("joint_compliance", (2,), MappingProxyType({"unit_sag": 1e-5 * UNIT * 9.80665}))
+    unknown = weighed_by_a_unit(known)
+    product = replace(unknown, effects=(*unknown.effects, sag))
+    q = np.array(POSES)
+    short = model_error(soft, q.T, 3.0) - model_error(product, q.T, 3.0)
+    assert np.abs(short).max() > 1e-4
+    left_out = payloads_left_out(product, (0.0, 3.0))
+    assert left_out is not None
+    assert "payload of 3 kg" in left_out
+    assert "joint 2" in left_out
+    assert payloads_left_out(product, (0.0,)) is None
+    assert payloads_left_out(soft, (3.0,)) is None
