@@ -46,7 +46,7 @@ class Conclusion(Confirmed):
         unknown = None
         if self.outside or self.left_over:
             folds = hardest(splits(self.search.observed, self.options.seed))
-            unknown = describe(self.namer, self.found, self.forms, found, folds)
+            unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m)
         findings = self._findings()
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
         self.tell("next poses", 0.95)

@@ -13,7 +13,7 @@ from diagnose.fitting.held_out import residual_held_out
 from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.forms import SENTENCES
 from diagnose.patterns.library import Candidate
-from diagnose.residual.observed import rms_length
+from diagnose.residual.observed import looks_quieter, rms_length
 from diagnose.result import Dependence, Form, RejectedForm, Unknown
 from diagnose.rules.answer_rules import AnswerRules
 from diagnose.search.naming import Namer
@@ -49,9 +49,17 @@ _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 
 def describe(
-    namer: Namer, known: Sequence[int], outside: Sequence[int], dependences: Sequence[Dependence], folds: Folds
+    namer: Namer,
+    known: Sequence[int],
+    outside: Sequence[int],
+    dependences: Sequence[Dependence],
+    folds: Folds,
+    noise_floor: float | None = None,
 ) -> Unknown:
-    """Describe what is left beside the `known` groups, led by the `outside` forms that won."""
+    """Describe what is left beside the `known` groups, led by the `outside` forms that won.
+
+    `noise_floor` (m) is what no form can tell, the RMS length of the noise; None where nobody knows it.
+    """
     prepared, observed = namer.prepared, namer.prepared.observed
     rules = observed.rules.answer
     whole = fit(prepared, [*known, *outside])
@@ -63,13 +71,12 @@ def describe(
     telling = [form.name for form in ranked if form.share_held_out > rules.form_tells]
     own = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
     won = next((candidate for candidate in own if candidate.effect in telling), None)
-    leading = won.effect if won is not None else telling[0] if telling else "nothing simple"
     on = _depends(namer, outside, dependences, rules)
     predicted, share = _smooth(namer, known, folds)
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
-        shape=SENTENCES.get(leading, leading.replace("_", " ")) + ("" if won is None else _place_of(won)),
+        shape=_shape(namer, known, outside if won is not None else (), ranked, won, folds, noise_floor),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
@@ -77,6 +84,37 @@ def describe(
         predicted=predicted,
         held_out_share=share,
     )
+
+
+def _shape(
+    namer: Namer,
+    known: Sequence[int],
+    together: Sequence[int],
+    ranked: Sequence[Form],
+    won: Candidate | None,
+    folds: Folds,
+    noise_floor: float | None,
+) -> str:
+    """The leading form in words: of those that won, which tell `together`, else the best of the `ranked`; "nothing
+    simple" where it tells less than half of what is more than noise."""
+    prepared, observed = namer.prepared, namer.prepared.observed
+    rules = observed.rules.answer
+    telling = [form for form in ranked if form.share_held_out > rules.form_tells]
+    if not telling:
+        return "nothing simple"
+    leading = telling[0].name if won is None else won.effect
+    words = SENTENCES.get(leading, leading.replace("_", " ")) + ("" if won is None else _place_of(won))
+    beside = [prepared.beside, *(prepared.columns[m] for m in known)]
+    total = float(np.sum(residual_held_out(observed, beside, folds) ** 2))
+    share = telling[0].share_held_out
+    if together:
+        left = residual_held_out(observed, [*beside, *(prepared.columns[m] for m in together)], folds)
+        share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
+    noise = 0.0 if noise_floor is None else observed.rows * (noise_floor * looks_quieter(observed)) ** 2
+    share *= total / max(total - noise, rules.form_leads * total)
+    if share >= rules.form_leads:
+        return words
+    return f"nothing simple (nearest comes: {words}; it tells {100.0 * share:.0f} % of it)"
 
 
 def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:

@@ -150,4 +150,10 @@ class AnswerRules:
         "A form must predict as much on readings held out to give the unknown its shape.",
         PROOF,
     )
+    form_leads: float = rule(
+        0.5,
+        "share of what is left and no noise",
+        "Forms that predict less of it on readings held out are no description: the unknown is nothing simple.",
+        JUDGED,
+    )
     near: int = rule(12, "entries", "Of the library that came nearest, with why they were not taken.", JUDGED)

@@ -101,3 +101,15 @@ def test_forms_and_the_smooth_model_are_judged_on_held_out_rows():
     missed = found.unknown.predicted - truth
     # 80 poses are few for a process over three joints and time; better than nothing it is (its own tests say more).
     assert np.sum(missed**2) < 0.8 * np.sum(truth**2)
+
+
+def test_what_no_form_tells_half_of_is_nothing_simple():
+    """Waves over products of the angles, which repeats confirm; a region of the workspace comes nearest."""
+    arm, recording = null()
+    q, wave = recording.q, np.zeros_like(recording.tip)
+    wave[:, 0] = 8.0 * SIGMA * np.sin(3.0 * q[:, 0] * q[:, 2])
+    wave[:, 1] = 8.0 * SIGMA * np.cos(3.0 * q[:, 1] * (q[:, 0] + 1.0))
+    found = diagnose(arm, replace(recording, tip=recording.tip + wave))
+    assert found.verdict == "unknown"
+    assert max(form.share_held_out for form in found.unknown.forms) < 0.5
+    assert found.unknown.shape.startswith("nothing simple (nearest comes: ")
