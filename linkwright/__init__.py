@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from linkwright.face.design import optimize
     from linkwright.face.diagnosis import compare, diagnose, redesign
     from linkwright.face.evaluation import evaluate
+    from linkwright.face.exchange.imported import import_arm
     from linkwright.face.inverse import inverse
     from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
@@ -46,6 +47,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.design": ("optimize",),
         "linkwright.face.diagnosis": ("compare", "diagnose", "redesign"),
         "linkwright.face.evaluation": ("evaluate",),
+        "linkwright.face.exchange.imported": ("import_arm",),
         "linkwright.face.inverse": ("inverse",),
         "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
@@ -75,6 +77,7 @@ __all__ = [
     "effects",
     "evaluate",
     "figures",
+    "import_arm",
     "inverse",
     "limits",
     "materials",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
+from keyword import iskeyword
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -33,15 +34,17 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "compare": "compare",
         "predict": "predict",
         "compensate": "compensate",
+        "import": "exchange.import_",
         "materials": "materials",
         "sections": "sections",
         "effects": "effects",
         "actuators": "actuators",
     }
 )
-"""Every command and its module, in the order of the help. A module has `HELP` and a function of the command's name (and
-`SETTINGS` where its arguments are read otherwise), or `group()` where the command has commands of its own. What they
-work with they import inside their functions, for the help of all commands imports every one of these modules."""
+"""Every command and its module, in the order of the help. A module has `HELP` and a function of the command's name
+(`import_` where Python keeps the name for itself; and `SETTINGS` where its arguments are read otherwise), or `group()`
+where the command has commands of its own. What they work with they import inside their functions, for the help of all
+commands imports every one of these modules."""
 
 HELP = """Design robot arms for the least worst-case position error.
 
@@ -77,7 +80,9 @@ def command_line(asked: str = "") -> typer.Typer:
             made.add_typer(module.group() if name == asked else command_group(module.HELP, {}), name=name)
         else:
             settings = dict(getattr(module, "SETTINGS", {}))
-            made.command(name, help=module.HELP, context_settings=settings)(getattr(module, name))
+            made.command(name, help=module.HELP, context_settings=settings)(
+                getattr(module, name + "_" * iskeyword(name))
+            )
     return made
 
 

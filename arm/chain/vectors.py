@@ -172,9 +172,13 @@ def from_roll_pitch_yaw(roll: float, pitch: float, yaw: float) -> Rotation:
 
 
 def to_roll_pitch_yaw(rotation: Rotation) -> tuple[float, float, float]:
-    """The fixed-axis roll, pitch and yaw (rad) of a rotation of floats; yaw 0 where the pitch is +-90 degrees."""
-    pitch = math.asin(max(-1.0, min(1.0, -float(rotation[2][0]))))
-    if abs(abs(float(rotation[2][0])) - 1.0) < _SNAP:
-        return math.atan2(-float(rotation[1][2]), float(rotation[1][1])), pitch, 0.0
-    roll = math.atan2(float(rotation[2][1]), float(rotation[2][2]))
-    return roll, pitch, math.atan2(float(rotation[1][0]), float(rotation[0][0]))
+    """The fixed-axis roll, pitch and yaw (rad) of a rotation of floats; yaw 0 where the pitch is +-90 degrees.
+
+    Near there, where roll and yaw turn about nearly the same axis, the roll makes up for what the yaw cannot tell.
+    """
+    r = [[float(entry) for entry in row] for row in rotation]
+    level = math.hypot(r[0][0], r[1][0])
+    pitch = math.atan2(-r[2][0], level)
+    yaw = math.atan2(r[1][0], r[0][0]) if level > _SNAP else 0.0
+    s, c = math.sin(yaw), math.cos(yaw)
+    return math.atan2(s * r[0][2] - c * r[1][2], c * r[1][1] - s * r[0][1]), pitch, yaw

@@ -18,6 +18,7 @@ _DESCRIBED = MappingProxyType(
         "Table": "compensation",
         "Redesign": "redesign",
         "Prediction": "prediction",
+        "Imported": "imported",
     }
 )
 """The module that describes each class of results, loaded when asked for."""

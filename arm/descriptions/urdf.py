@@ -1,0 +1,214 @@
+"""URDF, the Unified Robot Description Format, as links and joints (http://wiki.ros.org/urdf/XML).
+
+Only what an arm is made of is read: frames, limits, mimics, masses. Pictures, collisions and transmissions are passed
+over, and no mesh is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, cast, get_args
+
+from arm.chain.chain import FloatVector
+from arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
+from units.quantities import InputError, shown
+from units.reading import nearest
+
+from .elements import Element, read_elements
+
+Kind = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]
+Frame = tuple[Rotation, FloatVector]
+"""A rotation and a translation (m): where a frame stands in another."""
+
+NO_STEP: Frame = (IDENTITY, ZERO)
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """A link's mass (kg) and its centre in the link's frame (m)."""
+
+    mass: float
+    center: FloatVector
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A joint's least and greatest coordinate (rad or m), and its greatest effort (N*m or N; None where not said)."""
+
+    lower: float
+    upper: float
+    effort: float | None
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """What a joint follows: its coordinate is `multiplier` times that of `joint`, plus `offset`."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint between two links; `origin` is where it stands in the parent's frame, `axis` is a unit vector in its own.
+
+    `friction` is in N*m or N, `damping` in N*m*s/rad or N*s/m.
+    """
+
+    name: str
+    kind: Kind
+    parent: str
+    child: str
+    origin: Frame
+    axis: FloatVector
+    limits: Limits | None
+    mimic: Mimic | None
+    friction: float
+    damping: float
+    element: Element
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is a joint of one coordinate."""
+        return self.kind in ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A tree of links and joints, each by its name; `above` is the joint that carries a link."""
+
+    name: str
+    file: Path
+    root: str
+    links: Mapping[str, Inertial | None]
+    joints: Mapping[str, UrdfJoint]
+    above: Mapping[str, UrdfJoint]
+    below: Mapping[str, tuple[UrdfJoint, ...]]
+
+
+def read_urdf(path: Path | str) -> Robot:
+    """The tree that a URDF file describes. Raises `InputError`, one line, for anything wrong."""
+    top = read_elements(path)
+    file = top.file
+    if top.tag != "robot":
+        known = {"mujoco": "MJCF", "sdf": "SDF"}.get(top.tag)
+        told = f"is {known}" if known else f"starts with <{top.tag}>"
+        raise InputError(file, "", f"{told}, no URDF; URDF starts with <robot name=...>")
+    for tag in ("xacro:include", "xacro:macro", "xacro:property", "include"):
+        if (found := next(top.all(tag), None)) is not None:
+            raise found.error("is a macro, not URDF; expand it first: xacro FILE.xacro > arm.urdf")
+    links: dict[str, Inertial | None] = {}
+    for element in top.all("link"):
+        name = element.text("name", 'name="forearm", say')
+        if name in links:
+            raise element.error("is there already; names are unique")
+        links[name] = _inertial(element)
+    if not links:
+        raise InputError(file, "", "holds no <link>")
+    joints: dict[str, UrdfJoint] = {}
+    above: dict[str, UrdfJoint] = {}
+    below: dict[str, list[UrdfJoint]] = {name: [] for name in links}
+    for element in top.all("joint"):
+        joint = _joint(element, list(links))
+        if joint.name in joints:
+            raise element.error("is there already; names are unique")
+        if joint.child in above:
+            message = f"carries link {shown(joint.child)}, which joint {shown(above[joint.child].name)} carries already"
+            raise element.error(f"{message}; an arm's links form a tree")
+        joints[joint.name] = above[joint.child] = joint
+        below[joint.parent].append(joint)
+    for joint in joints.values():
+        if joint.mimic is not None and joint.mimic.joint not in joints:
+            message = f"mimics {shown(joint.mimic.joint)}, which is no joint{nearest(joint.mimic.joint, list(joints))}"
+            raise joint.element.error(message)
+    roots = [name for name in links if name not in above]
+    if len(roots) != 1:
+        told = f"several roots ({', '.join(map(shown, roots[:6]))})" if roots else "no root: its joints form a ring"
+        raise InputError(file, "", f"has {told}; an arm's links form one tree")
+    reached, pending = 0, [roots[0]]
+    while pending:
+        reached += 1
+        pending += [joint.child for joint in below[pending.pop()]]
+    if reached < len(links):
+        raise InputError(file, "", "has joints that form a ring; an arm's links form one tree")
+    name = " ".join(top.attributes.get("name", "").split()) or file.stem
+    return Robot(name, file, roots[0], links, joints, above, {key: tuple(value) for key, value in below.items()})
+
+
+def _frame(element: Element | None) -> Frame:
+    if element is None:
+        return NO_STEP
+    return from_roll_pitch_yaw(*element.triple("rpy", ZERO)), element.triple("xyz", ZERO)
+
+
+def _inertial(link: Element) -> Inertial | None:
+    element = link.one("inertial")
+    if element is None:
+        return None
+    mass = element.one("mass")
+    if mass is None:
+        raise element.error('has no <mass>; write <mass value="1.2"/> (kg)')
+    value = mass.number("value")
+    if value < 0.0:
+        raise mass.error("cannot be negative")
+    return Inertial(value, _frame(element.one("origin"))[1])
+
+
+def _joint(element: Element, links: list[str]) -> UrdfJoint:
+    name = element.text("name", 'name="elbow", say')
+    kind = element.text("type", 'type="revolute", say')
+    if kind not in get_args(Kind):
+        raise element.error(f"type {shown(kind)} is none of {', '.join(get_args(Kind))}")
+    ends: list[str] = []
+    for tag in ("parent", "child"):
+        end = element.one(tag)
+        if end is None:
+            raise element.error(f'has no <{tag}>; write <{tag} link="base"/>')
+        ends.append(end.text("link", 'link="base", say'))
+        if ends[-1] not in links:
+            raise end.error(f"link {shown(ends[-1])} is not in the file{nearest(ends[-1], links)}")
+    axis: FloatVector = (1.0, 0.0, 0.0)
+    if (turned := element.one("axis")) is not None:
+        axis = turned.triple("xyz", axis)
+        if norm(axis) == 0.0 and kind not in ("fixed", "floating"):
+            raise turned.error('has no direction; write xyz="0 0 1", say')
+    friction = damping = 0.0
+    if (dynamics := element.one("dynamics")) is not None:
+        friction, damping = dynamics.number("friction", 0.0), dynamics.number("damping", 0.0)
+    mimic = None
+    if (copied := element.one("mimic")) is not None:
+        leader = copied.text("joint", 'joint="elbow", say')
+        mimic = Mimic(leader, copied.number("multiplier", 1.0), copied.number("offset", 0.0))
+    return UrdfJoint(
+        name,
+        cast(Kind, kind),
+        ends[0],
+        ends[1],
+        _frame(element.one("origin")),
+        axis if norm(axis) == 0.0 else unit(axis),
+        _limits(element, kind),
+        mimic,
+        friction,
+        damping,
+        element,
+    )
+
+
+def _limits(joint: Element, kind: str) -> Limits | None:
+    element = joint.one("limit")
+    if kind not in ("revolute", "prismatic", "continuous"):
+        return None
+    if element is None:
+        if kind == "continuous":
+            return None
+        would_do = '<limit lower="-1.57" upper="1.57" .../>'
+        also = ', or type="continuous"' if kind == "revolute" else ""
+        raise joint.error(f"has no <limit>; write {would_do}{also}")
+    lower, upper = (element.number(name, 0.0, finite=False) for name in ("lower", "upper"))
+    if lower > upper:
+        raise element.error("lower is above upper; turn them round")
+    effort = element.number("effort", finite=False) if "effort" in element.attributes else None
+    return Limits(lower, upper, effort)

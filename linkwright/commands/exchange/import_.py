@@ -1,0 +1,55 @@
+"""`linkwright import`: an arm from another program's description."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import linkwright as lw
+from linkwright.commands.options import JsonFile, MarkdownFile, as_options
+from linkwright.output.files import DESIGN, check_target, write_markdown, write_result
+from units.quantities import InputError
+
+HELP = """An arm file from a URDF: frames, limits and weights; with a list of what it does not say.
+
+Example: linkwright import robot.urdf --tip tool0 --out arm.yaml
+"""
+
+
+def import_(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The URDF file. Meshes are never opened.")],
+    tip: Annotated[
+        str | None, typer.Option("--tip", metavar="LINK", help="The link at whose origin the tip is; the only end.")
+    ] = None,
+    base: Annotated[
+        str | None, typer.Option("--base", metavar="LINK", help="The link on which the arm stands; the root.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The arm file to write; a new arm.yaml by default.")
+    ] = None,
+    json: JsonFile = None,
+    markdown: MarkdownFile = None,
+) -> None:
+    """Run the command."""
+    from linkwright.results.imported import describe
+    from linkwright.screen.console import console
+    from linkwright.screen.described import show
+
+    target = Path(DESIGN) if out is None else out
+    if out is None and target.exists():
+        raise InputError(target, "", "is there already; name the file to write with --out")
+    for each in (target, json, markdown):
+        check_target(each, file)
+    with as_options():
+        found = lw.import_arm(file, tip=tip, base=base)
+    found.save(target)
+    write_result(json, found.to_json())
+    screen = console()
+    described = describe(found.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in (target, json, markdown):
+        if path is not None:
+            screen.print(f"written: {path}", soft_wrap=True)

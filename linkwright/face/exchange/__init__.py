@@ -1,0 +1,1 @@
+"""Arms from and for other programs."""

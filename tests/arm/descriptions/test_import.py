@@ -1,0 +1,185 @@
+"""Arms from URDF: kinematics and weights as products of matrices and MuJoCo have them; one line for what is wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arm.chain.kinematics import place, tip_position
+from arm.chain.statics import solve
+from arm.descriptions.imported import import_urdf
+from arm.errors.model import beams_of
+from arm.files.read import read_arm
+from tests.arm.descriptions.urdf_chain import in_mujoco, posed, tip_pose
+from units.quantities import InputError
+
+EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "urdf" / "tabletop.urdf"
+
+
+def same_as_others(path, found, folder, seed=1, poses=5):
+    """The written file against both: tips to 1e-9 m, orientations to 1e-9, gravity torques to 1e-9 of the greatest, or
+    of the arm's weight (at 1 m) where they cancel."""
+    text = path.read_text(encoding="utf-8")
+    (folder / "arm.yaml").write_text(found.to_yaml(), encoding="utf-8")
+    arm = read_arm(folder / "arm.yaml")
+    model = in_mujoco(text)
+    weight = 9.81 * sum(model.body_mass)
+    draw = np.random.default_rng(seed)
+    for _ in range(poses):
+        q = [draw.uniform(*joint.range) for joint in arm.joints]
+        named = dict(zip(found.joint_names, q, strict=True))
+        pose = tip_pose(text, found.base, found.tip, named)
+        assert tip_position(arm, q)[0] == pytest.approx(pose[:3, 3], abs=1e-9)
+        assert np.array(place(arm, q).orientation, float) == pytest.approx(pose[:3, :3], abs=1e-9)
+        data = posed(model, named)
+        assert data.body(found.tip).xpos == pytest.approx(pose[:3, 3], abs=1e-9)
+        torques = [float(joint.drive_load) for joint in solve(arm, q, beams_of(arm, (arm.payload,))).joints]
+        theirs = [-data.joint(name).qfrc_bias[0] for name in found.joint_names]
+        assert torques == pytest.approx(theirs, abs=1e-9 * max(weight, *map(abs, theirs)))
+
+
+def test_the_example_is_what_its_file_says(tmp_path):
+    """A fixed flange turned by nearly 90 degrees, a finger beside the tip, a slide, an oblique axis."""
+    found = import_urdf(EXAMPLE, tip="tip")
+    same_as_others(EXAMPLE, found, tmp_path, poses=20)
+    assert found.joint_names == ("turn", "shoulder", "reach")
+    assert found.arm.joints[1].range == (-1.2, 2.0)
+    assert found.arm.joints[2].range == (0.0, 0.15)
+    assert [each.at for each in found.lacking if each.what == "limits"] == [(1,)]
+
+
+COORDINATE = st.floats(-0.5, 0.5).map(lambda x: round(x, 6))
+ANGLE = st.one_of(st.sampled_from([0.0, 1.5708, -1.570796, 1.57079632679, 3.14159]), st.floats(-3.0, 3.0))
+JOINT = st.tuples(
+    st.sampled_from(["revolute", "fixed", "prismatic", "continuous"]),
+    st.tuples(COORDINATE, COORDINATE, COORDINATE),
+    st.tuples(ANGLE, ANGLE, ANGLE),
+    st.sampled_from(["1 0 0", "0 -1 0", "0 0 1", "0.6 0 0.8", "1 2 3"]),
+    st.tuples(COORDINATE, COORDINATE, COORDINATE),
+    st.booleans(),
+)
+
+
+def written(joints):
+    """A URDF of these joints in a row, some with a second body bolted to their link."""
+    lines = ['<robot name="row"><link name="l0"/>']
+    for number, (kind, xyz, rpy, axis, center, twin) in enumerate(joints, start=1):
+        weight = f'<inertial><origin xyz="{" ".join(map(str, center))}"/><mass value="{0.5 + 0.1 * number}"/>'
+        weight += '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
+        lines.append(f'<link name="l{number}">{weight}</link>')
+        limit = (
+            '<limit lower="-1.1" upper="2.3" effort="1" velocity="1"/>' if kind not in ("fixed", "continuous") else ""
+        )
+        frame = f'<origin xyz="{" ".join(map(repr, xyz))}" rpy="{" ".join(map(repr, rpy))}"/>'
+        ends = f'<parent link="l{number - 1}"/><child link="l{number}"/><axis xyz="{axis}"/>'
+        lines.append(f'<joint name="j{number}" type="{kind}">{frame}{ends}{limit}</joint>')
+        if twin:
+            lines.append(f'<link name="t{number}">{weight}</link><joint name="b{number}" type="fixed">{frame}')
+            lines.append(f'<parent link="l{number}"/><child link="t{number}"/></joint>')
+    return "\n".join([*lines, "</robot>"])
+
+
+@settings(max_examples=25, deadline=None)
+@given(joints=st.lists(JOINT, min_size=1, max_size=6).filter(lambda x: any(each[0] != "fixed" for each in x)))
+def test_any_row_of_joints(tmp_path_factory, joints):
+    """Turned by right angles to six digits as makers write them, fixed ones anywhere, bodies bolted on."""
+    folder = tmp_path_factory.mktemp("row")
+    path = folder / "row.urdf"
+    path.write_text(written(joints), encoding="utf-8")
+    same_as_others(path, import_urdf(path, tip=f"l{len(joints)}"), folder, poses=2)
+
+
+def test_another_base_feels_gravity_from_its_own_side(tmp_path):
+    """The column stands on a base that is turned upside down; from there the arm hangs."""
+    hung = EXAMPLE.read_text(encoding="utf-8").replace(
+        '<link name="base"/>', '<link name="ceiling"/><link name="base"/>'
+    )
+    hung = hung.replace(
+        '<joint name="turn"',
+        '<joint name="hook" type="fixed"><origin xyz="0 0 2" rpy="3.14159265358979 0 0"/><parent link="ceiling"/>'
+        '<child link="base"/></joint><joint name="turn"',
+    )
+    path = tmp_path / "hung.urdf"
+    path.write_text(hung, encoding="utf-8")
+    assert import_urdf(path, tip="tip", base="base").arm.gravity == pytest.approx((0.0, 0.0, 9.81), abs=1e-12)
+    same_as_others(path, import_urdf(path, tip="tip"), tmp_path)
+
+
+ONE = '<link name="b"/>'
+PAIR = '<link name="a"/><link name="b"/>'
+JOINED = '<joint name="j" type="{}"><parent link="a"/><child link="b"/>{}</joint>'
+LIMIT = '<limit lower="-1" upper="1"/>'
+
+
+def joined(kind, inside=""):
+    """Two links and a joint between them."""
+    return f"<robot>{PAIR}{JOINED.format(kind, inside)}</robot>"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "is no XML"),
+        ("<robot>", "is no XML"),
+        ('<!DOCTYPE robot [<!ENTITY a "b">]><robot name="&a;"/>', "line 1: holds a DOCTYPE"),
+        ('<!DOCTYPE robot SYSTEM "file:///etc/hostname"><robot/>', "holds a DOCTYPE"),
+        ('<?xml version="1.0" encoding="nothing"?><robot/>', "is no XML"),
+        ("<mujoco/>", "is MJCF, no URDF"),
+        ("<robot/>", "holds no <link>"),
+        ('<robot xmlns:xacro="x"><xacro:include filename="/etc/passwd"/></robot>', "expand it first"),
+        (f"<robot>{ONE}{ONE}</robot>", "names are unique"),
+        (f"<robot>{PAIR}</robot>", "several roots ('a', 'b')"),
+        (joined("hinge"), "type 'hinge' is none of revolute"),
+        (joined("revolute"), "has no <limit>"),
+        (joined("fixed"), "no joint beyond 'a' moves"),
+        (joined("floating"), "no joint beyond 'a' moves"),
+        (f"<robot>{ONE}{JOINED.format('revolute', LIMIT)}</robot>", "link 'a' is not in the file"),
+        (joined("revolute", LIMIT + '<axis xyz="0 0 0"/>'), "has no direction"),
+        (joined("revolute", LIMIT + '<axis xyz="0 nan 1"/>'), "xyz is '0 nan 1'"),
+        (joined("revolute", LIMIT + '<axis xyz="${a}"/>'), "a macro; expand it"),
+        (joined("revolute", LIMIT + '<mimic joint="k"/>'), "'k', which is no joint"),
+        (joined("revolute", LIMIT + '<mimic joint="j"/>'), "no coordinate of its own"),
+        (joined("prismatic", '<limit lower="-inf" upper="inf"/>'), "no finite limits"),
+        (
+            joined("fixed").replace("</robot>", JOINED.format("fixed", "").replace('"j"', '"k"') + "</robot>"),
+            "which joint 'j' carries already",
+        ),
+        (
+            f"<robot>{PAIR}{ONE.replace('b', 'c')}{JOINED.format('fixed', '')}"
+            '<joint name="k" type="fixed"><parent link="b"/><child link="a"/></joint></robot>',
+            "form a ring",
+        ),
+    ],
+)
+def test_what_is_wrong_is_one_line(tmp_path, text, words):
+    """With what would do; nothing outside the file is looked at."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        import_urdf(path)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_several_ends_are_listed():
+    """And one without mass, which is a frame and no finger, is proposed."""
+    with pytest.raises(
+        InputError, match=r"has 2 ends: finger \(3 joints\), tip \(3 joints\); name one, e.g. --tip tip"
+    ):
+        import_urdf(EXAMPLE)
+    with pytest.raises(InputError, match="there is no link 'tipp'; did you mean 'tip'"):
+        import_urdf(EXAMPLE, tip="tipp")
+    with pytest.raises(InputError, match="'base' is not beyond 'slide'"):
+        import_urdf(EXAMPLE, tip="base", base="slide")
+
+
+def test_names_cannot_write_keys(tmp_path):
+    """A line break in a name stays within its comment."""
+    path = tmp_path / "arm.urdf"
+    named = EXAMPLE.read_text(encoding="utf-8").replace('"turn"', '"turn&#10;gravity: [9 m/s^2]"')
+    path.write_text(named, encoding="utf-8")
+    text = import_urdf(path, tip="tip").to_yaml()
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    assert read_arm(tmp_path / "arm.yaml").gravity == (0.0, 0.0, -9.81)

@@ -1,0 +1,51 @@
+"""`linkwright import`: the arm file, what is lacking, and what is never written over."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import linkwright as lw
+
+EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "urdf" / "tabletop.urdf"
+
+
+@pytest.fixture
+def empty(tmp_path, monkeypatch):
+    """A folder without files, as the working folder."""
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_the_arm_file_is_written_once(linkwright, empty):
+    """It reads back; a second import does not write over it; the Python face writes the same."""
+    status, out, err = linkwright("import", str(EXAMPLE), "--tip", "tip", "--json", "found.json")
+    assert (status, err) == (0, "")
+    assert "3 joints from base to tip, 2.5 kg that move" in out
+    assert "stiffness of the drives" in out
+    found = lw.import_arm(EXAMPLE, tip="tip")
+    assert (empty / "found.json").read_text(encoding="utf-8") == found.to_json()
+    found.save(empty / "same.yaml")
+    assert (empty / "same.yaml").read_bytes() == (empty / "arm.yaml").read_bytes()
+    content = json.loads(found.to_json())
+    assert [joint["link"] for joint in content["joints"]] == ["column", "forearm", "slide"]
+    assert [joint["mass_kg"] for joint in content["joints"]] == pytest.approx([1.1, 0.8, 0.6])
+    assert lw.read_arm(empty / "arm.yaml").model.lengths == pytest.approx(found.arm.model.lengths)
+    assert linkwright("import", str(EXAMPLE), "--tip", "tip")[0] == 2
+    status, _, err = linkwright("import", str(EXAMPLE))
+    assert status == 2
+    assert "arm.yaml: is there already" in err
+
+
+def test_several_tips_are_one_line(linkwright, empty):
+    """With the names to choose from; nothing is written."""
+    status, out, err = linkwright("import", str(EXAMPLE))
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "finger (3 joints), tip (3 joints)" in err
+    assert not (empty / "arm.yaml").exists()
+    status, _, err = linkwright("import", "nothing.urdf")
+    assert status == 2
+    assert "nothing.urdf: cannot be read" in err
