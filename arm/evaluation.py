@@ -31,6 +31,7 @@ from arm.worst.parts import SeamErrors, projections_at, seam_errors, worst_searc
 from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Workspace
 from materials.material import MissingProperty
+from materials.plausible import doubts_of
 from sections.numeric import Array
 
 from .effects import EFFECTS
@@ -208,6 +209,7 @@ def evaluate(
             *holes,
             *([] if growth is None else [growth.words(worst.error)]),
             *idle_effects(arm),
+            *doubtful_materials(arm),
             *shapeless(beyond),
             *warnings_of(strength),
             *slender_walls(walls),
@@ -235,6 +237,12 @@ def _lacking_masses(unweighed: Sequence[int], arm: Arm) -> dict[str, str]:
         why = f"of {', '.join(products)} nothing is known but the product with an unknown weight"
         found |= dict.fromkeys(("tip_stiffness", "compliance"), why)
     return found
+
+
+def doubtful_materials(arm: Arm) -> tuple[str, ...]:
+    """What is hardly believable of the materials' figures, once for each material."""
+    made_of = dict.fromkeys(link.material for link in arm.links if link.material is not None)
+    return tuple(doubt for material in made_of for doubt in doubts_of(material))
 
 
 def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:

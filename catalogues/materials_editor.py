@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar, cast
@@ -55,20 +56,22 @@ class MaterialsEditor(Editor[Entry]):
         """Where it stands."""
         return f"materials.{name}"
 
-    def set_key(self, path: Path | str, name: str, key: str, value: Any, *, source: str = "") -> str:
-        """Set one key of a material, such as `title`, `density` or `cost.spread`.
+    def set_keys(self, path: Path | str, name: str, values: MappingLike[str, Any], *, source: str = "") -> str:
+        """Set keys of a material, such as `title`, `density` or `cost.spread`, all of them or none.
 
         A plain value given to a property that is written as a mapping becomes its value, and the rest of the mapping
         (source, note, range) stays. `source` is the text of the source that the new value is from.
         """
-        keys = key.split(".")
 
         def change(document: YamlText) -> str:
             copied = self.copy_shipped(document, path, name)
-            _set(document, ["materials", name], keys, value)
-            if source:
-                _cite(document, name, keys[0], source, fresh=len(keys) == 1 and not isinstance(value, dict))
-            return f"set {name}.{key}" + (", copied from the shipped catalogue" if copied else "")
+            for key, value in values.items():
+                keys = key.split(".")
+                _set(document, ["materials", name], keys, value)
+                if source:
+                    _cite(document, name, keys[0], source, fresh=len(keys) == 1 and not isinstance(value, dict))
+            set_ = ", ".join(f"{name}.{key}" for key in values)
+            return f"set {set_}" + (", copied from the shipped catalogue" if copied else "")
 
         return self.edit(path, change)
 

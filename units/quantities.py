@@ -122,8 +122,10 @@ def _what_would_do(kind: Kind) -> str:
 
 @lru_cache(maxsize=2048)
 def _unit(text: str) -> pint.Unit | None:
-    """Parse a unit, None if it is not one; the strict grammar keeps numbers and arithmetic out."""
+    """Parse a unit, None if it is not one; the strict grammar keeps numbers and arithmetic out. An exponent may follow
+    its unit as data sheets write it: `g/cm3`, `N/mm2`."""
     compact = re.sub(r"\s*([*/()^])\s*", r"\1", text.strip()).replace(" ", "*")
+    compact = re.sub(r"(?<=[A-Za-z])([2-9])(?=[*/)]|$)", r"^\1", compact)
     if not _UNIT.fullmatch(compact):
         return None
     import pint

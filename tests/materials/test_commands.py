@@ -7,6 +7,7 @@ import pytest
 
 from linkwright.cli import run
 from materials.catalogue import load_catalogue, load_layer
+from materials.plausible import doubts_of
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
 
@@ -188,3 +189,52 @@ def test_the_whole_catalogue_goes_into_a_table(materials, tmp_path):
     with (tmp_path / "all.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["name"] for row in rows] == list(load_catalogue(user=False).names)
+
+
+def test_whether_it_is_magnetic_is_asked_listed_and_compared(materials):
+    out = ok(materials("list", "--where", "magnetic = no", "--columns", "magnetic,service_temperature"))
+    assert "stainless-304" in out
+    assert "steel-s355" not in out
+    assert "paper-carbon-steel" not in out
+    told = ok(materials("compare", "steel-s355", "stainless-304", "paper-carbon-steel"))
+    assert next(line.split()[1:] for line in told.splitlines() if "magnetic" in line) == ["yes", "no", "–"]
+    wrong(materials("list", "--where", "magnetic > no"), "magnetic is yes or no")
+    wrong(materials("list", "--where", "strength > 1 MPa"), "there is no property 'strength'")
+
+
+def test_several_keys_are_one_edit(materials, tmp_path):
+    before = ("add", "alloy", "elastic_modulus=80 GPa", "density=3 g/cm3", "--source", "Data sheet 12")
+    own = tmp_path / "own.yaml"
+    ok(materials(*before, "--catalogue", own))
+    text = own.read_text()
+    both = ("edit", "alloy", "cost=3 EUR/kg", "yield_strength=200 N/mm2", "--catalogue", own)
+    assert "set alloy.cost, alloy.yield_strength" in ok(materials(*both))
+    alloy = load_layer(own).materials["alloy"]
+    assert (alloy.need("cost"), alloy.need("yield_strength"), alloy.need("density")) == (3.0, 2e8, 3000.0)
+    wrong(materials("edit", "alloy", "cost=4 EUR/kg", "density=-1 kg/m^3", "--catalogue", own), "density")
+    assert load_layer(own).materials["alloy"].need("cost") == 3.0
+    ok(materials("undo", "--catalogue", own))
+    assert own.read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("values", "doubted"),
+    [
+        (("elastic_modulus=80000 GPa", "density=3000 kg/m^3"), "elastic_modulus 80000 GPa"),
+        (("elastic_modulus=80 GPa", "density=3 kg/m^3"), "density 3 kg/m^3"),
+        (("elastic_modulus=800 GPa", "density=300 kg/m^3"), "E / density of 2667 MN*m/kg"),
+        (("elastic_modulus=1143 GPa", "density=3515 kg/m^3"), ""),
+    ],
+)
+def test_what_is_hardly_believable_is_taken_and_questioned(materials, tmp_path, values, doubted):
+    """Diamond is the stiffest there is, and stiffest for its weight."""
+    own = ("--catalogue", tmp_path / "own.yaml")
+    for asked in (("add", "odd", *values, "--source", "s", *own), ("check", *own)):
+        status, out, err = materials(*asked)
+        assert status == 0
+        assert out
+        assert (f"WARNING: odd: {doubted} is hardly believable" in err) if doubted else err == ""
+
+
+def test_nothing_shipped_is_doubted():
+    assert [doubt for material in load_catalogue(user=False) for doubt in doubts_of(material)] == []

@@ -51,14 +51,14 @@ def test_an_edit_that_is_not_sound_does_not_land(own, key, value, words):
     )
     before = own.read_bytes()
     with pytest.raises(InputError, match=words) as caught:
-        MATERIALS.set_key(own, "alloy", key, value)
+        MATERIALS.set_keys(own, "alloy", {key: value})
     assert str(caught.value).startswith(str(own))
     assert own.read_bytes() == before
     assert store.journal(own)[-1].what == "added alloy"
 
 
 def test_changing_a_shipped_material_copies_it_with_its_sources(own):
-    MATERIALS.set_key(own, "steel-s355", "yield_strength", "345 MPa", source="Certificate of heat 12")
+    MATERIALS.set_keys(own, "steel-s355", {"yield_strength": "345 MPa"}, source="Certificate of heat 12")
     copy, shipped = material(own, "steel-s355"), load_catalogue(user=False).find("steel-s355")
     assert copy.need("yield_strength") == 345e6
     assert copy.references[copy.properties["yield_strength"].source] == "Certificate of heat 12"
@@ -74,7 +74,7 @@ def test_changing_a_shipped_material_copies_it_with_its_sources(own):
 def test_every_shipped_material_can_be_copied_whole(own):
     names = load_catalogue(user=False).names
     MATERIALS.add(own, [entry for name in names if (entry := shipped_entry(name)) is not None])
-    MATERIALS.set_key(own, names[0], "title", "mine")
+    MATERIALS.set_keys(own, names[0], {"title": "mine"})
     assert sorted(load_layer(own).materials) == list(names)
     layers = {name: each for layer in shipped_layers() for name, each in layer.materials.items()}
     for name, copy in load_layer(own).materials.items():
@@ -86,13 +86,13 @@ def test_every_shipped_material_can_be_copied_whole(own):
 
 def test_values_go_where_they_belong(own):
     MATERIALS.add(own, [ALLOY])
-    MATERIALS.set_key(own, "alloy", "cost", {"value": "3 EUR/kg", "source": "s", "note": "n"})
-    MATERIALS.set_key(own, "alloy", "cost", "4 EUR/kg")
+    MATERIALS.set_keys(own, "alloy", {"cost": {"value": "3 EUR/kg", "source": "s", "note": "n"}})
+    MATERIALS.set_keys(own, "alloy", {"cost": "4 EUR/kg"})
     cost = material(own, "alloy").properties["cost"]
     assert (cost.law.value(293.15), cost.note) == (4, "n")
-    MATERIALS.set_key(own, "alloy", "density.spread", ["2900 kg/m^3", "3100 kg/m^3"])
+    MATERIALS.set_keys(own, "alloy", {"density.spread": ["2900 kg/m^3", "3100 kg/m^3"]})
     assert material(own, "alloy").spread("density") == (2900, 3100)
-    MATERIALS.set_key(own, "steel-s355", "elastic_modulus", "205 GPa")
+    MATERIALS.set_keys(own, "steel-s355", {"elastic_modulus": "205 GPa"})
     assert material(own, "steel-s355").need("elastic_modulus", 400.0) == 205e9
     MATERIALS.remove_key(own, "alloy", "cost")
     assert not material(own, "alloy").has("cost")
@@ -134,7 +134,7 @@ def test_an_editors_text_lands_only_if_sound_and_nobody_was_faster(own):
     before, text = MATERIALS.draft(own, "alloy")
     with pytest.raises(InputError, match="needs a unit"):
         MATERIALS.land(own, before, text.replace("3000 kg/m^3", "3000"))
-    MATERIALS.set_key(own, "alloy", "title", "faster")
+    MATERIALS.set_keys(own, "alloy", {"title": "faster"})
     with pytest.raises(InputError, match="by somebody else"):
         MATERIALS.land(own, before, text.replace("3000", "3200"))
     before, text = MATERIALS.draft(own, "steel-s355")

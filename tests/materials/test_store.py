@@ -25,7 +25,7 @@ def entry(name, density=0.5):
 
 def write_many(path: str, name: str) -> None:
     for number in range(1, EDITS + 1):
-        MATERIALS.set_key(path, name, "density", f"{number} kg/m^3")
+        MATERIALS.set_keys(path, name, {"density": f"{number} kg/m^3"})
         if number % 10 == 0:  # no other writer has brought an old value back
             assert load_layer(path).materials[name].need("density") == number
 

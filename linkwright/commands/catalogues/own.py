@@ -23,6 +23,10 @@ OwnFile = Annotated[
 ]
 Source = Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the figures are from.")]
 Replace = Annotated[bool, typer.Option("--replace", help="Take the place of those of the same name.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change; nothing opens the editor."),
+]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
 _UsedIn = Annotated[
     list[Path] | None,
@@ -52,6 +56,7 @@ class OwnCatalogue:
         such_as: a KEY=VALUE, for messages.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
+        doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
     """
 
     group: str
@@ -67,6 +72,7 @@ class OwnCatalogue:
     such_as: str
     made: Callable[[str, dict[str, str], str], Any]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
+    doubts: Callable[[Path], Sequence[str]] = lambda _: ()
 
     def path(self, catalogue: Path | None) -> Path:
         """The file to change."""
@@ -107,6 +113,12 @@ class OwnCatalogue:
         write_file(out, _by_ending(out, ways)(found))
         typer.echo(f"wrote {len(found)} {self.editor.what}{'' if len(found) == 1 else 's'} to {out}")
 
+    def question(self, path: Path, *names: str) -> None:
+        """Warn of what is hardly believable of a file's entries of these names, all of them without a name."""
+        for doubt in self.doubts(path):
+            if not names or any(doubt.startswith(f"{name}:") for name in names):
+                typer.echo(f"WARNING: {doubt}", err=True)
+
     def _warn(self, name: str, files: list[Path] | None) -> None:
         for file in files or ():
             if self.editor.uses(file, name, self.key):
@@ -125,6 +137,7 @@ class OwnCatalogue:
         ) -> None:
             entry, path = self.made(name, key_values(values, self.such_as), source), self.path(catalogue)
             say(editor.add(path, [entry], replace=replace), path)
+            self.question(path, name)
 
         def import_(
             file: Annotated[Path, typer.Argument(metavar="FILE", help=f"A file: {', '.join(self.read)}.")],
@@ -139,6 +152,7 @@ class OwnCatalogue:
                 entries = [renamed(entries[0], name=name)]
             done = editor.add(path, entries, replace=replace)
             say(done if len(entries) <= 5 else f"added {len(entries)} {editor.what}s", path)
+            self.question(path, *(each.name for each in entries))
 
         def remove(name: Name, used_in: _UsedIn = None, catalogue: OwnFile = None) -> None:
             path = self.path(catalogue)
@@ -173,6 +187,8 @@ class OwnCatalogue:
                 found = [*self.shipped(), *([(str(own), self.count(own))] if own.exists() else [])]
             for file, count in found:
                 typer.echo(f"{file}: {count} {editor.what}{'' if count == 1 else 's'}, all sound")
+                if Path(file).exists():
+                    self.question(Path(file))
 
         one, other = self.examples
         alike: Commands = {
@@ -213,6 +229,17 @@ def key_values(texts: list[str], such_as: str) -> dict[str, str]:
             raise InputError("", key, "is given twice")
         found[key] = value
     return found
+
+
+def changes_of(words: list[str], such_as: str) -> dict[str, str]:
+    """`KEY VALUE`, or any number of `KEY=VALUE`, by key. Raises `InputError`."""
+    if any("=" in word for word in words[:1]):
+        return key_values(words, such_as)
+    if len(words) == 1:
+        raise InputError("", "VALUE", f"is missing: give {words[0]} a value, or --unset {words[0]}")
+    if len(words) > 2:
+        raise InputError("", words[2], "is too much: one KEY VALUE, or several KEY=VALUE")
+    return {words[0]: words[1]} if words else {}
 
 
 def _by_ending(path: Path, ways: Mapping[str, W]) -> W:

@@ -30,6 +30,9 @@ _RELATIONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
 )
 
 
+_ANSWERS = MappingProxyType({"yes": 1.0, "true": 1.0, "no": 0.0, "false": 0.0})
+
+
 class _Listed(Protocol):
     @property
     def name(self) -> str: ...
@@ -52,7 +55,8 @@ class Query(Generic[E, N]):
         usual: the columns of a list that nobody chose columns for.
         every: those of `--columns all`.
         kind: the kind of quantity of a name.
-        value: an entry's value in SI, None where it has none.
+        value: an entry's value in SI, None where it has none; 1 and 0 for yes and no.
+        yes_or_no: the names that are so.
         lacks: the message for an unknown name, which it quotes at `{}`.
         example: a condition, for messages.
     """
@@ -65,14 +69,19 @@ class Query(Generic[E, N]):
     value: Callable[[E, N], float | None]
     lacks: str
     example: str
+    yes_or_no: tuple[N, ...] = ()
 
     def name(self, text: str, option: str) -> N:
-        """What a user names, by its name or its short heading. Raises `InputError`."""
+        """What a user names, by its name, its short heading or the end of one name alone (`service_temperature`).
+        Raises `InputError`."""
         wanted = text.strip().replace(" ", "_").replace("-", "_")
         names = self.names()
         for name in names:
             if wanted in (name, self.short.get(name, name)):
                 return name
+        ends = [name for name in names if name.endswith(f"_{wanted}")]
+        if len(ends) == 1:
+            return ends[0]
         raise InputError("", option, f"{self.lacks.format(text.strip())}{nearest(wanted, names)}")
 
     def condition(self, text: str) -> Callable[[E], bool]:
@@ -81,8 +90,15 @@ class Query(Generic[E, N]):
         if not found:
             raise InputError("", "--where", f"'{text}' is no condition; write e.g. '{self.example}'")
         name, relation = self.name(found[1], "--where"), _RELATIONS[found[2]]
-        limit = read_quantity(found[3].strip(), self.kind(name), file="--where", key=name)
+        limit = self._limit(name, found[2], found[3].strip())
         return lambda entry: (value := self.value(entry, name)) is not None and relation(value, limit)
+
+    def _limit(self, name: N, relation: str, text: str) -> float:
+        if name not in self.yes_or_no:
+            return read_quantity(text, self.kind(name), file="--where", key=name)
+        if _RELATIONS[relation] is not _equal or text.lower() not in _ANSWERS:
+            raise InputError("", "--where", f"'{name} {relation} {text}': {name} is yes or no; write '{name} = no'")
+        return _ANSWERS[text.lower()]
 
     def chosen(self, entries: Iterable[E], where: Sequence[str] | None, sort: str | None) -> list[E]:
         """The entries that keep every condition, in the order asked for; those without the sorted value last.

@@ -13,12 +13,13 @@ from catalogues.freecad_cards import read_card, write_card
 from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
 from catalogues.materials_csv import read_table, write_table
 from catalogues.materials_editor import MATERIALS
-from linkwright.commands.catalogues.own import Name, OwnCatalogue, OwnFile, Source, say
+from linkwright.commands.catalogues.own import Changes, Name, OwnCatalogue, OwnFile, Source, changes_of, say
 from linkwright.commands.groups import Commands
 from linkwright.commands.options import CatalogueFile
 from linkwright.output.files import check_target
 from materials.catalogue import load_layer, shipped_layers, user_catalogue_path
 from materials.material import Material
+from materials.plausible import doubts_of
 from units.quantities import InputError
 from units.reading import parse_yaml
 
@@ -26,7 +27,9 @@ ADD_HELP = """Add a material to your catalogue.
 
 Example: linkwright materials add my-alloy elastic_modulus='80 GPa' density='3000 kg/m^3' --source 'Data sheet 12'
 """
-EDIT_HELP = """Change one key of a material, or the catalogue file in $EDITOR; a shipped material is copied to yours.
+EDIT_HELP = """Change keys of a material, or the catalogue file in $EDITOR; a shipped material is copied to yours.
+
+Keys are such as density, cost.spread or title; several at once are one edit: KEY=VALUE KEY=VALUE.
 
 Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
 """
@@ -69,30 +72,31 @@ OWN = OwnCatalogue(
     helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
     such_as="density='3000 kg/m^3'",
     made=_made,
+    doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
     read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table},
 )
 
 
 def edit_material(
     name: Name,
-    key: Annotated[str | None, typer.Argument(metavar="KEY", help="Such as density, cost.spread or title.")] = None,
-    value: Annotated[str | None, typer.Argument(metavar="VALUE", help="Its new value.")] = None,
+    changes: Changes = None,
     source: Source = "",
     unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
     catalogue: OwnFile = None,
 ) -> None:
     """Run `materials edit`."""
     path = OWN.path(catalogue)
-    if key is None:
+    if not changes:
         OWN.edit_in_editor(path, name)
-    elif unset:
-        if value is not None:
-            raise InputError("", "--unset", "takes no value")
-        say(MATERIALS.remove_key(path, name, key), path)
-    elif value is None:
-        raise InputError("", "VALUE", f"is missing: give {key} a value, or --unset")
-    else:
-        say(MATERIALS.set_key(path, name, key, _value(value, key), source=source), path)
+        return
+    if unset:
+        if len(changes) > 1 or "=" in changes[0]:
+            raise InputError("", "--unset", "takes one KEY and no value")
+        say(MATERIALS.remove_key(path, name, changes[0]), path)
+        return
+    asked = changes_of(changes, OWN.such_as)
+    say(MATERIALS.set_keys(path, name, {key: _value(text, key) for key, text in asked.items()}, source=source), path)
+    OWN.question(path, name)
 
 
 def export_materials(

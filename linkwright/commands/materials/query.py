@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Literal
 
 from linkwright.commands.catalogues.query import Query
 from materials.material import Material, PropertyName, property_kinds
 from units.quantities import format_quantity
 from units.temperature import REFERENCE_TEMPERATURE
 
-SHORT: Mapping[PropertyName, str] = MappingProxyType(
+Asked = PropertyName | Literal["magnetic"]
+"""What a material can be listed, chosen and compared by."""
+SHORT: Mapping[Asked, str] = MappingProxyType(
     {
         "elastic_modulus": "E",
         "poisson_ratio": "nu",
@@ -27,13 +30,21 @@ SHORT: Mapping[PropertyName, str] = MappingProxyType(
 DIGITS = 6
 
 
-QUERY = Query[Material, PropertyName](
-    names=lambda: tuple(property_kinds()),
+def value(material: Material, name: Asked) -> float | None:
+    """A material's property at 20 degC in SI, 1 or 0 whether it is magnetic; None where nobody knows."""
+    if name == "magnetic":
+        return None if material.magnetic is None else float(material.magnetic)
+    return material.need(name) if material.has(name) else None
+
+
+QUERY = Query[Material, Asked](
+    names=lambda: (*property_kinds(), "magnetic"),
     short=SHORT,
     usual=("elastic_modulus", "density", "yield_strength", "cost"),
-    every=tuple(property_kinds()),
-    kind=lambda name: property_kinds()[name],
-    value=lambda material, name: material.need(name) if material.has(name) else None,
+    every=(*property_kinds(), "magnetic"),
+    kind=lambda name: "dimensionless" if name == "magnetic" else property_kinds()[name],
+    value=value,
+    yes_or_no=("magnetic",),
     lacks="there is no property '{}'",
     example="density < 3 g/cm^3",
 )
@@ -44,6 +55,8 @@ def written(value: float, name: PropertyName, digits: int = DIGITS) -> str:
     return format_quantity(value, property_kinds()[name], digits=digits)
 
 
-def value_of(material: Material, name: PropertyName) -> str:
-    """A material's property at 20 degC, a dash where it has none."""
+def value_of(material: Material, name: Asked) -> str:
+    """A material's property at 20 degC, or whether it is magnetic; a dash where nobody knows."""
+    if name == "magnetic":
+        return "–" if material.magnetic is None else "yes" if material.magnetic else "no"
     return written(material.need(name, REFERENCE_TEMPERATURE), name) if material.has(name) else "–"

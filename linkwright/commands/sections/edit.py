@@ -11,7 +11,7 @@ import typer
 import linkwright as lw
 from catalogues.stock_csv import read_table, write_table
 from catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
-from linkwright.commands.catalogues.own import Name, OwnCatalogue, OwnFile, Source, key_values, say
+from linkwright.commands.catalogues.own import Changes, Name, OwnCatalogue, OwnFile, Source, changes_of, say
 from linkwright.commands.groups import Commands
 from linkwright.output.files import check_target
 from sections.stock.tables import shipped_sizes, user_stock_path
@@ -73,10 +73,7 @@ OWN = OwnCatalogue(
 
 def edit_section(
     name: Name,
-    changes: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change; nothing opens the editor."),
-    ] = None,
+    changes: Changes = None,
     source: Source = "",
     unset: Annotated[str | None, typer.Option("--unset", metavar="KEY", help="Take this key away.")] = None,
     catalogue: OwnFile = None,
@@ -88,19 +85,9 @@ def edit_section(
             raise InputError("", "--unset", "stands alone")
         say(STOCK.remove_cell(path, name, unset), path)
     elif changes or source:
-        say(STOCK.change_cells(path, name, _changes(changes or []), source=source), path)
+        say(STOCK.change_cells(path, name, changes_of(changes or [], OWN.such_as), source=source), path)
     else:
         OWN.edit_in_editor(path, name)
-
-
-def _changes(words: list[str]) -> dict[str, str]:
-    if any("=" in word for word in words[:1]):
-        return key_values(words, OWN.such_as)
-    if len(words) == 1:
-        raise InputError("", "VALUE", f"is missing: give {words[0]} a value, or --unset {words[0]}")
-    if len(words) > 2:
-        raise InputError("", words[2], "is too much: one KEY VALUE, or several KEY=VALUE")
-    return {words[0]: words[1]} if words else {}
 
 
 def export_sections(

@@ -12,6 +12,7 @@ from materials.catalogue import Catalogue as Models
 from materials.catalogue import load_catalogue
 from materials.material import Material as Model
 from materials.material import MaterialValues, PropertyName
+from units.temperature import ZERO_CELSIUS
 
 from .kept import Catalogue
 
@@ -78,7 +79,8 @@ class Materials(Catalogue[Material]):
     @property
     def table(self) -> pd.DataFrame:
         """All materials at 20 degC: name, title, family, E (GPa), density (kg/m^3), yield strength (MPa), cost
-        (EUR/kg); NaN where one has no such figure."""
+        (EUR/kg), highest service temperature (degC); NaN where one has no such figure; whether it is magnetic, None
+        where nobody knows."""
         import pandas as pd
 
         figures: tuple[tuple[PropertyName, float], ...] = (
@@ -93,11 +95,15 @@ class Materials(Catalogue[Material]):
                 each.model.title,
                 each.model.family,
                 *(each.model.need(name) / unit if each.model.has(name) else math.nan for name, unit in figures),
+                each.model.need("highest_service_temperature") - ZERO_CELSIUS
+                if each.model.has("highest_service_temperature")
+                else math.nan,
+                each.model.magnetic,
             )
             for each in self.values()
         ]
         named = ["name", "title", "family", "elastic_modulus_GPa", "density_kg_per_m3", "yield_strength_MPa"]
-        return pd.DataFrame(rows, columns=[*named, "cost_EUR_per_kg"])
+        return pd.DataFrame(rows, columns=[*named, "cost_EUR_per_kg", "highest_service_temperature_degC", "magnetic"])
 
 
 materials = Materials()
