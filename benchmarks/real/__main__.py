@@ -1,8 +1,8 @@
-"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [irb120] [--inside] [--out DIR]
+"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [irb120] [iiwa7] [--inside] [--out DIR]
 
 Prints, for each machine (all by default), what the tool says of its recordings and how well that predicts what was not
 fitted. `--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps the servo's
-telemetry with its pulls.
+telemetry with its pulls and the iiwa 7's runs as one table.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.real import irb120, motoman, printer, servo, ur10
+from benchmarks.real import iiwa7, irb120, motoman, printer, servo, ur10
 from benchmarks.real.data import NoDataError
 
-_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120")
+_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120", "iiwa7")
 
 
 def main() -> int:
@@ -22,7 +22,7 @@ def main() -> int:
     reader = argparse.ArgumentParser(prog="python -m benchmarks.real")
     reader.add_argument("machines", nargs="*", choices=[*_MACHINES, []], metavar="MACHINE", help=", ".join(_MACHINES))
     reader.add_argument("--inside", action="store_true", help="the diagnosis inside the folds, too")
-    reader.add_argument("--out", type=Path, help="where the servo's telemetry with its pulls goes")
+    reader.add_argument("--out", type=Path, help="where the servo's and the iiwa 7's tables go")
     asked = reader.parse_args()
     machines = asked.machines or _MACHINES
     try:
@@ -42,6 +42,9 @@ def main() -> int:
             print()
         if "irb120" in machines:
             irb120.evaluate()
+            print()
+        if "iiwa7" in machines:
+            iiwa7.evaluate(out=asked.out)
     except NoDataError as error:
         print(error, file=sys.stderr)
         return 1

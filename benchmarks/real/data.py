@@ -21,8 +21,9 @@ EXAMPLES = ROOT / "examples" / "real"
 VARIABLE = "LINKWRIGHT_DATA"
 
 MOTOMAN, UR10, SERVO, PRINTER, IRB120 = "motoman-ma2010", "ur10", "sts3215-backlash", "voron-thermal", "irb120-faro"
+IIWA7 = "iiwa7-payloads"
 """Folders of the recordings."""
-_ARMS = {SERVO: "sts3215", PRINTER: "voron", IRB120: "irb120"}
+_ARMS = {SERVO: "sts3215", PRINTER: "voron", IRB120: "irb120", IIWA7: "iiwa7"}
 
 
 class NoDataError(FileNotFoundError):

@@ -29,13 +29,17 @@ from benchmarks.real.model import (
     unheld,
 )
 from benchmarks.real.within import selected_within
+from benchmarks.real.written import written
 from diagnose.diagnosis import diagnose
 from diagnose.options import Options
+from diagnose.predict import Prediction, predict
 from diagnose.recording import Recording
 from diagnose.residual.observed import Observed, observe
 from diagnose.result import Diagnosis
 
 TARGETS = {"0516": 0.145, "0801": 0.168}
+WRITTEN = 0.17
+"""mm, of one day's written file on the other day's grid."""
 SEEDS = (0, 1, 2, 3, 4)
 _IN_A_CELL = 7
 
@@ -116,6 +120,13 @@ def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = Fa
     if sides:
         lines(known, tell)
         other_day(known, tell)
+        tell(
+            f"\n| the written file of {known.name}, frame and tool fitted | frame and tool alone | the file | target |"
+        )
+        tell("|---|---|---|---|")
+        for there in TARGETS:
+            left = file_on(known.diagnosis, there)
+            tell(f"| on the grid of {there} | {1e3 * left.nominal_rms:.4f} | {1e3 * left.rms:.4f} | {WRITTEN:.3f} |")
         wandering(known, tell)
 
 
@@ -168,6 +179,11 @@ def other_day(day: Day, tell: Callable[[str], None] = print) -> dict[str, float]
         said[name] = rms_mm(rest - moved(parts[:1], fitted(rest, parts[:1])))
         tell(f"| {name} | {said[name]:.3f} |")
     return said
+
+
+def file_on(diagnosis: Diagnosis, day: str) -> Prediction:
+    """A diagnosis's written arm file on a day's grid, frame and tool fitted."""
+    return predict(written(diagnosis), read(MOTOMAN, recording_file(MOTOMAN, f"grid_test{day}_R1.csv")))
 
 
 def lines(day: Day, tell: Callable[[str], None] = print) -> dict[str, tuple[float, float]]:
