@@ -7,6 +7,7 @@ into the file first, where it hides the shipped one. What the kinds of catalogue
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -132,7 +133,7 @@ class Editor(ABC, Generic[E]):
 
     def draft(self, path: Path | str, name: str) -> tuple[str | None, str]:
         """The file's text (None where there is no file) and the text to hand to an editor, which has the entry."""
-        before = read_text(path) if Path(path).exists() else None
+        before = read_text(path) if os.path.exists(path) else None
         document = self.document(before, path)
         self.copy_shipped(document, path, name)
         return before, document.text

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -114,7 +115,7 @@ def _beside(target: Path, ending: str) -> Path:
 
 
 def _text(target: Path) -> str | None:
-    return read_text(target) if target.exists() else None
+    return read_text(target) if os.path.exists(target) else None
 
 
 def _checksum(text: str | None) -> str:
@@ -122,7 +123,7 @@ def _checksum(text: str | None) -> str:
 
 
 def _numbers(folder: Path) -> list[int]:
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         return []
     return sorted(int(item.stem) for item in folder.iterdir() if item.suffix == ".json" and item.stem.isdecimal())
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from linkwright.output.stream import OutputClosed, drop_output
+from linkwright.output.stream import OutputClosed, drop_errors, drop_output, open_closed_streams, printable
 from linkwright.version import program_version
 from units.quantities import InputError, NoAnswer
 
@@ -88,6 +88,7 @@ def command_line(asked: str = "") -> typer.Typer:
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
     """Run the command line with these arguments (the process's own by default) and return the exit status."""
+    open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
@@ -111,11 +112,13 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         return READER_GONE
     except OSError as error:
         if error.filename is not None:
-            raise
+            return _failed(f"{error.filename}: {error.strerror or error}", WRONG_INPUT)
         drop_output()
         return _failed(f"standard output: cannot be written: {error.strerror}", WRONG_INPUT)
     except NoAnswer as error:
         return _failed(str(error), NO_ANSWER)
+    except MemoryError:
+        return _failed("linkwright: there is not enough memory for this; ask for less at once", NO_ANSWER)
     return status if isinstance(status, int) else 0
 
 
@@ -126,5 +129,8 @@ def _usage_error() -> type[Exception]:
 
 
 def _failed(message: str, status: int) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
+    try:
+        print(printable(" ".join(message.split())), file=sys.stderr, flush=True)
+    except OSError:
+        drop_errors()  # nobody can be told
     return status

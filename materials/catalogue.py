@@ -150,7 +150,7 @@ def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ca
     layers = list(shipped_layers())
     if user:
         own = user_catalogue_path()
-        if own.exists() or os.environ.get(CATALOGUE_VARIABLE, "").strip():
+        if os.path.exists(own) or os.environ.get(CATALOGUE_VARIABLE, "").strip():
             layers.append(load_layer(own))
     layers.extend(load_layer(path) for path in paths)
     return Catalogue(tuple(layers))

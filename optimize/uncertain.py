@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping as MappingLike
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -15,8 +15,8 @@ from arm.chain.chain import Arm
 from arm.effects import BACKLASH, JOINT_COMPLIANCE
 from sections.numeric import Array
 from sections.taper import Tapered
-from units.quantities import read_number, shown
-from units.reading import Mapping
+from units.quantities import InputError, read_number, shown
+from units.reading import Mapping, load_json
 
 OF_LINKS = ("elastic_modulus", "size", "thickness")
 OF_JOINTS = ("stiffness", "backlash")
@@ -33,6 +33,7 @@ _FROM_DIAGNOSIS: MappingLike[tuple[str, str], str] = MappingProxyType(
 )
 """Which factor a parameter of a finding makes uncertain."""
 _MOST = 0.9
+_LARGEST_FIGURE = 1e100
 
 
 @dataclass(frozen=True)
@@ -147,25 +148,44 @@ def _has(arm: Arm, name: str, k: int) -> bool:
 def _diagnosed(body: Mapping, arm: Arm, widths: dict[str, tuple[float, ...]]) -> None:
     """Take the widths of what a diagnosis found from its 95 % intervals, relative to what it found."""
     path = Path(str(body.file)).parent / body.text("diagnosis")
-    try:
-        content: Any = json.loads(path.read_text(encoding="utf-8"))
-        findings: list[Any] = content["missing"]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise body.error("diagnosis", f"{path} is no diagnosis.json") from None
     used = False
-    for finding in findings:
-        for parameter in finding.get("parameters", {}).values():
+    for finding in _findings(body, path):
+        parameters = finding.get("parameters")
+        for parameter in _mappings(list(parameters.values()) if isinstance(parameters, dict) else None):
             name = _FROM_DIAGNOSIS.get((str(finding.get("effect")), str(parameter.get("parameter"))))
             at, ends, value = parameter.get("at"), parameter.get("ci95"), parameter.get("value")
             if name is None or not ends or not value:
                 continue
+            if not (_figures(value) and _figures(ends, 2)):
+                raise body.error("diagnosis", f"{path} is no diagnosis.json: {shown(parameter)} holds no figures")
             width = min(0.5 * abs(ends[1] - ends[0]) / abs(value), _MOST)
-            numbers = [at] if isinstance(at, int) else list(at or finding.get("at") or range(1, arm.size + 1))
+            places: Any = at or finding.get("at") or range(1, arm.size + 1)
             own = list(widths[name])
-            for number in numbers:
-                if 1 <= number <= arm.size and _has(arm, name, number - 1):
+            for number in [places] if isinstance(places, int) else places:
+                if isinstance(number, int) and 1 <= number <= arm.size and _has(arm, name, number - 1):
                     own[number - 1], used = width, True
             widths[name] = tuple(own)
     if not used:
         would_do = "give it with the arm.yaml that the diagnosis wrote"
         raise body.error("diagnosis", f"{path.name} holds no interval of a drive here; {would_do}")
+
+
+def _findings(body: Mapping, path: Path) -> list[dict[str, Any]]:
+    """What a diagnosis.json found missing. Raises `InputError`."""
+    content: Any = None
+    with suppress(InputError):
+        content = load_json(path)
+    if not isinstance(content, dict) or not isinstance(content.get("missing"), list):
+        raise body.error("diagnosis", f"{path} is no diagnosis.json")
+    return _mappings(content["missing"])
+
+
+def _mappings(values: Any) -> list[dict[str, Any]]:
+    return [each for each in cast(list[Any], values or []) if isinstance(each, dict)]
+
+
+def _figures(value: Any, size: int = 0) -> bool:
+    """Whether JSON holds a finite number that can be computed with, or `size` of them."""
+    if size:
+        return isinstance(value, list) and len(value) == size and all(_figures(each) for each in value)
+    return isinstance(value, int | float) and abs(value) < _LARGEST_FIGURE

@@ -19,7 +19,7 @@ MAY_USE = {
     "units": set(),
     "registries": {"units"},
     "executors": {"units"},
-    "sections": {"registries"},
+    "sections": {"units", "registries"},
     "materials": {"units"},
     "catalogues": {"units", "sections", "materials"},
     "arm": {"units", "registries", "sections", "materials"},

@@ -1,14 +1,65 @@
-"""Text files that are written whole or not at all, and locks for those that several programs change at once."""
+"""Files read within bounds, written whole or not at all, and locks for those that several programs change at once."""
 
 from __future__ import annotations
 
 import os
+import re
+import select
+import stat
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
 from units.quantities import InputError
+
+LARGEST_FILE = 64 * 1024 * 1024
+"""Bytes of text that are read; people's files have thousands."""
+_PIECE = 1024 * 1024
+_PATIENCE = 5.0
+"""Seconds after which a pipe that nobody writes to is given up."""
+
+
+def read_bytes(path: Path | str, most: int = LARGEST_FILE) -> bytes:
+    """The content of a file of at most `most` bytes; a pipe is read to its end, the null device is empty.
+
+    Every file that people name is opened here. Raises `InputError`, one line, where there is none, where it is a
+    folder, a device or a socket, where nothing comes through a pipe, where it is larger (however large it says that it
+    is), and where it may not or cannot be read.
+    """
+    try:
+        opened = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except FileNotFoundError:
+        raise InputError(path, "", "there is no such file") from None
+    except PermissionError:
+        message = "is a directory, not a file" if os.path.isdir(path) else "may not be read (permission)"
+        raise InputError(path, "", message) from None
+    except (OSError, ValueError) as error:
+        raise InputError(path, "", f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    try:
+        kind = os.fstat(opened)
+        if stat.S_ISDIR(kind.st_mode):
+            raise InputError(path, "", "is a directory, not a file")
+        null = stat.S_ISCHR(kind.st_mode) and os.path.samestat(kind, os.stat(os.devnull))
+        if not (stat.S_ISREG(kind.st_mode) or stat.S_ISFIFO(kind.st_mode) or null):
+            raise InputError(path, "", "is a device, not a file")
+        pieces: list[bytes] = []
+        left = most + 1
+        while left > 0:
+            if stat.S_ISFIFO(kind.st_mode) and not select.select([opened], [], [], _PATIENCE)[0]:
+                raise InputError(path, "", f"is a pipe through which nothing came for {_PATIENCE:g} s")
+            piece = os.read(opened, min(_PIECE, left))
+            if not piece:
+                break
+            pieces.append(piece)
+            left -= len(piece)
+    except OSError as error:
+        raise InputError(path, "", f"cannot be read: {error.strerror or error}") from None
+    finally:
+        os.close(opened)
+    if left <= 0:
+        raise InputError(path, "", f"is larger than {most // 1024**2} MB")
+    return b"".join(pieces)
 
 
 def write_whole(path: Path | str, text: str, *, flush: bool = False, ending: str = "") -> None:
@@ -19,18 +70,18 @@ def write_whole(path: Path | str, text: str, *, flush: bool = False, ending: str
     `OSError`.
     """
     target = Path(path)
-    neighbour = target.with_name(f".{target.name}.{ending or os.getpid()}")
+    beside = neighbour(target, ending)
     try:
-        with neighbour.open("w", encoding="utf-8", newline="") as stream:
+        with beside.open("w", encoding="utf-8", newline="") as stream:
             stream.write(text)
             if flush:
                 stream.flush()
                 os.fsync(stream.fileno())
         if target.exists():
-            neighbour.chmod(target.stat().st_mode & 0o7777)
-        neighbour.replace(target)
+            beside.chmod(target.stat().st_mode & 0o7777)
+        beside.replace(target)
     except OSError:
-        neighbour.unlink(missing_ok=True)
+        beside.unlink(missing_ok=True)
         raise
     if flush and sys.platform != "win32":
         folder = os.open(target.parent, os.O_RDONLY)
@@ -38,6 +89,17 @@ def write_whole(path: Path | str, text: str, *, flush: bool = False, ending: str
             os.fsync(folder)
         finally:
             os.close(folder)
+
+
+def neighbour(target: Path, ending: str = "") -> Path:
+    """The file that the next content of `target` is written to first (see `write_whole`)."""
+    return target.with_name(f".{target.name}.{ending or os.getpid()}")
+
+
+def left_over_of(name: str) -> str | None:
+    """The file that a kill left the neighbour of behind, None for a name that is no neighbour's."""
+    found = re.fullmatch(r"\.(.+)\.[0-9]+", name)
+    return None if found is None else found[1]
 
 
 @contextmanager

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 Relation = Literal["<=", "==", ">="]
 
 _LONGEST = 100
+_LEAST = 1e-30
+"""Less than this, in SI, is nothing of an arm, and its powers are nought."""
 _NUMBER = r"[+-]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?"
 _FACTOR = r"[A-Za-zµμ%_]+(?:(?:\^|\*\*)-?[1-9])?"
 _PRODUCT = rf"{_FACTOR}(?:[*/]{_FACTOR})*"
@@ -213,7 +215,11 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
         if _CURRENCY.search(found[2]) or re.fullmatch(r"[A-Za-zµμ°%_*/^() 1-9-]+", found[2]):
             raise InputError(file, key, _unknown_unit(found[2].strip(), due))
         raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
-    return _finite(_to_si(found[1], unit, due, value, file, key), file, key)
+    si_value = _finite(_to_si(found[1], unit, due, value, file, key), file, key)
+    if abs(si_value) > due.most or 0.0 < abs(si_value) < _LEAST:
+        than = f"less than {_LEAST:g} {due.si}; write 0" if abs(si_value) < _LEAST else f"beyond {due.most:g} {due.si}"
+        raise InputError(file, key, f"{shown(value)} is no {due.name.replace('_', ' ')} of an arm ({than})")
+    return si_value
 
 
 def _si_number(value: float, due: Kind, file: object, key: str) -> float:

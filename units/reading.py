@@ -7,6 +7,7 @@ dictionary and, at its `close()`, refuses what nobody knows, with the nearest kn
 from __future__ import annotations
 
 import difflib
+import json
 import re
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,10 +17,13 @@ from typing import Any, cast
 
 import yaml
 
+from units.files import LARGEST_FILE, read_bytes
 from units.quantities import Bound, InputError, kind_of, read_bound, read_number, read_quantity, read_range, shown
 
-_LARGEST_FILE = 64 * 1024 * 1024
+_LARGEST_YAML = 8 * 1024 * 1024
 _DEEPEST = 60
+_MOST_DIGITS = 100
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 
 
 class _Loader(yaml.SafeLoader):
@@ -41,6 +45,12 @@ class _Loader(yaml.SafeLoader):
         node = super().compose_node(parent, index)
         self.depth -= 1
         return node
+
+    def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> Any:
+        """The text of a scalar; an integer too long for Python is refused with its line."""
+        if node.tag.endswith(":int") and isinstance(node.value, str) and len(node.value) > _MOST_DIGITS:
+            raise _refusal(f"a number has {len(node.value)} digits", node.start_mark)
+        return super().construct_scalar(node)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Construct a mapping with distinct text keys."""
@@ -105,24 +115,21 @@ def _refusal(problem: str, mark: yaml.Mark) -> yaml.MarkedYAMLError:
     return yaml.MarkedYAMLError(problem=problem, problem_mark=mark)
 
 
-def read_text(path: Path | str) -> str:
-    """Return the text of a UTF-8 file; raises `InputError` where it is missing, no file, too large or not
-    UTF-8."""
-    place = Path(path)
+def read_text(path: Path | str, most: int = LARGEST_FILE) -> str:
+    """Return the text of a UTF-8 file of at most `most` bytes; raises `InputError` where it is missing, no file
+    (see `units.files.read_bytes`), too large or not UTF-8."""
     try:
-        if place.is_file() and place.stat().st_size > _LARGEST_FILE:
-            raise InputError(path, "", f"is larger than {_LARGEST_FILE // 1024**2} MB")
-        return place.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(path, "", "there is no such file") from None
-    except IsADirectoryError:
-        raise InputError(path, "", "is a directory, not a file") from None
-    except PermissionError:
-        raise InputError(path, "", "may not be read (permission)") from None
+        return read_bytes(path, most).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(path, "", f"is not UTF-8 text (byte {error.start})") from None
-    except (OSError, ValueError) as error:
-        raise InputError(path, "", f"cannot be read: {error}") from None
+
+
+def load_json(path: Path | str) -> object:
+    """Return what a JSON file holds; raises `InputError` for anything else."""
+    try:
+        return json.loads(read_text(path))
+    except (ValueError, RecursionError):
+        raise InputError(path, "", "is not JSON") from None
 
 
 def parse_yaml(text: str, *, file: object) -> object:
@@ -143,7 +150,7 @@ def load_yaml(path: Path | str) -> Mapping:
     Refused: a missing, unreadable, empty or non-UTF-8 file, a directory, a syntax error (with its line), a
     key that occurs twice, aliases and merge keys, and a file whose top level is not a mapping.
     """
-    content = parse_yaml(read_text(path), file=path)
+    content = parse_yaml(read_text(path, _LARGEST_YAML), file=path)
     if content is None:
         raise InputError(path, "", "is empty")
     return Mapping(content, file=path)
@@ -242,12 +249,15 @@ class Mapping:
         return int(value)
 
     def text(self, name: str, default: str | None = None) -> str:
-        """Return a text that is not empty; a number or a date in its place is refused (quote it)."""
+        """Return a text that is not empty; a number or a date in its place is refused (quote it), and so is what a
+        terminal would obey (escape sequences)."""
         if default is not None and not self.has(name):
             return default
         value = self.raw(name, "a text")
         if not isinstance(value, str) or not value.strip():
             raise self.error(name, f"needs a text, not {shown(value)}")
+        if found := _CONTROL.search(value):
+            raise self.error(name, f"holds the control character {shown(found[0])}; take it out")
         return value
 
     def boolean(self, name: str, default: bool | None = None) -> bool:

@@ -92,6 +92,7 @@ class Kind:
 
     `si` is the unit of the float used inside; `choices` lists units for writing, each with the smallest
     magnitude (in SI) from which it reads well, in ascending order; `zero` is the unit that a plain zero gets.
+    Nothing of an arm measures more than `most` (SI), so that what is made of quantities stays finite.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Kind:
     choices: tuple[tuple[float, str], ...]
     zero: str
     example: str
+    most: float = 1e24
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -108,7 +110,8 @@ class Kind:
 
 def _kind(name: str, si: str, example: str, *choices: tuple[float, str]) -> Kind:
     zero = example.split(" ", 1)[1] if " " in example else ""
-    return Kind(name, si, choices or ((0.0, si),), zero, example)
+    most = 1e12 if si in ("m", "rad", "kg", "m/s^2", "K") else 1e24
+    return Kind(name, si, choices or ((0.0, si),), zero, example, most)
 
 
 @cache

@@ -78,7 +78,11 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int) -> De
     settled = swinging = np.zeros(rows, dtype=bool)
     for _ in range(MOST_PASSES):
         earlier, last = last, shape
-        shape, now = chain.bent(shape, now, effects)
+        try:
+            shape, now = chain.bent(shape, now, effects)
+        except np.linalg.LinAlgError:  # it is bent beyond all numbers
+            settled = swinging = np.zeros(rows, dtype=bool)
+            break
         settled = np.linalg.norm(shape.tip - last.tip, axis=1) <= SETTLED
         swinging = ~settled & (np.linalg.norm(shape.tip - earlier.tip, axis=1) <= SETTLED)
         if (settled | swinging).all():

@@ -29,6 +29,8 @@ _CLIMBS = 20
 _LAST_CLIMBS = 200
 """The best of the climbs goes on: where the set is nearly a ball around zero, they are slow."""
 _CHUNK = 8192
+_DRAWN = 1_000_000
+"""Poses times draws at once: 24 MB."""
 _NO_LOAD = 1e-12
 """A load below this share of what the arm carries is rounding, and seats nothing."""
 
@@ -246,8 +248,9 @@ def _statistical(arrays: PoseArrays, radii: Array, statistics: Statistics) -> Pl
     first, second = _seen(first, arrays.projection), _seen(second, arrays.projection)
     generators = np.concatenate([arrays.intervals, reach * first, reach * second], axis=1)
     weights = np.concatenate([positions, places[:, :, 0], places[:, :, 1]], axis=1)
-    for start in range(0, count, 256):
-        part = slice(start, start + 256)
+    step = max(1, min(256, _DRAWN // statistics.draws))
+    for start in range(0, count, step):
+        part = slice(start, start + step)
         points = arrays.vector[part, None, :] + np.einsum("sg,ngi->nsi", weights, generators[part])
         squares = np.einsum("nsi,nsi->ns", points, points)
         chosen[part] = np.argpartition(squares, rank, axis=1)[:, rank]

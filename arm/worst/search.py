@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from arm.errors.lost_motion import PlayedError, played
 from arm.errors.model import BEAM_FIELDS, ErrorModel
 from sections.numeric import Array
+from units.quantities import NoAnswer
 
 from .certificate import Certified, climb, maximise
 from .loose_bound import QUICK, THOROUGH, loose_bound
@@ -27,6 +28,9 @@ from .workspace import RegionCells, Workspace, climbing_bounds, joint_box, regio
 DEFAULT_GAP = 1e-4
 """Relative gap of the certificate."""
 _DISTINCT = 0.05
+_LOOKED_AT = 64
+_FARTHEST = 1e6
+"""An error of so many reaches says that a figure is wrong, not that an arm is bad."""
 _SAME_TURN = 1e-9
 """Errors that differ by less than this share are the same a turn further."""
 _MOST_CELLS = 2_000_000
@@ -116,10 +120,19 @@ class WorstSearch:
         starts = self.poses(p, 64 * 2**self.arm.size if polynomials is not None else self.scan)
         if extra is not None and len(extra) and self.workspace.kind == "joints":
             starts = np.vstack([starts, np.clip(extra, self.lower, self.upper)])
+        self._refuse_what_is_not_finite(p, starts[:_LOOKED_AT])
         if polynomials is None:
             found = self._scanned(p, starts)
             return self._bounded(p, found) if certify and found.error <= certify_up_to else found
         return self._climbed_and_certified(p, polynomials, starts, certify_up_to if certify else -math.inf)
+
+    def _refuse_what_is_not_finite(self, p: Array, q: Array) -> None:
+        """Raise `NoAnswer` for a design that gives by no number at all, or by a million times its own length."""
+        longest = _FARTHEST * max(sum(self.arm.lengths), 1e-3)
+        for case in self.model.cases:
+            if not float(np.abs(case.arrays(q, p).vector).max(initial=0.0)) <= longest:
+                message = f"the tip of {self.arm.name!r} would be further off than {_FARTHEST:.0e} times its reach"
+                raise NoAnswer(f"{message}; look at the sections, the stiffnesses and the loads")
 
     def poses(self, p: Array, count: int, seed: int = 1) -> Array:
         """About `count` poses (N, n) spread over the workspace of a design p."""

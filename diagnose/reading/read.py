@@ -32,6 +32,8 @@ _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "b
 _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _LEVEL = 1e-9
+_LARGEST = 1e12
+"""In SI; seconds since 1970 count to 2e9."""
 
 
 def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, rules: Rules = RULES) -> Recording:
@@ -126,7 +128,7 @@ def _columns(
         if meaning is None:
             if header in used:
                 continue  # what a column of ours is made of tells nothing further
-            strangers[header] = table.numbers(header)
+            strangers[header] = _measurable(table.numbers(header))
             if not held.columns:
                 hint = nearest(header, _known_headers(arm))
                 meant = hint if hint.startswith("; did") else ""
@@ -152,10 +154,15 @@ def _known_headers(arm: Arm) -> list[str]:
 
 def _plain(table: Table, header: str, meaning: ColumnMeaning) -> ReadColumn:
     def fault(index: int) -> str:
-        return table.fault(header, index) or f"{header} is not finite"
+        return table.fault(header, index) or f"{header} is {table.text(header, index)}, beyond anything measured"
 
     numbers = table.sides(header) if meaning.base == "dir" else table.numbers(header)
-    return ReadColumn(meaning, header, numbers * meaning.factor + meaning.offset, fault)
+    return ReadColumn(meaning, header, _measurable(numbers * meaning.factor + meaning.offset), fault)
+
+
+def _measurable(values: Array) -> Array:
+    """The values (SI), nan for what nobody measures: powers of it would not be finite."""
+    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
 
 
 def _by_formula(
@@ -170,11 +177,11 @@ def _by_formula(
         for name in formula.columns:
             if said := table.fault(name, index):
                 return said
-        return f"{header} = {formula.text} is not finite"
+        return f"{header} = {formula.text} is not finite, or beyond anything measured"
 
     numbers = table.sides if meaning.base == "dir" else table.numbers
     values = formula.value(numbers, len(table.row)) * meaning.factor + meaning.offset
-    return ReadColumn(meaning, header, values, fault)
+    return ReadColumn(meaning, header, _measurable(values), fault)
 
 
 def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-import codecs
+import datetime
+import os
+import re
 from collections.abc import Mapping as MappingOf
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -47,11 +49,13 @@ class ReadingSettings:
 
 def find_settings(recording: Path) -> Path | None:
     """The settings beside a recording: a file of its own name, or recording.yaml in its folder."""
+    if not recording.name:
+        return None  # a folder, which is said where it is read
     own = recording.with_suffix(".yaml")
-    if own != recording and own.is_file() and not _of_another(own):
+    if own != recording and os.path.isfile(own) and not _of_another(own):
         return own
     common = recording.parent / "recording.yaml"
-    return common if common.is_file() else None
+    return common if os.path.isfile(common) else None
 
 
 def read_settings(path: Path | None) -> ReadingSettings:
@@ -76,7 +80,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             columns=MappingProxyType(columns),
             ignore=_texts(mapping, "ignore"),
             rows=_texts(mapping, "rows"),
-            time_format=mapping.text("time_format") if mapping.has("time_format") else None,
+            time_format=_time_format(mapping),
             sigma=sigma,
             frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
             tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
@@ -115,6 +119,21 @@ def _texts(mapping: Mapping, name: str) -> tuple[str, ...]:
     return tuple(" ".join(str(entry).split()) for entry in entries)
 
 
+def _time_format(mapping: Mapping) -> str | None:
+    if not mapping.has("time_format"):
+        return None
+    form = mapping.text("time_format")
+    try:
+        datetime.datetime.strptime("", form)
+    except re.error:
+        raise mapping.error("time_format", f"{shown(form)} names a part of the time twice") from None
+    except ValueError as error:
+        if "directive" in str(error) or "stray" in str(error):
+            message = f"{shown(form)} is no format of times; e.g. iso, unix or '%d.%m.%Y %H:%M:%S'"
+            raise mapping.error("time_format", message) from None
+    return form
+
+
 def _layout(mapping: Mapping) -> Layout:
     separator = None
     if mapping.has("separator"):
@@ -131,8 +150,8 @@ def _layout(mapping: Mapping) -> Layout:
     comment = mapping.text("comment") if mapping.has("comment") else None
     encoding = mapping.text("encoding", "utf-8")
     try:
-        codecs.lookup(encoding)
-    except LookupError:
+        "x".encode(encoding)  # codecs that are none of text (hex, zlib) are unknown here
+    except (LookupError, ValueError):
         raise InputError(mapping.file, "encoding", f"there is no encoding {shown(encoding)}; e.g. latin-1") from None
     names = _texts(mapping, "names")
     for name in names:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from diagnose.recording import RejectedRow
 from sections.numeric import Array
+from units.files import read_bytes
 from units.quantities import InputError, shown
-from units.reading import read_text
 
 from .columns import looks_like_ours
 
@@ -148,30 +148,29 @@ def read_table(path: Path, layout: Layout) -> Table:
 
 
 def _text(path: Path, encoding: str) -> str:
+    content = read_bytes(path)
     if encoding.lower().replace("_", "-") in _USUAL:
+        _refuse_binary(path, content)
         try:
-            return read_text(path)
-        except InputError as error:
-            if "not UTF-8" not in error.message:
-                raise
-            raise InputError(path, "", f"{error.message}; write `encoding: latin-1`, say, in recording.yaml") from None
+            return content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            would_do = "write `encoding: latin-1`, say, in recording.yaml"
+            raise InputError(path, "", f"is not UTF-8 text (byte {error.start}); {would_do}") from None
     try:
-        return path.read_bytes().decode(encoding)
+        return content.decode(encoding)
     except LookupError:
         raise InputError(path, "encoding", f"there is no encoding {shown(encoding)}") from None
     except UnicodeDecodeError as error:
         raise InputError(path, "encoding", f"is not {encoding} text (byte {error.start})") from None
-    except OSError as error:
-        raise InputError(path, "", f"cannot be read: {error.strerror or error}") from None
+    except UnicodeError:
+        raise InputError(path, "encoding", f"is not {encoding} text") from None
 
 
 def _csv(path: Path, layout: Layout) -> Table:
-    if layout.encoding.lower().replace("_", "-") in _USUAL:
-        _refuse_binary(path)
     text = _text(path, layout.encoding)
     if "\0" in text:
         raise InputError(path, "", "is no plain text: it holds NUL bytes; is it UTF-16 (`encoding: utf-16`)?")
-    kept, first, named = _lines(text, layout)
+    kept, first, named = _lines(path, text, layout)
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
     separator = layout.separator or named or _separator(first)
@@ -215,22 +214,18 @@ def _csv(path: Path, layout: Layout) -> Table:
     )
 
 
-def _refuse_binary(path: Path) -> None:
-    try:
-        with path.open("rb") as stream:
-            begins = stream.read(8)
-    except OSError:
-        return  # said where it is read
+def _refuse_binary(path: Path, content: bytes) -> None:
     for mark, kind in _BINARY.items():
-        if begins.startswith(mark):
+        if content.startswith(mark):
             raise InputError(path, "", f"is {kind}; a recording is a table of text (save a sheet as CSV) or parquet")
 
 
-def _lines(text: str, layout: Layout) -> tuple[io.StringIO, str, str | None]:
+def _lines(path: Path, text: str, layout: Layout) -> tuple[io.StringIO, str, str | None]:
     """The lines that count, the first of them, and the separator where Excel names it (`sep=;`)."""
     lines = io.StringIO(text, newline="")
-    for _ in range(layout.skip_rows):
-        lines.readline()
+    for done in range(layout.skip_rows):
+        if not lines.readline():
+            raise InputError(path, "skip_rows", f"is {shown(layout.skip_rows)}, but the file has {done} lines")
     kept, separator, first = io.StringIO(newline=""), None, ""
     for line in lines:
         if not line.strip() or (layout.comment and line.lstrip().startswith(layout.comment)):
@@ -274,14 +269,11 @@ def _header(path: Path, cells: Sequence[str], decimal: str) -> tuple[list[str], 
 
 
 def _parquet(path: Path) -> Table:
-    if not path.is_file():
-        raise InputError(path, "", "is a directory, not a file" if path.is_dir() else "there is no such file")
-    if path.stat().st_size > _LARGEST_PARQUET:
-        raise InputError(path, "", f"is larger than {_LARGEST_PARQUET // 1024**2} MB")
+    content = read_bytes(path, _LARGEST_PARQUET)
     import pandas as pd
 
     try:
-        frame = pd.read_parquet(path)
+        frame = pd.read_parquet(io.BytesIO(content))
     except ImportError:
         message = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]', or give a CSV file"
         raise InputError(path, "", message) from None

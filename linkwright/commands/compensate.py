@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +11,7 @@ import typer
 import linkwright as lw
 from linkwright.output.files import check_target, write_markdown, write_result
 from units.quantities import InputError
+from units.reading import read_text
 
 from .options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of
 
@@ -73,11 +75,10 @@ def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
     import numpy as np
     import pandas as pd
 
+    text = read_text(path)
     try:
-        content = pd.read_csv(path, skipinitialspace=True)
-    except OSError as error:
-        raise InputError(path, "", f"cannot be read: {error.strerror or error}") from None
-    except (ValueError, UnicodeDecodeError) as error:
+        content = pd.read_csv(io.StringIO(text), skipinitialspace=True)
+    except ValueError as error:
         raise InputError(path, "", f"is no table: {' '.join(str(error).split())}") from None
     if content.empty:
         raise InputError(path, "", "holds no poses")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -61,8 +62,8 @@ def simulate(
     from linkwright.face.recording import with_effects
     from linkwright.screen.console import console, waiting
 
-    settings = out.with_suffix(".yaml")
     check_target(out, arm, catalogue)
+    settings = out.with_suffix(".yaml")
     check_target(json, arm, catalogue, out)
     check_target(settings, arm, catalogue, json)
     _refuse_others_settings(settings, out)
@@ -128,6 +129,6 @@ def _refuse_others_settings(settings: Path, out: Path) -> None:
     """Refuse to write over a YAML file beside the recording that is not just a simulated recording's settings."""
     if settings == out:
         raise InputError(out, "", "ends in .yaml; name a CSV file")
-    if settings.is_file() and not set(load_yaml(settings).content) <= {"sigma", "frame", "tool"}:
+    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= {"sigma", "frame", "tool"}:
         message = "is there already and holds more than a simulation's settings; name another recording"
         raise InputError(settings, "", message)

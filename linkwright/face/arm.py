@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -263,7 +264,7 @@ def read_arm(path: File, *, catalogue: File | None = None) -> Arm:
 
 def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None:
     """What an arm file in the folder of a diagnosis was learned from."""
-    if not path.with_name("diagnosis.json").exists():
+    if not os.path.exists(path.with_name("diagnosis.json")):
         return None
     from linkwright.output.diagnosis_folder import learned_from
 

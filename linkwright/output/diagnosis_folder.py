@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from arm.chain.chain import Arm
 from arm.files.write import arm_to_yaml
 from diagnose.result import Diagnosis
 from linkwright.json.fields import joint_columns
+from units.quantities import InputError
+from units.reading import read_text
 
 from .files import DESIGN, REPORT, claim_own, made_by, write_file
 
@@ -89,14 +92,16 @@ def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None
     if file.name != DESIGN or made_by(file.with_name(DIAGNOSIS)) != "diagnose":
         return None
     try:
-        poses = pd.read_csv(file.with_name(RESIDUALS))
-    except (OSError, ValueError):
+        poses = pd.read_csv(io.StringIO(read_text(file.with_name(RESIDUALS))))
+    except (InputError, ValueError):
         return None
     found: list[tuple[float, float]] = []
     for name, joint in zip(joint_columns(arm, np.zeros((1, arm.size))), arm.joints, strict=True):
         if name not in poses.columns:
             return None
-        values = np.asarray(poses[name], dtype=float)
+        values = np.asarray(pd.to_numeric(poses[name], errors="coerce"), dtype=float)
+        if not np.isfinite(values).all() or not len(values):
+            return None
         values = np.radians(values) if joint.revolute else 1e-3 * values
         found.append((float(values.min()), float(values.max())))
     return tuple(found)

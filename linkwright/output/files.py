@@ -9,8 +9,9 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from units.files import write_whole
+from units.files import left_over_of, neighbour, write_whole
 from units.quantities import InputError
+from units.reading import load_json
 
 if TYPE_CHECKING:
     from linkwright.results.document import Description
@@ -42,34 +43,49 @@ def check_target(path: Path | None, *inputs: Path | None) -> None:
     """
     if path is None:
         return
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(path, "", "is a folder; name a file to write")
     if any(given is not None and _same(path, given) for given in inputs):
         raise InputError(path, "", "is the input; name another file to write")
-    if path.exists():
+    try:
+        path.stat()
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:
+        raise InputError(path, "", f"cannot be written: {getattr(error, 'strerror', None) or error}") from None
+    else:
         if not os.access(path, os.W_OK):
             raise InputError(path, "", "cannot be written: permission denied")
         return
-    parent = path.absolute().parent
-    if not parent.is_dir():
+    target = Path(os.path.realpath(path))
+    if not target.parent.is_dir():
         raise InputError(path, "", f"cannot be written: there is no folder {path.parent}")
-    if not os.access(parent, os.W_OK | os.X_OK):
+    if not os.access(target.parent, os.W_OK | os.X_OK):
         raise InputError(path, "", "cannot be written: permission denied")
+    try:
+        os.stat(neighbour(target))
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
 
 
 def _same(one: Path, other: Path) -> bool:
-    return one.exists() and other.exists() and one.samefile(other)
+    return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
 
 
 def write_file(path: Path, text: str) -> None:
-    """Write a text file whole or not at all; a device or a pipe is written to as it is. Raises `InputError`."""
+    """Write a text file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is.
+
+    Raises `InputError`.
+    """
     try:
-        if path.exists() and not path.is_file():
+        if os.path.exists(path) and not os.path.isfile(path):
             path.write_text(text, encoding="utf-8")
         else:
-            write_whole(path.resolve(), text)
-    except OSError as error:
-        raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
+            write_whole(os.path.realpath(path), text, flush=True)
+    except (OSError, ValueError) as error:
+        raise InputError(path, "", f"cannot be written: {getattr(error, 'strerror', None) or error}") from None
 
 
 def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
@@ -100,7 +116,7 @@ def made_folder(folder: Path) -> set[str]:
 
 def refuse_strangers(folder: Path, there: set[str], own: Collection[str]) -> None:
     """Refuse a folder that holds anything but a command's own files, so that nobody's are written over."""
-    strangers = sorted(there - set(own))
+    strangers = sorted(name for name in there - set(own) if left_over_of(name) not in own)
     if strangers:
         raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
 
@@ -118,15 +134,15 @@ def claim_own(folder: Path, command: str, own: Collection[str], result: str = RE
     """The same for a command with files of its own names. Raises `InputError`."""
     names = made_folder(folder)
     refuse_strangers(folder, names, own)
-    if names and made_by(folder / result) != command:
+    if any(left_over_of(name) is None for name in names) and made_by(folder / result) != command:
         raise InputError(folder, "", f"holds files that are not of `linkwright {command}`; name a new or empty folder")
 
 
 def made_by(path: Path) -> str | None:
     """The command that wrote a result file, None for anything else."""
     try:
-        content: object = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        content = load_json(path)
+    except InputError:
         return None
     if not isinstance(content, dict):
         return None

@@ -1,9 +1,13 @@
-"""Standard output when whoever reads it closes it."""
+"""Standard output and error when whoever reads them closes them, and what may be written to a terminal."""
 
 from __future__ import annotations
 
 import os
+import re
 import sys
+from contextlib import suppress
+
+_OBEYED = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
 
 
 class OutputClosed(Exception):
@@ -12,6 +16,40 @@ class OutputClosed(Exception):
 
 def drop_output() -> None:
     """Send what is still to be written to standard output nowhere."""
+    _drop(sys.stdout.fileno())
+
+
+def drop_errors() -> None:
+    """Send what is still to be written to standard error nowhere."""
+    with suppress(OSError, ValueError):
+        _drop(sys.stderr.fileno())
+
+
+def _drop(stream: int) -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
+    os.dup2(nowhere, stream)
     os.close(nowhere)
+
+
+def open_closed_streams() -> None:
+    """Take the places of standard streams that the process was begun without (`>&-`), before a file gets them.
+
+    Writing to standard output then fails as a device does that cannot be written; what standard error is told goes
+    nowhere.
+    """
+    for stream, mode in ((0, os.O_RDONLY), (1, os.O_RDONLY), (2, os.O_WRONLY)):
+        try:
+            os.fstat(stream)
+        except OSError:
+            os.open(os.devnull, mode)  # gets the least free number, which is this one's
+    if sys.stdin is None:
+        sys.stdin = open(0, closefd=False)  # noqa: SIM115 - for as long as the process lives
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
+
+
+def printable(text: str) -> str:
+    """The text with what a terminal would obey (escape sequences, turns of direction) written by its number."""
+    return _OBEYED.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from linkwright.output.stream import OutputClosed, drop_output
+from linkwright.output.stream import OutputClosed, drop_output, printable
 
 PLAIN_WIDTH = 100
 """Columns where the output is not a terminal."""
@@ -22,6 +23,10 @@ class _Console(Console):
         """Send the rest nowhere, and let the command end quietly."""
         drop_output()
         raise OutputClosed
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Names from files and file names are shown, not obeyed."""
+        return super().render_str(printable(text), **options)
 
 
 def console(*, errors: bool = False) -> Console:

@@ -7,6 +7,8 @@ import time
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from linkwright.output.stream import printable
+
 from .console import console
 
 _PATIENCE = 1.0
@@ -26,7 +28,7 @@ class Steps:
 
     def __call__(self, text: str, share: float) -> None:
         """`text` says what is being done now."""
-        now = time.monotonic()
+        now, text = time.monotonic(), printable(text)
         if now - self._began < _PATIENCE:
             return
         if not self._screen.is_terminal:

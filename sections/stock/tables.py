@@ -36,18 +36,23 @@ from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
-import yaml
 from platformdirs import user_config_dir
 
 from sections.build import build
 from sections.section import Section, SectionError
 from sections.shapes import SHAPES
+from units.quantities import InputError, shown
+from units.reading import parse_yaml
+from units.reading import read_text as file_text
 
 FORMAT_VERSION = 1
 """The version of the table format that this code reads."""
 
 STOCK_VARIABLE = "LINKWRIGHT_SECTIONS"
 """The environment variable that names the user's own tables in place of the default file."""
+
+_LARGEST = 1e9
+"""No figure of a table is larger."""
 
 PRINTED = MappingProxyType(
     {
@@ -164,7 +169,7 @@ def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
     layers = [shipped_sizes()]
     if user:
         own = user_stock_path()
-        if own.exists() or os.environ.get(STOCK_VARIABLE, "").strip():
+        if os.path.exists(own) or os.environ.get(STOCK_VARIABLE, "").strip():
             layers.append(read_file(own))
     layers.extend(read_file(path) for path in paths)
     if len(layers) == 1:
@@ -205,24 +210,23 @@ def shipped_sizes() -> tuple[StockSize, ...]:
 def read_file(path: Path | str) -> tuple[StockSize, ...]:
     """The checked sizes of a file; raises SectionError, one line that names the file."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
-        raise SectionError("section", f"{path}: {reason}") from None
+        text = file_text(path)
+    except InputError as error:
+        raise SectionError("section", str(error)) from None
     return read_text(text, str(path))
 
 
 def read_text(text: str, file: str) -> tuple[StockSize, ...]:
     """The checked sizes that a file's text holds; raises SectionError, one line that names the file."""
     try:
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise SectionError("section", f"{file}: is not YAML: {' '.join(str(error).split())}") from None
+        content: Any = parse_yaml(text, file=file)
+    except InputError as error:
+        raise SectionError("section", f"{file}: is not YAML: {error.message}") from None
     if not isinstance(content, dict) or not isinstance(content.get("tables"), list):
         raise _wrong(file, "needs format_version and tables, a list")
     version = content.get("format_version")
     if isinstance(version, bool) or version != FORMAT_VERSION:
-        raise _wrong(file, f"format_version {version!r} is not known here; this program reads {FORMAT_VERSION}")
+        raise _wrong(file, f"format_version {shown(version)} is not known here; this program reads {FORMAT_VERSION}")
     sizes: list[StockSize] = []
     for number, table in enumerate(cast(list[Any], content["tables"]), start=1):
         sizes.extend(_read_table(table, f"{file}: tables[{number}]"))
@@ -248,15 +252,16 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
     kind = SHAPES.get(shape)
     if kind is None:
         near = difflib.get_close_matches(shape, SHAPES, n=1)
-        raise _wrong(where, f"there is no shape {shape!r}" + (f"; did you mean {near[0]}?" if near else ""))
+        raise _wrong(where, f"there is no shape {shown(shape)}" + (f"; did you mean {near[0]}?" if near else ""))
     known = {"name", *PRINTED, *(f"{each.name}_mm" for each in kind.dimensions if each.kind != "points")}
-    if not isinstance(columns, list) or "name" not in columns or len(set(map(str, columns))) != len(columns):
+    listed = isinstance(columns, list) and all(isinstance(column, str) for column in columns)
+    if not listed or "name" not in columns or len(set(columns)) != len(columns):
         raise _wrong(where, "columns is a list without repeats, one of which is name")
     for column in columns:
         if column not in known:
             near = difflib.get_close_matches(str(column), known, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
-            raise _wrong(where, f"a {shape} has no column {column!r}{hint}")
+            raise _wrong(where, f"a {shape} has no column {shown(column)}{hint}")
     if not isinstance(rows, list) or not rows:
         raise _wrong(where, "rows is a list of at least one row")
     sizes = [_read_row(row, columns, family, shape, source, where) for row in rows]
@@ -266,15 +271,15 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
 
 def _read_row(row: Any, columns: list[str], family: str, shape: str, source: str, where: str) -> StockSize:
     if not isinstance(row, list) or len(row) != len(columns):
-        raise _wrong(where, f"a row has {len(columns)} entries, unlike {row!r}")
+        raise _wrong(where, f"a row has {len(columns)} entries, unlike {shown(row)}")
     entries = dict(zip(columns, row, strict=True))
     name = entries.pop("name")
     if not isinstance(name, str) or not name.strip():
-        raise _wrong(where, f"{name!r} cannot be a size's name")
+        raise _wrong(where, f"{shown(name)} cannot be a size's name")
     for column, value in entries.items():
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not number or not math.isfinite(value) or value <= 0.0:
-            raise _wrong(where, f"{name}: {column} must be a positive number, not {value!r}")
+        if not number or not 0.0 < value <= _LARGEST:
+            raise _wrong(where, f"{name}: {column} must be a positive number, not {shown(value)}")
     dimensions = {
         column.removesuffix("_mm"): float(f"{value * 1e-3:.12g}")
         for column, value in entries.items()

@@ -184,7 +184,7 @@ class OwnCatalogue:
             found = [(str(path), self.count(path)) for path in given]
             if not given:
                 own = self.own()
-                found = [*self.shipped(), *([(str(own), self.count(own))] if own.exists() else [])]
+                found = [*self.shipped(), *([(str(own), self.count(own))] if os.path.exists(own) else [])]
             for file, count in found:
                 typer.echo(f"{file}: {count} {editor.what}{'' if count == 1 else 's'}, all sound")
                 if Path(file).exists():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,7 @@ import linkwright as lw
 from linkwright.commands.options import JsonFile
 from linkwright.output.files import check_target, write_file, write_result
 from units.quantities import InputError
+from units.reading import read_text
 
 HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
@@ -81,9 +83,4 @@ def tables(
 
 
 def _text_of(path: Path) -> str:
-    if not path.is_file():
-        return ""
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise InputError(path, "", "is no text file; name another to write") from None
+    return read_text(path) if os.path.isfile(path) else ""

@@ -6,7 +6,9 @@ from collections.abc import Collection
 from pathlib import Path
 
 from linkwright.output.files import made_folder, refuse_strangers
+from units.files import left_over_of
 from units.quantities import InputError
+from units.reading import read_text
 
 
 def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:
@@ -16,14 +18,13 @@ def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> 
     """
     there = made_folder(folder)
     refuse_strangers(folder, there, names)
-    if there and not _opens_with(folder / signed, signature):
+    if any(left_over_of(name) is None for name in there) and not _opens_with(folder / signed, signature):
         message = f"holds files that are not of this command ({min(there)}); name a new or empty folder"
         raise InputError(folder, "", message)
 
 
 def _opens_with(path: Path, signature: str) -> bool:
     try:
-        with path.open(encoding="utf-8") as file:
-            return signature in file.read(200)
-    except (OSError, UnicodeDecodeError):
+        return signature in read_text(path)[:200]
+    except InputError:
         return False
