@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from linkwright.face.design import optimize
     from linkwright.face.diagnosis import compare, diagnose, redesign
     from linkwright.face.evaluation import evaluate
+    from linkwright.face.exchange.exported import export_arm
     from linkwright.face.exchange.imported import import_arm
     from linkwright.face.inverse import inverse
     from linkwright.face.prediction import predict
@@ -47,6 +48,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.design": ("optimize",),
         "linkwright.face.diagnosis": ("compare", "diagnose", "redesign"),
         "linkwright.face.evaluation": ("evaluate",),
+        "linkwright.face.exchange.exported": ("export_arm",),
         "linkwright.face.exchange.imported": ("import_arm",),
         "linkwright.face.inverse": ("inverse",),
         "linkwright.face.prediction": ("predict",),
@@ -76,6 +78,7 @@ __all__ = [
     "diagnose",
     "effects",
     "evaluate",
+    "export_arm",
     "figures",
     "import_arm",
     "inverse",

@@ -35,6 +35,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "predict": "predict",
         "compensate": "compensate",
         "import": "exchange.import_",
+        "export": "exchange.export",
         "materials": "materials",
         "sections": "sections",
         "effects": "effects",

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from arm.chain.chain import Link
+from arm.descriptions.formats import Exported
 from arm.descriptions.imported import Imported
 from linkwright.version import program_version
 
@@ -36,6 +37,19 @@ def import_json(found: Imported) -> dict[str, Any]:
         "lacking": [
             {"what": each.what, "at": list(each.at), "shows": each.shows, "add": each.add} for each in found.lacking
         ],
+    }
+
+
+def export_json(found: Exported) -> dict[str, Any]:
+    """What `export --json` writes."""
+    return {
+        "made_by": f"linkwright export {program_version()}",
+        "arm": found.arm.name,
+        "to": found.format,
+        "carried": list(found.carried),
+        "not_carried": list(found.lost),
+        "assumed": list(found.assumed),
+        "text": found.text,
     }
 
 

@@ -19,6 +19,7 @@ _DESCRIBED = MappingProxyType(
         "Redesign": "redesign",
         "Prediction": "prediction",
         "Imported": "imported",
+        "Exported": "exported",
     }
 )
 """The module that describes each class of results, loaded when asked for."""

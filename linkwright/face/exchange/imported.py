@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from arm.chain.chain import Arm as Model
 from arm.chain.kinematics import place
 from arm.descriptions.imported import Imported as Found
 from arm.descriptions.imported import import_urdf
@@ -51,14 +52,7 @@ class Import(Result):
 
     def plot(self) -> go.Figure:
         """The joints and the tip with all joints at 0."""
-        frames = place(self.found.arm, [0.0] * self.found.arm.size)
-        points: list[tuple[float, ...]] = [(0.0, 0.0, 0.0)]
-        for joint, link in zip(frames.joints, frames.links, strict=True):
-            for step in (joint.lead, link.vector):
-                points.append(tuple(a + float(b) for a, b in zip(points[-1], step, strict=True)))
-        points.append(tuple(a + float(b) for a, b in zip(points[-1], frames.tool, strict=True)))
-        x, y, z = ([1e3 * value for value in axis] for axis in zip(*points, strict=True))
-        return figure_of({"data": [{"type": "scatter3d", "mode": "lines+markers", "x": x, "y": y, "z": z}]})
+        return skeleton(self.found.arm)
 
     def save(self, folder: File) -> None:
         """Write the arm file, with the names of the description and what is lacking as comments; into a folder as
@@ -88,3 +82,15 @@ def import_arm(file: File, *, tip: str | None = None, base: str | None = None) -
     ['stiffness of the drives', 'backlash']
     """
     return Import(import_urdf(file, base=base, tip=tip))
+
+
+def skeleton(arm: Model) -> go.Figure:
+    """The joints and the tip of an arm with all joints at 0, mm."""
+    frames = place(arm, [0.0] * arm.size)
+    points: list[tuple[float, ...]] = [(0.0, 0.0, 0.0)]
+    for joint, link in zip(frames.joints, frames.links, strict=True):
+        for step in (joint.lead, link.vector):
+            points.append(tuple(a + float(b) for a, b in zip(points[-1], step, strict=True)))
+    points.append(tuple(a + float(b) for a, b in zip(points[-1], frames.tool, strict=True)))
+    x, y, z = ([1e3 * value for value in axis] for axis in zip(*points, strict=True))
+    return figure_of({"data": [{"type": "scatter3d", "mode": "lines+markers", "x": x, "y": y, "z": z}]})

@@ -1,0 +1,89 @@
+"""Masses with their centres and inertias, put together: what other programs ask of a body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.beam import Beam
+from arm.chain.chain import Link
+from arm.chain.vectors import Vector
+from materials.material import MaterialValues
+from sections.numeric import Array
+
+_STEEL = 7850.0
+"""kg/m^3, of the balls that stand for masses of unknown shape."""
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A mass (kg), its centre (m) and its inertia about the centre (3, 3; kg*m^2), in a body's frame."""
+
+    mass: float
+    center: Array
+    inertia: Array
+
+    def moved(self, step: Vector) -> Mass:
+        """The same in a frame whose origin is a `step` (m) further."""
+        return Mass(self.mass, self.center - np.array(step, dtype=float), self.inertia)
+
+
+def ball(mass: float, center: Vector | Array) -> Mass:
+    """A solid ball of steel."""
+    radius = (3.0 * mass / (4.0 * math.pi * _STEEL)) ** (1.0 / 3.0)
+    return Mass(mass, np.array(center, dtype=float), 0.4 * mass * radius**2 * np.eye(3))
+
+
+def together(parts: Iterable[Mass]) -> Mass | None:
+    """Several masses as one (parallel axes); None where there is none."""
+    held = [part for part in parts if part.mass > 0.0]
+    if not held:
+        return None
+    total = sum(part.mass for part in held)
+    center = sum((part.mass * part.center for part in held), np.zeros(3)) / total
+    inertia = np.zeros((3, 3))
+    for part in held:
+        away = part.center - center
+        inertia += part.inertia + part.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    return Mass(total, center, inertia)
+
+
+def rod(link: Link, beam: Beam, axes: Array, material: MaterialValues | None) -> Mass:
+    """A link by itself, in the frame of its joint; `axes` are its directions along, height and width, as columns.
+
+    An elastic link has its section's second moments; a rigid one is taken for a slender rod of its mass that has its
+    centre where the file says.
+    """
+    along = axes[:, 0]
+    length = float(beam.length)
+    if not link.elastic or material is None:
+        if length == 0.0:
+            return ball(float(beam.lumped_mass), float(beam.lumped_at) * along)
+        mass, center = float(beam.lumped_mass), float(beam.lumped_at)
+        spread = mass * length**2 / 12.0
+        solid = ball(mass, center * along).inertia
+        return Mass(mass, center * along, solid + spread * (np.eye(3) - np.outer(along, along)))
+    mass = float(beam.mass)
+    stations = beam.taper.stations
+    balance, second = beam.taper.balance, 1.0 / 3.0
+    if stations:
+        # The mass beyond a cut, added up over all cuts times twice their distance, is the second moment.
+        shares, beyond = (
+            np.array([each.share for each in stations]),
+            np.array([each.weight_beyond for each in stations]),
+        )
+        second = float(2.0 * np.trapezoid(shares * beyond, shares))
+    modulus, density = material.need("elastic_modulus"), material.need("density")
+    about = (
+        density
+        / modulus
+        * length
+        * np.array([float(beam.flexural_rigidity_height or 0.0), float(beam.flexural_rigidity_width or 0.0)])
+    )
+    slender = mass * length**2 * (second - balance**2)
+    # Second moments about the width (which resists bending along the height) and about the height.
+    own = np.diag([about[0] + about[1], slender + about[1], slender + about[0]])
+    return Mass(mass, balance * length * along, axes @ own @ axes.T)

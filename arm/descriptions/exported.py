@@ -1,0 +1,275 @@
+"""An arm as the rigid pieces that other programs put together: frames, masses, drives and, where asked for, springs.
+
+An elastic link becomes two pieces with springs at its middle: there the compliance of a uniform cantilever's end is
+diagonal, EI/L against turning and 12 EI/L^3 across (with shear, stretch and torsion in series), so that forces and
+moments at its end bend it exactly as the beam. Half of its weight acts at 5/6 of its length and half at 1/6, which
+bends it as its spread weight does (deflection w L^4/8EI, slope w L^3/6EI).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from arm.chain.beam import Beam
+from arm.chain.chain import Arm, FloatVector, Joint, Link
+from arm.chain.kinematics import section_directions
+from arm.chain.vectors import IDENTITY, ZERO, about, add, compose, rotate, scale
+from arm.effects import EFFECTS
+from arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from arm.effects.elastic.axial import AXIAL
+from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
+from arm.effects.elastic.link_bending import LINK_BENDING
+from arm.effects.elastic.shear_deformation import SHEAR_DEFORMATION
+from arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
+from arm.effects.elastic.torsion import TORSION
+from arm.effects.geometry.link_length import LINK_LENGTH
+from arm.errors.model import beams_of
+from sections.numeric import Array
+from sections.taper import Tapered
+from units.quantities import InputError
+
+from .bodies import Mass, ball, rod, together
+from .urdf import Frame
+
+OUTER = 5.0 / 6.0
+"""Where, as a share of the length, the outer half of a uniform link's weight bends it as the whole does."""
+_CARRIED = (ENCODER_OFFSET.id, LINK_LENGTH.id, JOINT_COMPLIANCE.id)
+
+
+Motion = Literal["hinge", "slide"]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring that turns about an `axis` or slides along it: its stiffness in N*m/rad or N/m."""
+
+    kind: Motion
+    axis: FloatVector
+    stiffness: float
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A rigid piece: where it stands in the one before at coordinate 0 (the first: in the base), the `drive` (from 0)
+    that moves it against that one, or the springs between them, and its mass."""
+
+    name: str
+    origin: Frame
+    drive: int | None
+    springs: tuple[Spring, ...]
+    mass: Mass | None
+
+
+@dataclass(frozen=True)
+class Structure:
+    """An arm in pieces, in a row; `tip` stands in the last. `stiffness` are the drives' (None: rigid).
+
+    `carried` says what was taken along beyond frames, limits and masses, `lost` what the format or the pieces cannot
+    hold, `assumed` what stands there because something has to.
+    """
+
+    arm: Arm
+    pieces: tuple[Piece, ...]
+    tip: Frame
+    stiffness: tuple[float | None, ...]
+    lost: tuple[str, ...]
+    assumed: tuple[str, ...]
+
+
+def structure(arm: Arm, *, springs: bool) -> Structure:
+    """The pieces of an arm; with `springs`, elastic links are two pieces each.
+
+    Raises `InputError` for angles that are absolute, `PropertyNeeded` for links of unknown mass.
+    """
+    if arm.angles == "absolute":
+        message = "are absolute: each drive holds its link against the base, which no such format knows"
+        raise InputError("", "angles", message)
+    arm = _found_geometry(arm)
+    beams = beams_of(arm)
+    pieces: list[Piece] = []
+    place: Frame = (IDENTITY, ZERO)
+    for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
+        axes = _axes(joint, link)
+        given = _springs(arm, beams[index], axes) if springs else ()
+        inner, outer = _masses(arm, index, beams[index], axes, halved=bool(given))
+        origin = _onward(place, _standing(joint))
+        vector = scale(link.length, link.direction)
+        end: Frame = (link.end_rotation, vector)
+        if given:
+            middle = scale(0.5, vector)
+            pieces.append(Piece(f"link{index + 1}", origin, index, (), together(inner)))
+            far = together(mass.moved(middle) for mass in outer)
+            pieces.append(Piece(f"link{index + 1}_outer", (IDENTITY, middle), None, given, far))
+            place = (end[0], middle)
+        else:
+            pieces.append(Piece(f"link{index + 1}", origin, index, (), together([*inner, *outer])))
+            place = end
+    tip = _onward(place, (IDENTITY, arm.tool))
+    compliance = [drive_compliance(arm, index) for index in range(arm.size)]
+    stiffness = tuple(1.0 / each if each > 0.0 else None for each in compliance)
+    return Structure(arm, tuple(pieces), tip, stiffness, _lost(arm, beams, springs=springs), _assumed(arm))
+
+
+def _onward(first: Frame, second: Frame) -> Frame:
+    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
+
+
+def _standing(joint: Joint) -> Frame:
+    """Where a joint stands in the frame of the link before at coordinate 0, its zero included."""
+    rotation, translation = joint.origin_rotation, joint.origin_translation
+    if joint.zero == 0.0:
+        return rotation, translation
+    if joint.revolute:
+        return compose(rotation, about(joint.axis, math.cos(joint.zero), math.sin(joint.zero))), translation
+    return rotation, add(translation, rotate(rotation, scale(joint.zero, joint.axis)))
+
+
+def _found_geometry(arm: Arm) -> Arm:
+    """The arm with what findings say of its zeros and lengths in place."""
+    joints, links = list(arm.joints), list(arm.links)
+    for entry in arm.effects:
+        for index in range(arm.size):
+            if entry.at and index + 1 not in entry.at:
+                continue
+            values = entry.parameters
+            if entry.effect == ENCODER_OFFSET.id:
+                joints[index] = replace(joints[index], zero=joints[index].zero + values.get("offset", 0.0))
+            elif entry.effect == LINK_LENGTH.id and not values.get("stretch", 0.0):
+                links[index] = replace(links[index], length=links[index].length + values.get("length", 0.0))
+    return replace(arm, joints=tuple(joints), links=tuple(links))
+
+
+def _axes(joint: Joint, link: Link) -> Array:
+    height, width = section_directions(link, joint)
+    return np.array([link.direction, height, width], dtype=float).T
+
+
+def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> tuple[list[Mass], list[Mass]]:
+    """What is on a link in the frame of its joint: what moves with its joint's side, and what with its far end."""
+    link, joint = arm.links[index], arm.joints[index]
+    vector = scale(link.length, link.direction)
+    inner: list[Mass] = []
+    outer: list[Mass] = []
+    material = None if link.material is None else link.material.at(arm.temperature)
+    body = rod(link, beam, axes, material)
+    if halved:
+        halves = _halves(body, beam, axes[:, 0])
+        inner.append(halves[0])
+        outer.append(halves[1])
+    else:
+        outer.append(body)
+    for each in link.masses:
+        place = axes @ np.array(each.at)
+        (inner if each.on == "joint" else outer).append(
+            ball(each.mass, place + (0.0 if each.on == "joint" else np.array(vector)))
+        )
+    if not joint.revolute:
+        inner.append(ball(joint.mass, ZERO))
+    if index + 1 < arm.size and arm.joints[index + 1].revolute:
+        onward = arm.joints[index + 1]
+        place = add(vector, rotate(link.end_rotation, onward.origin_translation))
+        outer.append(ball(onward.mass, place))
+    return inner, outer
+
+
+def _halves(body: Mass, beam: Beam, along: Array) -> tuple[Mass, Mass]:
+    """A link's mass in two halves, whose weights bend it as its spread weight does; with its inertia as near as that
+    allows."""
+    length = float(beam.length)
+    middle = float(along @ body.center)
+    apart = (OUTER - 0.5) * length
+    # What the halves' distance gives is taken off the inertia across, as far as there is any.
+    across = np.eye(3) - np.outer(along, along)
+    axial = float(along @ body.inertia @ along)
+    turned = body.inertia - min(body.mass * apart**2, _least(body.inertia, along) - 0.51 * axial) * across
+    near, far = ((middle + side * apart) * along for side in (-1.0, 1.0))
+    return Mass(0.5 * body.mass, near, 0.5 * turned), Mass(0.5 * body.mass, far, 0.5 * turned)
+
+
+def _least(inertia: Array, along: Array) -> float:
+    """The least moment of inertia across the link."""
+    values, vectors = np.linalg.eigh(inertia)
+    return float(min(value for value, vector in zip(values, vectors.T, strict=True) if abs(vector @ along) < 0.9))
+
+
+def _springs(arm: Arm, beam: Beam, axes: Array) -> tuple[Spring, ...]:
+    """The springs at the middle of an elastic link: what of its flexibility the model holds."""
+    length = float(beam.length)
+    if beam.flexural_rigidity_height is None or beam.flexural_rigidity_width is None or length == 0.0:
+        return ()
+    out = arm.leave_out
+    found: list[tuple[Motion, int, float]] = []
+    if beam.axial_rigidity is not None and AXIAL.id not in out:
+        found.append(("slide", 0, length / float(beam.axial_rigidity)))
+    shear = (beam.shear_rigidity_height, beam.shear_rigidity_width)
+    for axis, rigidity, sheared in zip((1, 2), _rigidities(beam), shear, strict=True):
+        give = 0.0 if LINK_BENDING.id in out else length**3 / (12.0 * rigidity)
+        if sheared is not None and SHEAR_DEFORMATION.id not in out:
+            give += length / float(sheared)
+        found.append(("slide", axis, give))
+    if beam.torsional_rigidity is not None and TORSION.id not in out:
+        found.append(("hinge", 0, length / float(beam.torsional_rigidity)))
+    if LINK_BENDING.id not in out:
+        height, width = _rigidities(beam)
+        found.append(("hinge", 2, length / height))  # bending along the height turns about the width
+        found.append(("hinge", 1, length / width))
+    return tuple(Spring(kind, _floats(axes[:, axis]), 1.0 / give) for kind, axis, give in found if give > 0.0)
+
+
+def _rigidities(beam: Beam) -> tuple[float, float]:
+    return float(beam.flexural_rigidity_height or 0.0), float(beam.flexural_rigidity_width or 0.0)
+
+
+def _floats(vector: Array) -> FloatVector:
+    x, y, z = (float(value) for value in vector)
+    return (x, y, z)
+
+
+def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
+    """What the pieces do not hold of an arm."""
+    found: list[str] = []
+
+    def of_joints(name: str, chosen: list[bool]) -> None:
+        if places := [str(number) for number, each in enumerate(chosen, start=1) if each]:
+            found.append(f"{name} (joint {', '.join(places)})")
+
+    of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
+    of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
+    of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
+    if any(arm.payload.force) or any(arm.payload.moment):
+        found.append("the force and moment at the tip")
+    found += [
+        f"{EFFECTS[entry.effect].title} (effect {entry.effect})"
+        for entry in arm.effects
+        if entry.effect not in _CARRIED or entry.parameters.get("stretch", 0.0)
+    ]
+    if springs:
+        of_joints("zones of the drives' stiffness, which is that of the softest", [bool(x.zones) for x in arm.joints])
+        if SLOPE_PROPAGATION.id in arm.leave_out:
+            found.append("that slopes are left out: what bends turns all beyond it")
+        if any(isinstance(link.section, Tapered) for link in arm.links):
+            found.append("where along a tapered link it bends: at its middle, as a uniform one of the same rigidities")
+        if any(float(beam.flexural_rigidity_coupling) != 0.0 for beam in beams):
+            found.append("that sections bend askew")
+    else:
+        of_joints("stiffness of the drives", [drive_compliance(arm, index) > 0.0 for index in range(arm.size)])
+        if bent := [str(number) for number, link in enumerate(arm.links, start=1) if link.elastic]:
+            found.append(f"flexibility of the links ({', '.join(bent)})")
+    return tuple(dict.fromkeys(found))
+
+
+def _assumed(arm: Arm) -> tuple[str, ...]:
+    found: list[str] = []
+    if rigid := [str(number) for number, link in enumerate(arm.links, start=1) if not link.elastic and link.mass]:
+        found.append(f"links of unknown section ({', '.join(rigid)}) have the inertia of slender rods")
+    carried = any(link.masses for link in arm.links) or any(joint.mass for joint in arm.joints) or arm.payload.mass
+    if carried:
+        found.append("masses without a shape have the inertia of steel balls")
+    if any(joint.motor_on_base for joint in arm.joints):
+        found.append("motors on the base are left to the base")
+    return tuple(found)

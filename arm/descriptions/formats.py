@@ -1,0 +1,299 @@
+"""The pieces of an arm as URDF, SDF and MJCF."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from arm.chain.chain import Arm, FloatVector
+from arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
+from arm.errors.model import beams_of
+from units.quantities import InputError, format_quantity, shown
+
+from .bodies import Mass, ball
+from .exported import Piece, Structure, structure
+from .urdf import Frame
+
+DAMPING_TIME = 1e-3
+"""s; springs and drives are damped by their stiffness times this, which is 6 % of critical at 20 Hz."""
+HELD = 1e-9
+"""rad or m; a rigid drive gives no more than this under the arm's whole weight at its whole reach."""
+_LEAST_MASS, _LEAST_INERTIA = 1e-9, 1e-12
+_DOWN: FloatVector = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """An arm in another format: the `text` of the file, what it could not carry and what had to be assumed."""
+
+    arm: Arm
+    format: str
+    text: str
+    carried: tuple[str, ...]
+    lost: tuple[str, ...]
+    assumed: tuple[str, ...]
+
+
+def export_arm(arm: Arm, to: str) -> Exported:
+    """An arm as `urdf`, `sdf` or `mjcf`. Raises `InputError` for another format and for an arm that none can hold."""
+    if to not in _WRITERS:
+        raise InputError("", "to", f"{shown(to)} is no format; write urdf, mjcf or sdf")
+    return _WRITERS[to](arm)
+
+
+def _numbers(values: Any) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)
+
+
+def _pose(frame: Frame) -> dict[str, str]:
+    return {"xyz": _numbers(frame[1]), "rpy": _numbers(to_roll_pitch_yaw(frame[0]))}
+
+
+def _name(arm: Arm) -> str:
+    text = "".join(c if c.isprintable() else " " for c in arm.name)
+    return " ".join(text.split()) or "arm"
+
+
+def _inertia(mass: Mass) -> dict[str, str]:
+    pairs = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    return {name: _numbers([mass.inertia[at]]) for name, at in pairs.items()}
+
+
+def _mounting(arm: Arm) -> Rotation:
+    """How a base is to stand in a world whose gravity points down along z, so that the arm feels its own."""
+    if norm(arm.gravity) == 0.0:
+        return IDENTITY
+    down = unit(arm.gravity)
+    if down == (0.0, 0.0, -1.0):
+        return IDENTITY
+    # The turn about what is normal to both; half a turn about x where they are opposite.
+    axis = cross(down, (0.0, 0.0, -1.0))
+    if norm(axis) == 0.0:
+        return ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+    turning, cosine, sine = np.array(unit(axis)), -down[2], norm(axis)
+    skew = np.array([[0.0, -turning[2], turning[1]], [turning[2], 0.0, -turning[0]], [-turning[1], turning[0], 0.0]])
+    matrix = np.eye(3) + sine * skew + (1.0 - cosine) * skew @ skew
+    x, y, z = ((float(row[0]), float(row[1]), float(row[2])) for row in matrix)
+    return (x, y, z)
+
+
+def _gravity_words(arm: Arm) -> tuple[str, ...]:
+    if math.isclose(norm(arm.gravity), -_DOWN[2], rel_tol=1e-3):
+        return ()
+    return (f"the arm's gravity, {format_quantity(norm(arm.gravity), 'acceleration')}: the world's holds",)
+
+
+def _drive_words(found: Structure) -> tuple[str, ...]:
+    words: list[str] = []
+    for number, (joint, stiffness) in enumerate(zip(found.arm.joints, found.stiffness, strict=True), start=1):
+        if stiffness is not None:
+            kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
+            words.append(f"joint {number}: stiffness of the drive {format_quantity(stiffness, kind, digits=6)}")
+    return tuple(words)
+
+
+def _written(root: Element, arm: Arm, lines: tuple[str, ...], lost: tuple[str, ...], assumed: tuple[str, ...]) -> str:
+    """The document, with what it does not hold as its first comment."""
+    words = [f"{_name(arm)}, written by linkwright. Units: m, kg, s, rad, N."]
+    words += [f"Not in this file: {each}." for each in lost]
+    words += [f"Assumed: {each}." for each in assumed]
+    words += [f"{each}." for each in lines]
+    comment = "\n  ".join(words).replace("--", "- -")
+    root.insert(0, ElementTree.Comment(f"\n  {comment}\n"))
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _urdf(arm: Arm) -> Exported:
+    found = structure(arm, springs=False)
+    arm = found.arm
+    root = Element("robot", {"name": _name(arm)})
+    base = "base"
+    mounting = _mounting(arm)
+    if mounting != IDENTITY:
+        SubElement(root, "link", {"name": "world"})
+        _fixed(root, "mounting", "world", base, (mounting, ZERO))
+    SubElement(root, "link", {"name": base})
+    before = base
+    for piece in found.pieces:
+        assert piece.drive is not None  # without springs every piece has a drive
+        _inertial(SubElement(root, "link", {"name": piece.name}), piece.mass)
+        driven = arm.joints[piece.drive]
+        kind = "revolute" if driven.revolute else "prismatic"
+        joint = SubElement(root, "joint", {"name": f"joint{piece.drive + 1}", "type": kind})
+        SubElement(joint, "origin", _pose(piece.origin))
+        SubElement(joint, "parent", {"link": before})
+        SubElement(joint, "child", {"link": piece.name})
+        SubElement(joint, "axis", {"xyz": _numbers(driven.axis)})
+        low, high = driven.range
+        limits = {"lower": _numbers([low]), "upper": _numbers([high]), "effort": "0", "velocity": "0"}
+        if driven.actuator is not None:
+            limits["effort"] = _numbers([driven.actuator.rated_torque])
+        SubElement(joint, "limit", limits)
+        before = piece.name
+    tip = SubElement(root, "link", {"name": "tip"})
+    if arm.payload.mass:
+        _inertial(tip, ball(arm.payload.mass, ZERO))
+    _fixed(root, "tool", before, "tip", found.tip)
+    lost = (*found.lost, *_gravity_words(arm))
+    assumed = (*found.assumed, "efforts and velocities of 0 are not known")
+    carried = ("frames, limits, masses and inertias",)
+    return Exported(arm, "urdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
+
+
+def _fixed(root: Element, name: str, parent: str, child: str, frame: Frame) -> None:
+    joint = SubElement(root, "joint", {"name": name, "type": "fixed"})
+    SubElement(joint, "origin", _pose(frame))
+    SubElement(joint, "parent", {"link": parent})
+    SubElement(joint, "child", {"link": child})
+
+
+def _inertial(link: Element, mass: Mass | None) -> None:
+    if mass is not None:
+        body = SubElement(link, "inertial")
+        SubElement(body, "origin", {"xyz": _numbers(mass.center), "rpy": "0 0 0"})
+        SubElement(body, "mass", {"value": _numbers([mass.mass])})
+        SubElement(body, "inertia", _inertia(mass))
+
+
+def _sdf(arm: Arm) -> Exported:
+    found = structure(arm, springs=False)
+    arm = found.arm
+    root = Element("sdf", {"version": "1.11"})
+    model = SubElement(root, "model", {"name": _name(arm), "canonical_link": "base"})
+    SubElement(model, "link", {"name": "base"})
+    mount = SubElement(model, "joint", {"name": "mounting", "type": "fixed"})
+    SubElement(mount, "parent").text = "world"
+    SubElement(mount, "child").text = "base"
+    mounting = _mounting(arm)
+    if mounting != IDENTITY:
+        model.insert(0, _sdf_pose((mounting, ZERO), None))
+    before = "base"
+    for piece in found.pieces:
+        assert piece.drive is not None  # without springs every piece has a drive
+        name = f"joint{piece.drive + 1}"
+        driven = arm.joints[piece.drive]
+        joint = SubElement(model, "joint", {"name": name, "type": "revolute" if driven.revolute else "prismatic"})
+        joint.append(_sdf_pose(piece.origin, before))
+        SubElement(joint, "parent").text = before
+        SubElement(joint, "child").text = piece.name
+        axis = SubElement(joint, "axis")
+        SubElement(axis, "xyz").text = _numbers(driven.axis)
+        limit = SubElement(axis, "limit")
+        for tag, value in zip(("lower", "upper"), driven.range, strict=True):
+            SubElement(limit, tag).text = _numbers([value])
+        link = SubElement(model, "link", {"name": piece.name})
+        link.append(_sdf_pose((IDENTITY, ZERO), name))
+        _sdf_inertial(link, piece.mass)
+        before = piece.name
+    tool = SubElement(model, "joint", {"name": "tool", "type": "fixed"})
+    tool.append(_sdf_pose(found.tip, before))
+    SubElement(tool, "parent").text = before
+    SubElement(tool, "child").text = "tip"
+    tip = SubElement(model, "link", {"name": "tip"})
+    tip.append(_sdf_pose((IDENTITY, ZERO), "tool"))
+    _sdf_inertial(tip, ball(arm.payload.mass, ZERO) if arm.payload.mass else None)
+    lost = (*found.lost, *_gravity_words(arm))
+    assumed = (*found.assumed, f"links without weight have {_LEAST_MASS:g} kg")
+    carried = ("frames, limits, masses and inertias",)
+    return Exported(arm, "sdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
+
+
+def _sdf_pose(frame: Frame, relative_to: str | None) -> Element:
+    element = Element("pose", {} if relative_to is None else {"relative_to": relative_to})
+    element.text = _numbers([*frame[1], *to_roll_pitch_yaw(frame[0])])
+    return element
+
+
+def _sdf_inertial(link: Element, mass: Mass | None) -> None:
+    held = mass or Mass(_LEAST_MASS, np.zeros(3), _LEAST_INERTIA * np.eye(3))
+    body = SubElement(link, "inertial")
+    body.append(_sdf_pose((IDENTITY, (float(held.center[0]), float(held.center[1]), float(held.center[2]))), None))
+    SubElement(body, "mass").text = _numbers([held.mass])
+    inertia = SubElement(body, "inertia")
+    for name, value in _inertia(held).items():
+        SubElement(inertia, name).text = value
+
+
+def _mjcf(arm: Arm) -> Exported:
+    found = structure(arm, springs=True)
+    arm = found.arm
+    root = Element("mujoco", {"model": _name(arm)})
+    compiler = {"angle": "radian", "boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
+    SubElement(root, "compiler", {**compiler, "balanceinertia": "true"})
+    option = {"gravity": _numbers(arm.gravity), "integrator": "implicitfast", "timestep": repr(DAMPING_TIME)}
+    SubElement(root, "option", option)
+    body = SubElement(SubElement(root, "worldbody"), "body", {"name": "base"})
+    for piece in found.pieces:
+        body = SubElement(body, "body", {"name": piece.name, **_mujoco_frame(piece.origin)})
+        _mujoco_inertial(body, piece.mass)
+        if piece.drive is not None:
+            driven = arm.joints[piece.drive]
+            kind = "hinge" if driven.revolute else "slide"
+            about = {"axis": _numbers(driven.axis), "range": _numbers(driven.range), "limited": "false"}
+            SubElement(body, "joint", {"name": f"joint{piece.drive + 1}", "type": kind, **about})
+        _mujoco_springs(body, piece)
+    tip = SubElement(body, "body", {"name": "tip", **_mujoco_frame(found.tip)})
+    if arm.payload.mass:
+        _mujoco_inertial(tip, ball(arm.payload.mass, ZERO))
+    SubElement(tip, "site", {"name": "tip"})
+    actuators = SubElement(root, "actuator")
+    rigid = _rigid(arm)
+    for number, (joint, stiffness) in enumerate(zip(arm.joints, found.stiffness, strict=True), start=1):
+        gain = rigid if stiffness is None else stiffness
+        gains = {"kp": _numbers([gain]), "kv": _numbers([DAMPING_TIME * gain])}
+        asked = {"ctrlrange": _numbers(joint.range), "ctrllimited": "true"}
+        SubElement(actuators, "position", {"name": f"drive{number}", "joint": f"joint{number}", **gains, **asked})
+    carried = ["frames, limits, masses and inertias", "gravity"]
+    if any(found.stiffness):
+        carried.append("stiffness of the drives, as position servos: what is asked of a joint goes to `ctrl`")
+    if any(piece.springs for piece in found.pieces):
+        carried.append("flexibility of the links, as springs at their middles")
+    assumed = [*found.assumed, f"damping is {DAMPING_TIME:g} s times the stiffness; no armature is known"]
+    if None in found.stiffness:
+        assumed.append(f"rigid drives hold to {HELD:g} rad or m under the whole weight at full reach")
+    lines = tuple(f"Carried: {each}" for each in carried)
+    text = _written(root, arm, lines, found.lost, tuple(assumed))
+    return Exported(arm, "mjcf", text, tuple(carried), found.lost, tuple(assumed))
+
+
+def _rigid(arm: Arm) -> float:
+    """The stiffness (N*m/rad, N/m) that stands for a rigid drive's."""
+    mass = sum(float(beam.mass) for beam in beams_of(arm)) + arm.carried_mass + arm.payload.mass
+    reach = max(1.0, sum(arm.lengths) + norm(arm.tool))
+    return max(1.0, mass) * max(norm(arm.gravity), -_DOWN[2]) * reach / HELD
+
+
+def _mujoco_frame(frame: Frame) -> dict[str, str]:
+    found = {"pos": _numbers(frame[1])}
+    if frame[0] != IDENTITY:
+        # Columns of the rotation; MuJoCo makes the third.
+        columns = [[row[axis] for row in frame[0]] for axis in (0, 1)]
+        found["xyaxes"] = _numbers([*columns[0], *columns[1]])
+    return found
+
+
+def _mujoco_inertial(body: Element, mass: Mass | None) -> None:
+    if mass is not None:
+        values = _inertia(mass)
+        full = " ".join(values[name] for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
+        held = {"pos": _numbers(mass.center), "mass": _numbers([mass.mass]), "fullinertia": full}
+        SubElement(body, "inertial", held)
+
+
+def _mujoco_springs(body: Element, piece: Piece) -> None:
+    for number, spring in enumerate(piece.springs, start=1):
+        values = {"stiffness": _numbers([spring.stiffness]), "damping": _numbers([DAMPING_TIME * spring.stiffness])}
+        name = {"name": f"{piece.name}_{spring.kind}{number}", "type": spring.kind, "axis": _numbers(spring.axis)}
+        SubElement(body, "joint", {**name, **values})
+
+
+_WRITERS: Mapping[str, Callable[[Arm], Exported]] = MappingProxyType({"urdf": _urdf, "mjcf": _mjcf, "sdf": _sdf})
+"""How each format is written."""

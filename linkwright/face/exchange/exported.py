@@ -1,0 +1,82 @@
+"""Arms as other programs' descriptions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from arm.descriptions.formats import Exported as Found
+from arm.descriptions.formats import export_arm as exported
+from linkwright.face.arm import Arm, arm_of
+from linkwright.face.given import File
+from linkwright.face.result import Result
+from linkwright.json.exchange import export_json
+from linkwright.output.files import write_file
+
+from .imported import skeleton
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+
+SUFFIXES: Mapping[str, str] = MappingProxyType({"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf"})
+"""How the files of each format are called."""
+
+
+@dataclass(frozen=True, repr=False)
+class Export(Result):
+    """An arm in another program's format, and what that could not carry; `found` in SI."""
+
+    _command = "export"
+
+    arm: Arm
+    found: Found
+
+    @property
+    def text(self) -> str:
+        """The file."""
+        return self.found.text
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """What is carried, what is not, and what had to be assumed."""
+        import pandas as pd
+
+        found = self.found
+        rows = [("carried", each) for each in found.carried]
+        rows += [("not carried", each) for each in found.lost] + [("assumed", each) for each in found.assumed]
+        return pd.DataFrame(rows, columns=["", "what"])
+
+    def plot(self) -> go.Figure:
+        """The joints and the tip with all joints at 0."""
+        return skeleton(self.arm.model)
+
+    def save(self, folder: File) -> None:
+        """Write the file; into a folder under the name `arm` with the format's ending."""
+        place = Path(folder)
+        target = place / f"arm{SUFFIXES[self.found.format]}" if place.is_dir() else place
+        write_file(target, self.found.text)
+
+    def _content(self) -> Mapping[str, Any]:
+        return export_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Carried": self.table}
+
+
+def export_arm(arm: Arm | File, *, to: str) -> Export:
+    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does) or `sdf`.
+
+    Raises `InputError` for another format and for an arm with absolute angles, which none of them knows.
+
+    >>> import linkwright as lw
+    >>> found = lw.export_arm("examples/welding-arm/arm.yaml", to="mjcf")
+    >>> found
+    <Export: MJCF, nothing left out>
+    """
+    given = arm_of(arm)
+    return Export(given, exported(given.model, to))
