@@ -26,6 +26,7 @@ from units.reading import Mapping, load_yaml, nearest
 from .conditions import materials_where
 from .limits import FIGURES, RANGES, Figure, Limit
 from .limits.read import read_limit
+from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
 
 
@@ -36,7 +37,8 @@ class Problem:
     `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
     `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
     (nothing for a joint that keeps its own); None keeps all. `figures` are those that can be limited, by name.
-    `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that.
+    `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that. `sizes` are
+    the sections that each link may have (none for rigid ones); None leaves their dimensions free.
     """
 
     file: str
@@ -54,6 +56,7 @@ class Problem:
     actuators: tuple[tuple[Actuator, ...], ...] | None = None
     figures: MappingLike[str, Figure] = field(default_factory=lambda: FIGURES)
     uncertain: Uncertain | None = None
+    sizes: tuple[tuple[Listed, ...], ...] | None = None
 
     @property
     def objective(self) -> Figure:
@@ -95,7 +98,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         uncertain = read_uncertain(mapping, arm)
         limits, ranges, off = _subject_to(mapping, arm, figures)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
-        shapes, materials, same, actuators = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)))
+        chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
+        shapes, materials, same, actuators, sizes = chosen
     problem = Problem(
         file=str(mapping.file),
         arm=arm,
@@ -112,6 +116,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         actuators=actuators,
         figures=figures,
         uncertain=uncertain,
+        sizes=sizes,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)
@@ -272,12 +277,20 @@ def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[floa
 
 
 def _choose(
-    mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: frozenset[str]
+    mapping: Mapping,
+    catalogue: Catalogue,
+    arm: Arm,
+    needs: frozenset[str],
+    ranges: MappingLike[str, tuple[float, float]],
 ) -> tuple[
-    tuple[str, ...] | None, tuple[Material, ...] | None, frozenset[str], tuple[tuple[Actuator, ...], ...] | None
+    tuple[str, ...] | None,
+    tuple[Material, ...] | None,
+    frozenset[str],
+    tuple[tuple[Actuator, ...], ...] | None,
+    tuple[tuple[Listed, ...], ...] | None,
 ]:
     if not mapping.has("choose"):
-        return None, None, frozenset(), None
+        return None, None, frozenset(), None, None
     with mapping.mapping("choose").reading() as body:
         shapes: tuple[str, ...] | None = None
         materials: tuple[Material, ...] | None = None
@@ -306,7 +319,8 @@ def _choose(
         for name in same:
             if name not in ("section", "material", "size", "actuator"):
                 raise body.error("same", f"takes section, material, size and actuator, not {shown(name)}")
-        return shapes, materials, frozenset(str(name) for name in same), _actuators(body, arm)
+        sizes = read_sizes(body, arm, shapes, ranges.get("section_size"), ranges.get("thickness"))
+        return shapes, materials, frozenset(str(name) for name in same), _actuators(body, arm), sizes
 
 
 def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | None:
@@ -371,6 +385,9 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if not other:
             would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
             raise mapping.error("minimize", f"{problem.minimize} alone ends at the smallest sections; {would_do}")
+    if problem.sizes is not None:
+        _check_listed(mapping, problem)
+        return
     for shape in problem.shapes or [link.section.shape for link in problem.arm.links if link.section is not None]:
         reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
         if reason is not None:
@@ -384,6 +401,19 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if problem.shapes is None and not _can_be_chosen(shape):
             would_do = "name other shapes: choose: {section: [...]}"
             raise mapping.error("choose", f"the dimensions of a {shape} cannot be optimised; {would_do}")
+
+
+def _check_listed(mapping: Mapping, problem: Problem) -> None:
+    """What does not go with sections from a list."""
+    if problem.link_length is not None:
+        would_do = "leave link_length out, or sizes, and round afterwards (optimize --round stock)"
+        raise mapping.error("choose.sizes", f"goes with lengths that stay; {would_do}")
+    if problem.uncertain is not None:
+        would_do = "leave out uncertain, and ask `evaluate --problem` of the answer"
+        raise mapping.error("choose.sizes", f"is chosen for the arm as it is; {would_do}")
+    if problem.actuators is not None:
+        would_do = "name the drives in the arm file, or leave out sizes and round afterwards"
+        raise mapping.error("choose.sizes", f"goes with drives that stay; {would_do}")
 
 
 def _check_reach(body: Mapping, problem: Problem) -> None:

@@ -220,6 +220,8 @@ class OptimizationResult:
     """The design of sizes that can be had, where that was asked for and there is one."""
     not_rounded: NotRounded | None = None
     """Why there is none, where that was asked for."""
+    listed: bool = False
+    """Whether sections were chosen from lists: limits then have no price."""
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
     robust: Robust | None = None
     """The same for what is uncertain, where the problem asks for that: `objective` is then the robust error, and
@@ -230,6 +232,14 @@ class OptimizationResult:
     def lower_bound_gap(self) -> float:
         """By how much (relative) the objective is above its lower bound."""
         return max(0.0, 1.0 - self.lower_bound / self.objective) if self.objective else 0.0
+
+    @property
+    def basis(self) -> Literal["certified", "bounded", "local"]:
+        """What "the best" rests on: no allowed design does better, within the gaps of the certificates; none does by
+        more than `lower_bound_gap`; or none near it, nor any that the search met."""
+        if self.optimum == "global":
+            return "certified"
+        return "bounded" if self.bound_of == "all_designs" else "local"
 
     @property
     def minimised(self) -> Figure:

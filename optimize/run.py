@@ -8,10 +8,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import ErrorMap, Evaluation, error_map, evaluate, link_masses, material_cost
+from arm.errors.model import beam_values, beams_of
+from arm.evaluation import Evaluation, error_map, evaluate, link_masses, material_cost
 from arm.limits.slowest_pose import least_frequency
-from arm.worst.search import WorstSearch
 from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.choice.actuators import choose_driven, first_driven
@@ -19,8 +18,9 @@ from optimize.choice.combinations import Choice, Progress, count
 from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context
-from units.quantities import NoAnswer, format_quantity
+from units.quantities import NoAnswer
 
+from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
 from .explain import binding_limits
 from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
@@ -28,6 +28,7 @@ from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .result import Iteration, NearTie, OptimizationResult, Status
 from .robust.run import robust_optimum
+from .sizes.run import optimise_listed
 from .trust import doubts_of, optimum_of
 
 Log = Callable[[Iteration], None]
@@ -53,6 +54,8 @@ def optimise(
         settings: Any = {"log": log, "progress": progress}
         nominal = optimise(replace(problem, uncertain=None), **settings, told=told)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
+    if problem.sizes is not None:
+        return optimise_listed(problem, progress=progress, log=log)
     began = time.perf_counter()
     given = problem
     try:
@@ -83,8 +86,8 @@ def optimise(
     return OptimizationResult(
         problem_file=problem.file,
         minimize=problem.minimize,
-        limits=_limits(problem),
-        choices=_choices(given),
+        limits=limits_in_words(problem),
+        choices=choices_in_words(given),
         status="doubtful" if doubts else _status(choice, context, searched=not found.exhaustive),
         arm=arm,
         before=before,
@@ -96,8 +99,8 @@ def optimise(
         candidates=choice.candidates,
         exhaustive=choice.exhaustive,
         seconds=time.perf_counter() - began,
-        before_map=_map_before(given, context, poses),
-        after_map=error_map(_whole(context), numeric_beams(arm, problem.load_cases), poses=poses),
+        before_map=map_of_given(given, context, poses),
+        after_map=error_map(whole_error(context), numeric_beams(arm, problem.load_cases), poses=poses),
         optimum=optimum_of(context, choice) if found.exhaustive and not doubts else "local",
         doubts=doubts,
         combinations=count(problem),
@@ -134,50 +137,6 @@ def _near_tie(context: Context, tie: Tie) -> NearTie:
         None if slowest is None else slowest.value,
         arm,
     )
-
-
-def _map_before(given: Problem, context: Context, poses: int) -> ErrorMap:
-    """The error map of the arm as given; with other drives or tapers it has an error model of its own."""
-    search = _whole(context)
-    if context.problem.arm is not given.arm:
-        search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
-    return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
-
-
-def _whole(context: Context) -> WorstSearch:
-    """The search for the whole error, which maps show whatever counts of it."""
-    problem = context.problem
-    if problem.workspace.error == "whole":
-        return context.search
-    return WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
-
-
-def _limits(problem: Problem) -> tuple[str, ...]:
-    """The limits and ranges, as people write them."""
-    ranges = {"section_size": problem.section_size, "thickness": problem.thickness, "link_length": problem.link_length}
-    spans = [
-        f"{name} {format_quantity(span[0], 'length')} to {format_quantity(span[1], 'length')}"
-        for name, span in ranges.items()
-        if span is not None
-    ]
-    return (*(limit.text for limit in problem.limits), *spans)
-
-
-def _choices(problem: Problem) -> tuple[str, ...]:
-    """What each link could be, as people write it."""
-    found: list[str] = []
-    if problem.shapes is not None:
-        found.append(f"section: {', '.join(problem.shapes)}")
-    if problem.materials is not None:
-        found.append(f"material: {', '.join(material.name for material in problem.materials)}")
-    if problem.actuators is not None:
-        lists = [", ".join(each.name for each in own) for own in problem.actuators]
-        each = [f"joint {number}: {names}" for number, names in enumerate(lists, start=1) if names]
-        alike = len(each) == len(lists) and len(set(lists)) == 1
-        found.append(f"actuator: {lists[0] if alike else '; '.join(each)}")
-    if problem.same:
-        found.append(f"the same for all links: {', '.join(sorted(problem.same))}")
-    return tuple(found)
 
 
 def _status(choice: Choice, context: Context, *, searched: bool) -> Status:

@@ -39,6 +39,15 @@ def doubts_of(
     """What is not as it must be in an answer, one line each; `before` and `after` are the evaluations of the arm as
     given and of the design."""
     problem = context.problem
+    own = before.arm.joints == problem.arm.joints and given_design(problem) is not None
+    return doubts(problem, choice.objective, before, after, lower_bound, own=own)
+
+
+def doubts(
+    problem: Problem, claimed: float, before: Evaluation, after: Evaluation, lower_bound: float, *, own: bool
+) -> tuple[str, ...]:
+    """The same of a design that was found with the objective `claimed` (SI); `own`: the arm as given is one of the
+    designs to choose from."""
     figure = problem.objective
     objective = figure.value(after)
     assert objective is not None
@@ -48,8 +57,8 @@ def doubts_of(
         return format_quantity(value, figure.kind, digits=6)
 
     found: list[str] = []
-    if not abs(objective - choice.objective) <= room:
-        found.append(f"the design does {shown(objective)}, not the {shown(choice.objective)} that it was found with")
+    if not abs(objective - claimed) <= room:
+        found.append(f"the design does {shown(objective)}, not the {shown(claimed)} that it was found with")
     if not lower_bound <= objective + room:
         found.append(f"the design does {shown(objective)}, below its own bound {shown(lower_bound)}")
     worst = after.worst
@@ -64,7 +73,6 @@ def doubts_of(
         kind, shares = problem.workspace.kind, (f"{100.0 * share:.2g} %" for share in (more, less))
         found.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
     was = figure.value(before)
-    own = before.arm.joints == problem.arm.joints and given_design(problem) is not None
     if own and was is not None and was < objective - room and keeps_limits(problem, before):
         found.append(f"the arm as given keeps all limits and does {shown(was)}")
     return tuple(found)

@@ -248,7 +248,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,
-        **fields(result, "lower_bound_of=bound_of", "lower_bound_gap"),
+        **fields(result, "lower_bound_of=bound_of", "lower_bound_gap", "basis"),
         **evaluation_figures(result.after, result.figures),
         "before": evaluation_figures(result.before, result.figures),
         **_worse(result, result.after),

@@ -115,6 +115,8 @@ def _facts(result: OptimizationResult) -> Facts:
 
 def _binding(result: OptimizationResult) -> Item:
     """What holds the optimum back, and what one unit more of it would buy."""
+    if result.listed:
+        return Paragraph("Sections come from lists: between one and the next no limit has a price.")
     if not result.binding:
         return Paragraph("No limit holds the design back.")
     rows = [
@@ -291,7 +293,8 @@ def bound_sentence(result: OptimizationResult) -> str:
         return "no lower bound is known: what a share does not exceed is sampled, and its optimum a local one"
     bound = with_unit(factor * result.lower_bound, unit, 6)
     if result.bound_of == "all_designs":
-        whose = f"all {result.combinations:,} combinations and all sizes" if result.combinations > 1 else "all sizes"
+        sizes = "" if result.listed else " and all sizes"
+        whose = f"all {result.combinations:,} combinations{sizes}" if result.combinations > 1 else "all sizes"
         gap = percent(result.lower_bound_gap)
         return f"lower bound {bound}: of {whose}, bounded at once; no design is more than {gap} better"
     reach = "no design does better" if result.optimum == "global" else "no design near this one does better"

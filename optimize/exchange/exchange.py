@@ -93,6 +93,9 @@ def context_of(problem: Problem) -> Context:
     if problem.actuators is not None:
         message = "is settled by `optimize` alone; name the drives in the arm file for this"
         raise InputError(problem.file, "choose.actuator", message)
+    if problem.sizes is not None:
+        message = "is settled by `optimize` alone; leave it out for this"
+        raise InputError(problem.file, "choose.sizes", message)
     problem = with_uniform_links(problem)
     model = error_model(problem.arm, problem.load_cases)
     search = worst_search(model, problem.workspace, gap=CERTIFICATE_GAP)

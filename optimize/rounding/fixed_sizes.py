@@ -133,6 +133,10 @@ class RoundSearch:
             over |= {limit: np.fmax(over.get(limit, values), values) for limit, values in there.items()}
         return over
 
+    def objective_of(self, picks: Integers) -> Array:
+        """What is minimised (SI) of designs (N) where it takes no search of their workspaces; 0 where it does."""
+        return self._known(picks)[0]
+
     # ---- scores
 
     def _scored(self, picks: Integers) -> _Scores:

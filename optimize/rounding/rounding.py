@@ -70,6 +70,9 @@ def optimise_rounded(
     if problem.uncertain is not None:
         would_do = "optimise without, then round by hand and ask `evaluate --problem`"
         raise InputError(problem.file, "uncertain", f"goes without --round; {would_do}")
+    if problem.sizes is not None:
+        would_do = "they are sizes to be had already, so leave --round out"
+        raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")
     result = optimise(problem, log=log, progress=progress, told=told, executor=executor)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)

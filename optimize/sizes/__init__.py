@@ -1,0 +1,1 @@
+"""Sections chosen from lists: every link from stock sizes or listed dimensions, bounded all at once and proven."""

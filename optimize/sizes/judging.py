@@ -1,0 +1,67 @@
+"""Designs of listed sections over their whole workspace: the search of `optimize.rounding`, which here also keeps the
+poses that told, so that they become rows of the finite problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from optimize.exchange.binding_poses import ErrorCut, Pool
+from optimize.exchange.exchange import Context
+from optimize.exchange.program import fixed_error
+from optimize.limits import Cut
+from optimize.rounding.designs_at_once import Group, Table
+from optimize.rounding.fixed_sizes import RoundSearch
+from optimize.rounding.options import Rounding
+from sections.numeric import Array
+
+from .options import LinkList
+
+_ADDED = 3
+"""Poses of the error that one design adds at most."""
+
+
+class Judge(RoundSearch):
+    """Finds the best of the designs that it is offered; `pool` holds the poses that told."""
+
+    def __init__(
+        self, context: Context, lists: tuple[LinkList, ...], heard: Callable[[int, int], None] | None = None
+    ) -> None:
+        groups = [Group((each.link,), tuple((own,) for own in each.options), len(each.options)) for each in lists]
+        table = Table(context.problem, context.problem.arm, groups, [context.problem.arm.lengths])
+        super().__init__(context, table, Rounding(None), heard)
+        self.pool = Pool()
+
+    def learn(self, arm: Arm, p: Array) -> None:
+        """Add the poses that a design shows, whatever it is worth."""
+        if self.context.uses_error:
+            worst = self.context.search.worst(p, certify=False)
+            near = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:_ADDED]
+            self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
+        for family, prepared in self.context.families:
+            found = family.worst(prepared, self.problem, self.context.search, arm, p)
+            self.pool = self.pool.with_cuts(family.name, family.first(found))
+
+    def add_poses(self, q: Array, load_cases: list[int], p: Array) -> None:
+        """As poses that bound others, and as rows of the error and of each family that bounds many."""
+        super().add_poses(q, load_cases, p)
+        search = self.context.search
+        for row, case in zip(q, load_cases, strict=True):
+            if self.context.uses_error:
+                pose = search.worst_poses_at(row[None], p, search.case_at(row, p, case))[0]
+                shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
+                if fixed_error(self.context.model) > 0.0:
+                    shift = np.zeros(3)
+                place = (float(shift[0]), float(shift[1]), float(shift[2]))
+                self.pool = self.pool.with_errors((ErrorCut(pose.q, pose.load_case, pose.signs, place),))
+            for family, prepared in self.context.families:
+                if family.bounds_many and family.more(prepared) == 0:
+                    self.pool = self.pool.with_cuts(family.name, [Cut(tuple(row.tolist()), case)])
+
+    def cuts(self) -> Pool:
+        """All poses that told, those of families that look at designs one by one among them."""
+        for name, cuts in self._cuts.items():
+            self.pool = self.pool.with_cuts(name, cuts)
+        return self.pool

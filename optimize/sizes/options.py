@@ -1,0 +1,107 @@
+"""What each link can be: every listed section in every material that it comes in, with what it brings to sums."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.errors.model import needs_shear_modulus
+from materials.material import Material
+from optimize.choice.at_once.cells import COLUMNS, EXPANSION, PRICE, features
+from optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
+from optimize.limits import KEPT_WITHIN, Limit, OfLinks, excess
+from optimize.problem import Problem
+from optimize.rounding.options import Option, comes_in
+from sections.numeric import Array
+from units.quantities import NoAnswer
+
+_LEAST_PRICE = 1e-12
+_ALWAYS = 4
+"""So many of the features every section has; one of the others that is not known is in no sum."""
+
+
+@dataclass(frozen=True)
+class LinkList:
+    """The options of one link (from 0), and their columns (N, K): logarithms of features, expansion as it is."""
+
+    link: int
+    options: tuple[Option, ...]
+    columns: Array
+
+
+def link_lists(problem: Problem) -> tuple[LinkList, ...]:
+    """The options of each elastic link that keep all limits on single links; raises `NoAnswer` where none does."""
+    assert problem.sizes is not None
+    made: dict[object, tuple[tuple[Option, ...], Array]] = {}
+    found: list[LinkList] = []
+    for number, (listed, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True)):
+        if not listed:
+            continue
+        materials = problem.materials or (() if link.material is None else (link.material,))
+        key = (id(listed), materials)
+        if key not in made:
+            every = [
+                Option(each.section, material, None if each.stock is None else each.stock.name)
+                for material in materials
+                for each in listed
+                if each.stock is None or comes_in(each.stock, material)
+            ]
+            if not every:
+                names = " or ".join(each.name for each in materials)
+                raise NoAnswer(f"link {number + 1}: none of the sizes listed comes in {names}")
+            kept = _kept(problem, every)
+            made[key] = tuple(kept), columns_of(problem, kept)
+        found.append(LinkList(number, *made[key]))
+    return tuple(found)
+
+
+def _kept(problem: Problem, options: Sequence[Option]) -> list[Option]:
+    """The options that keep all limits on single links."""
+    limits = [limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks)]
+    for limit in limits:
+        left = [option for option in options if _keeps(problem, limit, option)]
+        if not left:
+            raise NoAnswer(f"no section listed keeps {limit.text}")
+        options = left
+    return list(options)
+
+
+def _keeps(problem: Problem, limit: Limit, option: Option) -> bool:
+    follows = limit.figure.follows
+    assert isinstance(follows, OfLinks)
+    assert option.section is not None
+    assert option.material is not None
+    values = follows.values(option.section, option.material.at(problem.arm.temperature)) or ()
+    return all(excess(limit, float(value)) <= KEPT_WITHIN for value in values)
+
+
+def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
+    """The columns (N, K) of options."""
+    shear = needs_shear_modulus(problem.arm, problem.load_cases)
+    alike: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
+    stuffs: dict[str, Material] = {}
+    for place, option in enumerate(options):
+        assert option.section is not None
+        assert option.material is not None
+        key = (option.section.shape, tuple(option.section.given()), option.material.name)
+        alike.setdefault(key, []).append(place)
+        stuffs[option.material.name] = option.material
+    found = np.zeros((len(options), len(COLUMNS)))
+    for (_, names, material), places in alike.items():
+        row = material_row((stuffs[material],), problem)
+        first = options[places[0]].section
+        assert first is not None
+        kind = type(first)
+        sizes = {name: np.array([float(getattr(options[k].section, name)) for k in places]) for name in names}
+        values = material_values(row, 0)
+        with np.errstate(all="ignore"):
+            section = kind(**sizes)  # type: ignore[call-arg]
+            for column, each in enumerate(features(section.properties(values.poisson_ratio), values, shear=shear)):
+                found[places, column] = np.log(each)
+            price = row[MATERIAL_FIELDS.index("cost")] * np.exp(found[places, 0])
+        found[places, PRICE] = np.log(np.maximum(price, _LEAST_PRICE))
+        found[places, EXPANSION] = row[MATERIAL_FIELDS.index("thermal_expansion")]
+    found[:, _ALWAYS:] = np.where(np.isfinite(found[:, _ALWAYS:]), found[:, _ALWAYS:], 0.0)
+    return found

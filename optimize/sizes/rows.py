@@ -1,0 +1,85 @@
+"""The rows of the finite problem as tables: what each option of each link adds to each of them.
+
+A row (`optimize.choice.at_once.pose_rows`) is the length of a sum of products. Those of one link alone are a number for
+each of its options; only those of several links are left as products.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from optimize.choice.at_once.cells import COLUMNS
+from optimize.choice.at_once.pose_rows import PoseRow
+from sections.numeric import Array
+
+from .options import LinkList
+
+Integers = NDArray[np.intp]
+
+_WIDTH = len(COLUMNS)
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """A row over options: `own` of each link (N, D), and products of several links with `coefficients` (T, D), their
+    `powers` of each link's columns (T, K), and each option's `factors` (N, T)."""
+
+    constant: Array
+    own: tuple[Array, ...]
+    coefficients: Array
+    powers: tuple[Array, ...]
+    factors: tuple[Array, ...]
+    objective: bool
+    shift: float
+
+    def values(self, picks: Integers) -> Array:
+        """What must not be above t (or nought) for designs: rows of picks are an option of each link."""
+        vectors = np.broadcast_to(self.constant, (len(picks), len(self.constant))).copy()
+        products: Array | None = None
+        for k, own in enumerate(self.own):
+            vectors += own[picks[:, k]]
+            if len(self.coefficients):
+                factor = self.factors[k][picks[:, k]]
+                products = factor if products is None else products * factor
+        if products is not None:
+            vectors += products @ self.coefficients
+        length = vectors[:, 0] if vectors.shape[1] == 1 else np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
+        return self.shift + length
+
+
+def table_row(row: PoseRow, lists: Sequence[LinkList]) -> TableRow:
+    """A row over the options of links."""
+    powers = [row.powers[:, _WIDTH * each.link : _WIDTH * (each.link + 1)] for each in lists]
+    used = np.array([own.any(axis=1) for own in powers]).reshape(len(lists), -1)
+    several = used.sum(axis=0) > 1
+    constant = row.constant + row.coefficients[used.sum(axis=0) == 0].sum(axis=0)
+    own: list[Array] = []
+    for k, each in enumerate(lists):
+        alone = used[k] & ~several
+        linear = row.linear[_WIDTH * each.link : _WIDTH * (each.link + 1)]
+        own.append(np.exp(each.columns @ powers[k][alone].T) @ row.coefficients[alone] + each.columns @ linear)
+    left = tuple(own_powers[several] for own_powers in powers)
+    factors = tuple(np.exp(each.columns @ own_powers.T) for each, own_powers in zip(lists, left, strict=True))
+    return TableRow(constant, tuple(own), row.coefficients[several], left, factors, row.objective, row.shift)
+
+
+def greatest(rows: Sequence[TableRow], picks: Integers, enough: float) -> tuple[Array, Integers]:
+    """The greatest of the objective's rows for designs that keep all others, and which of `picks` these are; designs
+    that come to `enough` or break a row are left out."""
+    left = np.arange(len(picks))
+    worst = np.zeros(len(picks))
+    for row in sorted(rows, key=lambda each: not each.objective):
+        values = row.values(picks[left])
+        if row.objective:
+            worst[left] = np.maximum(worst[left], values)
+            left = left[worst[left] < enough]
+        else:
+            left = left[values <= _KEPT]
+    return worst[left], left
+
+
+_KEPT = 1e-9

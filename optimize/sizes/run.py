@@ -1,0 +1,143 @@
+"""From a problem whose sections are listed to its result."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.evaluation import Evaluation, error_map, evaluate
+from arm.worst.workspace import Unreachable
+from optimize.asked import choices_in_words, limits_in_words, map_of_given, whole_error
+from optimize.choice.combinations import Progress
+from optimize.exchange.design import numeric_beams
+from optimize.exchange.exchange import context_of
+from optimize.limits import broken, excess
+from optimize.problem import Problem
+from optimize.result import Candidate, Iteration, OptimizationResult, Status
+from optimize.rounding.nearest import nearest_design
+from optimize.trust import doubts
+from units.quantities import NoAnswer, format_quantity
+
+from .options import LinkList, link_lists
+from .search import CLOSE, Found, ListSearch
+
+_MOST_EXCLUDED = 8
+_SAMPLED = 20_000
+"""Designs among which the one that breaks the limits least is looked for."""
+
+
+def optimise_listed(
+    problem: Problem, *, progress: Progress | None = None, log: Callable[[Iteration], None] | None = None
+) -> OptimizationResult:
+    """The best design of a problem with `sizes`; `progress` and `log` as in `optimise`.
+
+    Raises `NoAnswer` where no combination keeps the limits, or none was found; `InputError` where a figure is missing
+    that the problem needs.
+    """
+    began = time.perf_counter()
+    given = problem
+    context = context_of(replace(problem, sizes=None))
+    try:
+        before = evaluate(given.arm, given.workspace, given.load_cases)
+        search = ListSearch(context, link_lists(problem), progress=progress, log=log)
+        found, after = _found(search)
+    except Unreachable as error:
+        raise NoAnswer(f"workspace: {error}") from None
+    objective = problem.objective.value(after)
+    assert objective is not None
+    gap = found.gap
+    known = gap is not None
+    lower_bound = min(found.bound, objective) if known else objective
+    own = _among(before.arm, search.lists)
+    doubtful = doubts(problem, found.objective, before, after, lower_bound, own=own)
+    proven = gap is not None and gap <= 2.0 * CLOSE
+    links = after.arm.links
+    poses = 200_000 if problem.workspace.kind == "joints" else 20_000
+    shapes = tuple(None if link.section is None else link.section.shape for link in links)
+    stuffs = tuple(None if link.section is None or link.material is None else link.material.name for link in links)
+    return OptimizationResult(
+        problem_file=problem.file,
+        minimize=problem.minimize,
+        limits=limits_in_words(problem),
+        choices=choices_in_words(problem),
+        status="doubtful" if doubtful else _status(found, after, proven=proven, uses_error=context.uses_error),
+        arm=after.arm,
+        before=before,
+        after=after,
+        objective=objective,
+        lower_bound=lower_bound,
+        binding=(),
+        iterations=tuple(search.history),
+        candidates=(Candidate(shapes, stuffs, objective, "best"),),
+        exhaustive=proven,
+        seconds=time.perf_counter() - began,
+        before_map=map_of_given(given, context, poses),
+        after_map=error_map(whole_error(context), numeric_beams(after.arm, problem.load_cases), poses=poses),
+        optimum="global" if proven and not doubtful else "local",
+        doubts=doubtful,
+        combinations=search.combinations,
+        gap=gap,
+        bound_of="all_designs" if known else "binding_poses",
+        interrupted=found.interrupted,
+        listed=True,
+        figures=problem.figures,
+    )
+
+
+def _found(search: ListSearch) -> tuple[Found, Evaluation]:
+    """The best design with its evaluation, which has the last word; raises `NoAnswer` where there is none."""
+    problem = search.context.problem
+    for _ in range(_MOST_EXCLUDED):
+        found = search.run()
+        if found.pick is None:
+            raise NoAnswer(_why_not(search, found))
+        arm = search.judge.table.arm_of([*found.pick, 0])
+        after = evaluate(arm, problem.workspace, problem.load_cases)
+        if found.interrupted or not broken(problem.limits, after):
+            return found, after
+        search.exclude(found.pick)
+    raise NoAnswer("the best designs of listed sizes all break a limit when evaluated")
+
+
+def _status(found: Found, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
+    if found.interrupted:
+        return "interrupted"
+    if not proven:
+        return "searched"
+    return "certified" if after.worst.certified and uses_error else "converged"
+
+
+def _among(arm: Arm, lists: tuple[LinkList, ...]) -> bool:
+    """Whether an arm is one of the designs to choose from."""
+    return all(
+        any(
+            option.section == arm.links[each.link].section and option.material == arm.links[each.link].material
+            for option in each.options
+        )
+        for each in lists
+    )
+
+
+def _why_not(search: ListSearch, found: Found) -> str:
+    """That no design keeps the limits, or none was found; and by what the nearest of a sample breaks them."""
+    proven = math.isinf(found.bound) and found.bound > 0.0
+    told = (
+        "no combination of the sizes listed keeps all limits" if proven else "no design that keeps all limits was found"
+    )
+    generator = np.random.default_rng(1)
+    sizes = [len(each.options) for each in search.lists]
+    picks = np.unique(np.stack([generator.integers(0, size, _SAMPLED) for size in sizes], axis=1), axis=0)
+    near = nearest_design(search.judge, np.hstack([picks, np.zeros((len(picks), 1), dtype=np.intp)]))
+    if near is None:
+        return told
+    over = [(excess(limit, limit.of(near.evaluation)), limit) for limit in search.context.problem.limits]
+    worst, limit = max((each for each in over if not math.isnan(each[0])), key=lambda each: each[0])
+    if worst <= 0.0:
+        return told
+    had = format_quantity(limit.of(near.evaluation), limit.figure.kind, digits=4)
+    return f"{told}: the nearest of {len(picks):,} looked at breaks {limit.text} with {had}"

@@ -1,0 +1,399 @@
+"""The best of all designs from lists, with a bound that closes: branch and bound over the lists, an exchange for poses.
+
+A part of all designs is bounded (`relaxation`); options that would raise its bound above the best design are out, and
+so are combinations whose losses do together. What few are left are compared one by one over the poses known; those that
+could win over their whole workspace, whose worst poses join the rows. Where too many are left the part is split in two
+by what the mixture of a link differs in (Land and Doig 1960, doi:10.2307/1910129).
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from optimize.choice.at_once.pose_rows import rows_of
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.design import numeric_beams
+from optimize.exchange.exchange import Context
+from optimize.result import Iteration
+from sections.numeric import Array
+
+from .judging import Judge
+from .options import LinkList
+from .relaxation import Part, Relaxation, Relaxed
+from .rows import Integers, greatest, table_row
+
+Progress = Callable[[int, int, str], None]
+
+CLOSE = 1e-4
+"""A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's own gap."""
+WANTED = 1e-2
+"""The gap that is always worth more parts."""
+MOST_PARTS, MOST_CLOSING = 400, 60
+"""Parts looked at to bring the gap down to what is wanted, and to close it wholly."""
+_MOST_COMPARED = 300_000
+"""So many combinations of a part are compared one by one."""
+_TRIED = 40_000
+"""Combinations of the options that cost least, tried to find a good design."""
+_MOST_IN_ALL = 20_000_000
+"""So many in all."""
+_OFFERED = 512
+"""Designs searched over their workspaces before rows are made of the poses that turned up."""
+_MOST_OFFERS = 40
+_AGREE = 1e-6
+"""A row may be this far (relative) above what the whole evaluation of a design says."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """How a search ended: the best design (an option of each link) or None, its objective (SI), the bound that no
+    design goes below, parts looked at, designs compared and searched, and whether it was interrupted."""
+
+    pick: tuple[int, ...] | None
+    objective: float
+    bound: float
+    parts: int
+    compared: int
+    searched: int
+    interrupted: bool = False
+
+    @property
+    def gap(self) -> float | None:
+        """By how much (relative) the objective is above the bound; None where nothing is known."""
+        if self.pick is None or not math.isfinite(self.bound):
+            return None
+        return max(0.0, 1.0 - self.bound / self.objective) if self.objective else 0.0
+
+
+class ListSearch:
+    """Looks for the best design of a problem whose sections are listed."""
+
+    def __init__(
+        self,
+        context: Context,
+        lists: tuple[LinkList, ...],
+        *,
+        progress: Progress | None = None,
+        log: Callable[[Iteration], None] | None = None,
+    ) -> None:
+        self.context, self.lists, self.progress, self._log = context, lists, progress, log
+        self.same = context.problem.same
+        self.history: list[Iteration] = []
+        self.judge = Judge(context, lists, self._heard)
+        self.relaxation = Relaxation(lists)
+        self.worth = 1.0
+        self.parts = self.compared = 0
+        self.bounded = True
+        """Whether there are rows, so that anything can be bounded."""
+        self._known = Pool()
+        self._own = 0
+        self._order = itertools.count()
+        self._heap: list[tuple[float, int, Part]] = []
+        self._out = math.inf
+        """The least bound (relative to `worth`) of the parts that are done with."""
+
+    @property
+    def objective(self) -> float:
+        """The best objective so far, relative to `worth`."""
+        return math.inf if self.judge.best is None else self.judge.best[1] / self.worth
+
+    @property
+    def bound(self) -> float:
+        """The bound so far, relative to `worth`."""
+        return min([self._out, self.objective, *(entry[0] for entry in self._heap[:1])])
+
+    @property
+    def gap(self) -> float:
+        """By how much (relative) the best design is above the bound."""
+        return math.inf if math.isinf(self.objective) else max(0.0, 1.0 - self.bound / self.objective)
+
+    @property
+    def combinations(self) -> int:
+        """How many designs there are."""
+        return sum(math.prod(len(own) for own in part.options) for part in self._roots())
+
+    def exclude(self, pick: tuple[int, ...]) -> None:
+        """Leave a design out of the next run: it turned out to break a limit after all."""
+        self.judge.exclude((*pick, 0))
+
+    def run(self) -> Found:
+        """Split and compare until nothing better can be left, or enough parts were looked at."""
+        self._heap, self._out, self.parts = [], math.inf, 0
+        try:
+            if not self._known.size:
+                self._begin()
+            for part in self._roots():
+                self._push(part)
+            while self._heap and self.gap > CLOSE and self._worth_going_on():
+                self._tell()
+                self._step(heapq.heappop(self._heap)[2])
+            if not self.bounded and self.gap > CLOSE:
+                self._link_by_link()
+        except KeyboardInterrupt:
+            if self.judge.best is None:
+                raise
+            return self._found(interrupted=True)
+        return self._found()
+
+    def _found(self, *, interrupted: bool = False) -> Found:
+        best = self.judge.best
+        bound = -math.inf if interrupted or not self._agrees() else self.bound * self.worth
+        pick, objective = (None, math.inf) if best is None else (best[0][:-1], best[1])
+        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+
+    def _agrees(self) -> bool:
+        """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
+        and within all others. What they bound is worth nothing otherwise."""
+        if self.judge.best is None:
+            return True
+        pick = np.array([self.judge.best[0][:-1]])
+        values = [(row, float(row.values(pick)[0])) for row in self.relaxation.rows]
+        return all(value <= (self.objective * (1.0 + _AGREE) if row.objective else _AGREE) for row, value in values)
+
+    # ---- begin
+
+    def _begin(self) -> None:
+        """Poses of the arm as given, of the stiffest options and of the lightest; rows read off the stiffest."""
+        for pick in ([int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)):
+            arm = self.judge.table.arm_of([*pick, 0])
+            self.judge.learn(arm, numeric_beams(arm, self.context.problem.load_cases))
+        stiff = [int(each.columns[:, 2].argmin()) for each in self.lists]
+        self._arm = self.judge.table.arm_of([*stiff, 0])
+        self._p = numeric_beams(self._arm, self.context.problem.load_cases)
+        self.worth = self._worth(stiff)
+        own = rows_of(self.context, Pool(), self._arm, self._p, self.worth)
+        if own is None:
+            self.bounded = False
+            return
+        self._own = len(own)
+        self.relaxation.rows = [table_row(row, self.lists) for row in own]
+        self._refresh()
+
+    def _worth(self, pick: Sequence[int]) -> float:
+        problem = self.context.problem
+        if problem.minimize == "max_error":
+            return max(self.context.search.worst(self._p, certify=False).error, 1e-12)
+        value = self.judge.objective_of(np.array([[*pick, 0]]))
+        return max(float(value[0]), 1e-9)
+
+    def _refresh(self) -> None:
+        """Rows of the poses that turned up since."""
+        pool = self.judge.cuts()
+        fresh = Pool(
+            tuple(cut for cut in pool.errors if cut not in self._known.errors),
+            tuple((name, tuple(cut for cut in cuts if cut not in self._known.of(name))) for name, cuts in pool.held),
+        )
+        self._known = pool
+        if not self.bounded or not fresh.size:
+            return
+        rows = rows_of(self.context, fresh, self._arm, self._p, self.worth)
+        if rows is None:
+            self.bounded = False
+            return
+        self.relaxation.rows += [table_row(row, self.lists) for row in rows[self._own :]]
+
+    def _roots(self) -> list[Part]:
+        """All designs, in parts that agree in what must be the same."""
+        kinds = [self._kinds(each) for each in self.lists]
+        found: list[Part] = []
+        for kind in dict.fromkeys(kinds[0]):
+            options = tuple(np.array([k for k, each in enumerate(own) if each == kind], dtype=np.intp) for own in kinds)
+            if all(len(own) for own in options):
+                found.append(Part(options))
+        return found
+
+    def _kinds(self, own: LinkList) -> list[object]:
+        found: list[object] = []
+        for option in own.options:
+            assert option.section is not None
+            assert option.material is not None
+            size = option.section if "size" in self.same else None
+            shape = option.section.shape if "section" in self.same else None
+            found.append((size, shape, option.material.name if "material" in self.same else None))
+        return found
+
+    # ---- parts
+
+    def _push(self, part: Part) -> None:
+        heapq.heappush(self._heap, (part.bound, next(self._order), part))
+
+    def _step(self, part: Part) -> None:
+        self.parts += 1
+        if part.bound >= self._enough():
+            self._out = min(self._out, part.bound)
+            return
+        if self._compared_all(part):
+            return
+        found = self.relaxation.solve(part, self._enough())
+        bound = max(found.bound, part.bound)
+        if bound < self._enough():
+            self._try(found)
+        enough = self._enough()
+        if bound >= enough:
+            self._out = min(self._out, bound)
+            return
+        left = self._filtered(found, enough - bound)
+        found = replace(found, part=replace(left[0], bound=bound), losses=left[1], shares=left[2], bound=bound)
+        if any(len(own) == 0 for own in found.part.options):
+            self._out = min(self._out, enough)
+            return
+        picks = combined(found.losses, enough - bound, _MOST_COMPARED)
+        if picks is not None and self._compare(self._picks(found.part, picks)):
+            self._out = min(self._out, enough)
+            return
+        self._split(found)
+
+    def _worth_going_on(self) -> bool:
+        """Whether one more part could help, and is not one too many."""
+        if not self.judge.complete or self.compared > _MOST_IN_ALL:
+            return False
+        if not self.bounded and self.combinations > _MOST_COMPARED:
+            return False
+        return self.parts < (MOST_CLOSING if self.gap <= WANTED else MOST_PARTS)
+
+    def _link_by_link(self) -> None:
+        """Where nothing bounds designs: from the stiffest, the lightest and the best, one link at a time until none
+        improves."""
+        starts = [[int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)]
+        if self.judge.best is not None:
+            starts.insert(0, list(self.judge.best[0][:-1]))
+        for start in starts:
+            pick, improved = np.array(start, dtype=np.intp), True
+            while improved and self.judge.complete:
+                improved = False
+                for k, each in enumerate(self.lists):
+                    trials = np.repeat(pick[None], len(each.options), axis=0)
+                    trials[:, k] = np.arange(len(each.options))
+                    self.compared += len(trials)
+                    if self.judge.offer(np.hstack([trials, np.zeros((len(trials), 1), dtype=np.intp)])):
+                        assert self.judge.best is not None
+                        self._note()
+                        pick, improved = np.array(self.judge.best[0][:-1], dtype=np.intp), True
+
+    def _enough(self) -> float:
+        return self.objective * (1.0 - CLOSE)
+
+    def _compared_all(self, part: Part) -> bool:
+        counts = [len(own) for own in part.options]
+        if math.prod(counts) > _MOST_COMPARED:
+            return False
+        axes = np.meshgrid(*[np.arange(count) for count in counts], indexing="ij")
+        picks = self._picks(part, np.stack([axis.ravel() for axis in axes], axis=1))
+        enough = self._enough()
+        if not self._compare(picks):
+            return False
+        self._out = min(self._out, enough if math.isinf(self.objective) else self._enough())
+        return True
+
+    def _filtered(self, found: Relaxed, room: float) -> tuple[Part, tuple[Array, ...], tuple[Array, ...]]:
+        """The part without the options that cost more than there is room for."""
+        keep = [losses < room for losses in found.losses]
+        options = tuple(own[stay] for own, stay in zip(found.part.options, keep, strict=True))
+        losses = tuple(own[stay] for own, stay in zip(found.losses, keep, strict=True))
+        shares = tuple(own[stay] for own, stay in zip(found.shares, keep, strict=True))
+        return replace(found.part, options=options), losses, shares
+
+    def _picks(self, part: Part, places: Integers) -> Integers:
+        return np.stack([own[places[:, k]] for k, own in enumerate(part.options)], axis=1)
+
+    def _try(self, found: Relaxed) -> None:
+        """Combinations of the options of each link that cost least."""
+        each = max(2, int(_TRIED ** (1.0 / len(self.lists))))
+        best: list[Integers] = []
+        for losses, share in zip(found.losses, found.shares, strict=True):
+            # What is mixed costs nothing, and comes first.
+            order = np.lexsort((losses, share <= 1e-9))
+            best.append(order[:each])
+        axes = np.meshgrid(*best, indexing="ij")
+        self._compare(self._picks(found.part, np.stack([axis.ravel() for axis in axes], axis=1)))
+
+    def _compare(self, picks: Integers) -> bool:
+        """Compare designs one by one; whether none of them is left that could win."""
+        self.compared += len(picks)
+        left, values = picks, np.zeros(len(picks))
+        known: tuple[int, float] | None = None
+        size = _OFFERED
+        for _ in range(_MOST_OFFERS):
+            if known != (now := (len(self.relaxation.rows), self._enough())):
+                values, keep = greatest(self.relaxation.rows, left, now[1])
+                order = np.argsort(values, kind="stable")
+                left, values, known, size = left[keep][order], values[order], now, _OFFERED
+            if not len(left):
+                return True
+            batch, left, values = left[:size], left[size:], values[size:]
+            size *= 2
+            if self.judge.offer(np.hstack([batch, np.zeros((len(batch), 1), dtype=np.intp)])):
+                self._note()
+            self._refresh()
+            if not self.judge.complete:
+                return False
+        return not len(left)
+
+    def _split(self, found: Relaxed) -> None:
+        """A part in two, by what the mixture of a link differs in most in one of the cuts that count."""
+        best: tuple[float, int, NDArray[np.bool_]] | None = None
+        for k, (share, own) in enumerate(zip(found.shares, found.part.options, strict=True)):
+            mixed = share / max(float(share.sum()), 1e-300)
+            for cut, m in zip(found.cuts, found.multipliers, strict=True):
+                if m <= 1e-9 or len(own) < 2:
+                    continue
+                values = cut.parts[k][own]
+                mean = float(mixed @ values)
+                spread = m * float(mixed @ np.abs(values - mean))
+                if best is None or spread > best[0]:
+                    best = spread, k, np.asarray(values <= mean)
+        if best is None or best[0] <= 1e-12 or best[2].all() or not best[2].any():
+            k = max(range(len(self.lists)), key=lambda each: len(found.part.options[each]))
+            weights = self.lists[k].columns[found.part.options[k], 2]
+            below: NDArray[np.bool_] = np.asarray(weights <= np.median(weights))
+            if below.all():
+                below = np.arange(len(weights)) < len(weights) // 2
+        else:
+            _, k, below = best
+        for side in (below, ~below):
+            options = list(found.part.options)
+            options[k] = options[k][side]
+            self._push(replace(found.part, options=tuple(options)))
+
+    # ---- telling
+
+    def _note(self) -> None:
+        """A line of the log: a better design."""
+        assert self.judge.best is not None
+        number = len(self.history) + 1
+        self.history.append(Iteration(number, self.judge.best[1], math.nan, self.judge.pool.size, 0.0, False))
+        if self._log is not None:
+            self._log(self.history[-1])
+
+    def _heard(self, offered: int, searched: int) -> None:
+        if self.progress is not None:
+            self.progress(searched, searched + 1, f"listed sizes: {offered} designs compared")
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
+            self.progress(self.parts, self.parts + len(self._heap) + 1, f"bounding all combinations{told}")
+
+
+def combined(losses: Sequence[Array], room: float, most: int) -> Integers | None:
+    """Every way to take an entry of each list with a sum below `room`, (N, lists); None where there are more than
+    `most` on the way."""
+    sums = np.zeros(1)
+    picks = np.zeros((1, 0), dtype=np.intp)
+    for own in losses:
+        order = np.argsort(own, kind="stable")
+        counts = np.searchsorted(own[order], room - sums, side="left")
+        if int(counts.sum()) > most:
+            return None
+        rows = np.repeat(np.arange(len(sums)), counts)
+        starts = np.cumsum(counts) - counts
+        places = order[np.arange(int(counts.sum())) - np.repeat(starts, counts)]
+        sums = sums[rows] + own[places]
+        picks = np.hstack([picks[rows], places[:, None]])
+    return picks
