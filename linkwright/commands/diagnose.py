@@ -15,7 +15,19 @@ from linkwright.output.files import check_target, write_markdown, write_result
 from units.quantities import InputError
 from units.reading import nearest
 
-from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, OutFolder, Workers, asked_of, crew_of
+from .options import (
+    Author,
+    CatalogueFile,
+    Comment,
+    Dask,
+    JsonFile,
+    MarkdownFile,
+    OutFolder,
+    Workers,
+    asked_of,
+    crew_of,
+    files_of,
+)
 
 if TYPE_CHECKING:
     from linkwright.screen.progress import Steps
@@ -49,6 +61,8 @@ def diagnose(
         typer.Option("--problem", metavar="PROBLEM", help="Solve this design problem with what was found, too."),
     ] = None,
     catalogue: CatalogueFile = None,
+    author: Author = "",
+    comment: Comment = "",
     workers: Workers = None,
     dask: Dask = None,
 ) -> None:
@@ -75,7 +89,9 @@ def diagnose(
     write_result(json, found.to_json())
     written = [] if json is None else [json]
     if out is not None:
-        found.save(out)
+        settings = Path(read.found.settings) if read.found.settings else None
+        files = files_of(arm, recording, settings, problem, None if asked is None else asked.arm_file, catalogue)
+        found.save(out, made_from=files, author=author, comment=comment)
         written = [*(out / name for name in FILES if (out / name).exists()), *written]
     screen = console()
     described = describe(found.found, None if found.redesign is None else found.redesign.found)

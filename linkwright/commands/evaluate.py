@@ -12,7 +12,7 @@ import linkwright as lw
 from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_markdown, write_result
 from units.quantities import InputError
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
+from .options import Author, CatalogueFile, Comment, JsonFile, MarkdownFile, OutFolder, asked_of, files_of
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -41,6 +41,8 @@ def evaluate(
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
+    author: Author = "",
+    comment: Comment = "",
 ) -> None:
     """Run the command."""
     from linkwright.results.evaluation import describe
@@ -57,7 +59,7 @@ def evaluate(
             asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
             found = lw.evaluate(given, asked, pose=at)
             if out is not None:
-                found.save(out)
+                found.save(out, made_from=files_of(arm, problem, catalogue), author=author, comment=comment)
     write_result(json, found.to_json())
     screen = console()
     described = describe(found.found, found.robust)

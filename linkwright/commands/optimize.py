@@ -20,7 +20,19 @@ from linkwright.output.files import (
 )
 from units.quantities import InputError, NoAnswer
 
-from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, OutFolder, Workers, asked_of, crew_of
+from .options import (
+    Author,
+    CatalogueFile,
+    Comment,
+    Dask,
+    JsonFile,
+    MarkdownFile,
+    OutFolder,
+    Workers,
+    asked_of,
+    crew_of,
+    files_of,
+)
 
 if TYPE_CHECKING:
     from executors import Executor
@@ -41,6 +53,8 @@ def optimize(
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
+    author: Author = "",
+    comment: Comment = "",
     round_to: Annotated[
         str | None,
         typer.Option(
@@ -83,7 +97,8 @@ def optimize(
             raise
     write_result(json, result.to_json())
     if out is not None:
-        result.save(out)
+        read = files_of(problem, asked.arm_file, catalogue)
+        result.save(out, made_from=read, author=author, comment=comment)
     screen = console()
     described = describe(result.found)
     write_markdown(markdown, described)

@@ -26,6 +26,8 @@ OutFolder = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Write report.html and the other files there; nothing is without it."),
 ]
+Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
+Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
 Workers = Annotated[
     int | None,
@@ -35,6 +37,11 @@ Dask = Annotated[
     str | None,
     typer.Option("--dask", metavar="ADDRESS", help="A cluster for what takes long: its scheduler, tcp://HOST:8786."),
 ]
+
+
+def files_of(*given: Path | None) -> list[Path]:
+    """The files among what may have been given."""
+    return [path for path in given if path is not None]
 
 
 @contextmanager

@@ -20,12 +20,13 @@ from linkwright.output.files import (
 )
 from units.quantities import InputError
 
-from .options import CatalogueFile, Dask, JsonFile, MarkdownFile, Workers, asked_of, crew_of
+from .options import Author, CatalogueFile, Comment, Dask, JsonFile, MarkdownFile, Workers, asked_of, crew_of, files_of
 
 if TYPE_CHECKING:
     from executors import Executor
     from linkwright.face.problem import Problem
     from linkwright.face.tradeoff import Tradeoff
+    from linkwright.report.origin import Origin
     from optimize.tradeoff.journal import Journal
     from optimize.tradeoff.question import Question
 
@@ -77,10 +78,13 @@ def tradeoff(
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points as CSV.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal in --out DIR holds.")] = False,
     catalogue: CatalogueFile = None,
+    author: Author = "",
+    comment: Comment = "",
     workers: Workers = None,
     dask: Dask = None,
 ) -> None:
     """Run the command."""
+    from linkwright.report.origin import origin_of
     from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
@@ -100,7 +104,8 @@ def tradeoff(
         _journal(asked, accuracy, out, resume=resume) as journal,
     ):
         result = _traced(given, asked, accuracy, journal, out, crew)
-        written = _write(result, out, json, csv)
+        origin = origin_of(files_of(problem, given.arm_file, catalogue), author=author, comment=comment)
+        written = _write(result, out, json, csv, origin)
     screen = console()
     described = describe(result.found)
     write_markdown(markdown, described)
@@ -163,7 +168,7 @@ def _traced(
     return result
 
 
-def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | None) -> list[Path]:
+def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | None, origin: Origin) -> list[Path]:
     """Write what is asked for; the files of the folder, and which there are."""
     from linkwright.json.tradeoff import tradeoff_csv
     from linkwright.output.tradeoff_folder import write_tradeoff
@@ -171,5 +176,5 @@ def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | No
     write_result(json, result.to_json())
     if csv is not None:
         write_file(csv, tradeoff_csv(result.found))
-    written = [] if out is None else write_tradeoff(result.found, out)
+    written = [] if out is None else write_tradeoff(result.found, out, origin)
     return written + [path for path in (json, csv) if path is not None]

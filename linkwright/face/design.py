@@ -25,7 +25,7 @@ from .evaluation import Evaluation
 from .given import File, Quantity
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
-from .result import Result, figure_of
+from .result import Reported, Result, figure_of
 from .workers import at_work
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Optimization(Result):
+class Optimization(Reported):
     """The best design of a problem, with the arm as given for comparison; `found` holds everything in SI.
 
     `interrupted`: Ctrl-C ended the search, and this is the best design that it had.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
 from linkwright.output.written_arm import with_written
 from linkwright.redesigning import redesign as redesigned
+from linkwright.report.origin import origin_of, signed
 from linkwright.report.pages.diagnosis import diagnosis_page
 from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
@@ -34,7 +35,7 @@ from .given import File
 from .problem import Problem, problem_of
 from .progress import Progress, told
 from .recording import Recording, read_recording
-from .result import Result, figure_of
+from .result import Reported, Result, figure_of
 from .workers import at_work
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Diagnosis(Result):
+class Diagnosis(Reported):
     """What a recording says that an arm's model leaves out; `found` holds everything in SI.
 
     `redesign` is a design problem solved with it, where one was asked for; it is saved with the rest.
@@ -106,12 +107,14 @@ class Diagnosis(Result):
         _, figures = hover_maps(self.found)
         return figure_of(list(figures.values())[-1])
 
-    def save(self, folder: File) -> None:
-        """Write what `diagnose --out` writes. Raises `InputError` for a folder that holds anything else."""
+    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
+        """Write what `diagnose --out` writes, the report with its origin as other results have it. Raises `InputError`
+        for a folder that holds anything else."""
         place = Path(folder)
         claim_diagnosis(place)
         page = diagnosis_page(self.found, None if self.redesign is None else self.redesign.found)
-        write_diagnosis(place, self.found, self.to_json(), page)
+        origin = origin_of(map(Path, made_from), author=author, comment=comment)
+        write_diagnosis(place, self.found, self.to_json(), signed(page, origin))
 
     def _content(self) -> Mapping[str, Any]:
         content: dict[str, Any] = diagnosis_json(self.found)

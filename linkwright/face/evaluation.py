@@ -28,7 +28,7 @@ from units.quantities import InputError
 from .arm import Arm, arm_of
 from .given import File, Quantity, in_si
 from .problem import Problem, problem_of
-from .result import Result, figure_of
+from .result import Reported, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Evaluation(Result):
+class Evaluation(Reported):
     """An arm's worst position error over its workspace and load cases, and its figures.
 
     `found` holds everything in SI. Errors in mm, masses in kg; None where the arm's data cannot tell.

@@ -49,6 +49,12 @@ class Problem:
         for name, value in (("arm", arm), ("model", model), ("_content", mapping.content)):
             object.__setattr__(self, name, value)
 
+    @property
+    def arm_file(self) -> Path | None:
+        """The arm file that the problem file names; None for a problem that was stated in place."""
+        arm = self._content.get("arm")
+        return Path(self.model.file).parent / arm if isinstance(arm, str) else None
+
     @classmethod
     def of(cls, arm: Arm, mapping: Reader) -> Problem:
         """The problem that a mapping of a problem file states for an arm."""

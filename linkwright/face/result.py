@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import html
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own, json_text, write_folder
+from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
 from linkwright.results.document import plain as plain_words
 
@@ -81,6 +82,21 @@ class Result(ABC):
             if len(table) > _MOST_ROWS:
                 parts.append(f"<p>and {len(table) - _MOST_ROWS} more rows</p>")
         return "\n".join(parts)
+
+
+class Reported(Result):
+    """A result with a report."""
+
+    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
+        """Write what the command's `--out` writes. The report says when it was made, and of the files that it was
+        `made_from` their names and SHA-256 sums; `author` and `comment` stand beside that. Raises `InputError` for a
+        folder that holds anything else."""
+        place = Path(folder)
+        claim_own(place, self._command, self._own)
+        files = {RESULT: self.to_json(), **self._files()}
+        origin = origin_of(map(Path, made_from), author=author, comment=comment)
+        files[REPORT] = signed(files[REPORT], origin)
+        write_folder(place, files)
 
 
 def _short(value: float) -> str:

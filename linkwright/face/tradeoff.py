@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from executors import Executor
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
+from linkwright.report.origin import origin_of
 from linkwright.report.pages.tradeoff import front_figure
 from optimize.tradeoff.front import Point
 from optimize.tradeoff.front import Tradeoff as Found
@@ -23,7 +24,7 @@ from .arm import Arm
 from .given import File
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
-from .result import Result, figure_of
+from .result import Reported, figure_of
 from .workers import at_work
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class TradeoffDesign:
 
 
 @dataclass(frozen=True, repr=False)
-class Tradeoff(Result):
+class Tradeoff(Reported):
     """The front between two figures; `found` holds everything in SI.
 
     `interrupted`: Ctrl-C ended the work, and these are the points that it had; none of them is wrong.
@@ -76,11 +77,11 @@ class Tradeoff(Result):
         """The fronts, a line each."""
         return figure_of(front_figure(self.found))
 
-    def save(self, folder: File) -> None:
+    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write what `tradeoff --out` does but the journal. Raises `InputError` for a folder with other files."""
         place = Path(folder)
         claim_tradeoff(place)
-        write_tradeoff(self.found, place)
+        write_tradeoff(self.found, place, origin_of(map(Path, made_from), author=author, comment=comment))
 
     def _content(self) -> Mapping[str, Any]:
         return tradeoff_json(self.found)

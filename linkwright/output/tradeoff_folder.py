@@ -6,6 +6,7 @@ from pathlib import Path
 
 from arm.files.write import arm_to_yaml
 from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
+from linkwright.report.origin import Origin, signed
 from linkwright.report.pages.tradeoff import tradeoff_page
 from linkwright.report.pictures.tradeoff import tradeoff_picture
 from optimize.tradeoff.front import Tradeoff
@@ -23,10 +24,14 @@ def claim_tradeoff(folder: Path) -> None:
     claim_own(folder, "tradeoff", FILES)
 
 
-def write_tradeoff(result: Tradeoff, out: Path) -> list[Path]:
+def write_tradeoff(result: Tradeoff, out: Path, origin: Origin) -> list[Path]:
     """Write the files, result.json last; gives where they are. Raises `InputError`."""
     _write_points(result, out)
-    files = {REPORT: tradeoff_page(result), PICTURE: tradeoff_picture(result), CSV: tradeoff_csv(result)}
+    files = {
+        REPORT: signed(tradeoff_page(result), origin),
+        PICTURE: tradeoff_picture(result),
+        CSV: tradeoff_csv(result),
+    }
     for name, text in files.items():
         write_file(out / name, text)
     write_folder(out, {RESULT: json_text(tradeoff_json(result))})

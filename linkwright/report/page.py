@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -37,6 +39,16 @@ def _unbroken(words: str) -> str:
     return re.sub(r"(\d) (?=[a-zA-Z])", "\\1\u00a0", words)
 
 
+_SAFE = bytes.maketrans(b"<&", b".,")
+"""Two letters of base 85 that a page could take for markup, and what stands for them."""
+
+
+def packed(source: str) -> str:
+    """Text as base 85 of gzip, as the page's script unpacks it: a third of a script's size, and the same bytes for the
+    same source. The alphabet is RFC 1924's with `.` and `,` for `<` and `&`."""
+    return base64.b85encode(gzip.compress(source.encode(), 9, mtime=0)).translate(_SAFE).decode()
+
+
 WITHOUT_SCRIPT = "Without JavaScript the maps are not drawn; result.json has the figures."
 
 
@@ -50,15 +62,15 @@ def page(
     folder = files("linkwright.report")
     styles = folder.joinpath("style.css").read_text(encoding="utf-8")
     script = folder.joinpath("script.js").read_text(encoding="utf-8")
-    data = json.dumps(strict(figures), allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    data = packed(json.dumps(strict(figures), allow_nan=False, separators=(",", ":")))
     head = (
         '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark">'
         f"<title>{text(title)}</title><style>{styles}</style>"
     )
     scripts = (
-        f'<script type="application/json" id="figures">{data}</script>'
-        f"<script>{get_plotlyjs()}</script><script>{script}</script>"
+        f'<script type="application/gzip" id="figures">{data}</script>'
+        f'<script type="application/gzip" id="plotly">{packed(get_plotlyjs())}</script><script>{script}</script>'
     )
     missing = element("noscript", element("p", without, class_="lead"))
     told = _unbroken(summary[:1].upper() + summary[1:])

@@ -1,6 +1,6 @@
 (function () {
   "use strict";
-  var figures = JSON.parse(document.getElementById("figures").textContent);
+  var figures = {};
   var places = Array.prototype.slice.call(document.querySelectorAll("[data-figure]"));
   function colour(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -24,10 +24,45 @@
       Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: false });
     });
   }
-  draw();
-  if (window.matchMedia) {
-    var dark = window.matchMedia("(prefers-color-scheme: dark)");
-    if (dark.addEventListener) { dark.addEventListener("change", draw); }
+  function unpacked(id) {
+    var letters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%,()*+-;.=>?@^_`{|}~";
+    var worth = {}, packed = document.getElementById(id).textContent;
+    for (var n = 0; n < 85; n += 1) { worth[letters[n]] = n; }
+    var bytes = new Uint8Array(4 * Math.ceil(packed.length / 5));
+    for (var at = 0, to = 0; at < packed.length; at += 5, to += 4) {
+      var value = 0;
+      for (var k = at; k < at + 5; k += 1) { value = 85 * value + (k < packed.length ? worth[packed[k]] : 84); }
+      for (var part = 3; part >= 0; part -= 1) { bytes[to + part] = value % 256; value = Math.floor(value / 256); }
+    }
+    bytes = bytes.subarray(0, Math.floor(packed.length * 4 / 5));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   }
-  window.addEventListener("beforeprint", function () { places.forEach(function (place) { Plotly.Plots.resize(place); }); });
+  function missing(words) {
+    places.forEach(function (place) { place.textContent = words; });
+  }
+  if (!places.length) { return; }
+  if (!window.DecompressionStream) {
+    missing("This browser is too old to draw it; the result file has the figures.");
+    return;
+  }
+  Promise.all([unpacked("plotly"), unpacked("figures")]).then(function (texts) {
+    figures = JSON.parse(texts[1]);
+    var script = document.createElement("script");
+    script.textContent = texts[0];
+    document.head.appendChild(script);
+    draw();
+    if (window.matchMedia) {
+      var dark = window.matchMedia("(prefers-color-scheme: dark)");
+      if (dark.addEventListener) { dark.addEventListener("change", draw); }
+    }
+    // The page's own layout on paper is not there to be asked before it is printed: A4 within its margins.
+    window.addEventListener("beforeprint", function () {
+      places.forEach(function (place) {
+        Plotly.relayout(place, { autosize: false, width: place.closest(".columns-2") ? 330 : 680, height: 380 });
+      });
+    });
+    window.addEventListener("afterprint", function () {
+      places.forEach(function (place) { Plotly.relayout(place, { autosize: true, width: null, height: null }); });
+    });
+  });
 }());

@@ -142,7 +142,7 @@ def test_evaluation(arm, tmp_path):
     read = lw.evaluate(given)
     assert run(["evaluate", str(given), "--json", str(tmp_path / "a.json"), "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "a.json").read_text(encoding="utf-8") == read.to_json()
-    read.save(tmp_path / "saved")
+    read.save(tmp_path / "saved", made_from=[given])
     same_files(tmp_path / "out", tmp_path / "saved")
     a_result(read)
 

@@ -1,8 +1,9 @@
 """The report pages: they load nothing, hold the figures of the result, and draw to scale."""
 
-import json
 import math
 import re
+import shutil
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -11,13 +12,14 @@ import pytest
 
 from arm.chain.chain import Joint
 from arm.evaluation import evaluate
+from linkwright.report.origin import origin_of, signed
 from linkwright.report.pages.evaluation import evaluation_page
 from linkwright.report.pages.optimization import optimization_page
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.results.figures_in_words import mm
 from sections import Circle, Tube
-from tests.linkwright.samples import arm_of, mapped
+from tests.linkwright.samples import arm_of, mapped, unpacked
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}
 
@@ -45,6 +47,11 @@ class Page(HTMLParser):
             self.scripts.setdefault(attributes.get("id", ""), data)
         elif tag != "style":
             self.words.append(data)
+
+    @property
+    def figures(self):
+        """The figures' data."""
+        return unpacked(self.scripts["figures"])
 
     @property
     def text(self):
@@ -81,9 +88,41 @@ def test_styles_and_own_script_load_nothing(result):
         assert not re.search(r"https?:|url\(|@import|fetch\(|XMLHttpRequest", text)
 
 
-def test_plotly_stands_in_the_page_once(result):
-    """About four megabytes of it; a second copy would double the file."""
-    assert 1_000_000 < len(optimization_page(result)) < 8_000_000
+def test_plotly_stands_in_the_page_once_and_packed(page, result):
+    """It has more than four megabytes of its own; a report can be mailed."""
+    assert 1_000_000 < len(page.scripts["plotly"]) < len(optimization_page(result)) <= 2_000_000
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Debian's chromium")
+def test_a_browser_draws_every_figure(page, result, tmp_path):
+    """Unpacked by the page's own script, from a file, without a network."""
+    report = tmp_path / "report.html"
+    report.write_text(optimization_page(result), encoding="utf-8")
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]
+    drawn = subprocess.run(
+        ["chromium", *options, report.as_uri()], capture_output=True, text=True, check=True, timeout=120
+    ).stdout
+    places = re.findall(r'<div class="plot[^>]*data-figure="([^"]+)"[^>]*>(.{0,4000})', drawn, re.DOTALL)
+    assert {name for name, _ in places} == set(page.figures)
+    assert all("main-svg" in inside for _, inside in places)
+
+
+def test_a_report_says_where_it_is_from(result, tmp_path, monkeypatch):
+    """The sum of a file as sha256sum has it (FIPS 180-4's example "abc"), the day by the clock that is given."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    problem = tmp_path / "problem.yaml"
+    problem.write_text("abc")
+    origin = origin_of([problem, tmp_path / "gone.yaml"], author="<Ada>", comment="second study")
+    told = Page(signed(optimization_page(result), origin))
+    assert told.open == []
+    for words in (
+        "1970-01-02",
+        "<Ada>",
+        "second study",
+        "problem.yaml SHA-256 ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
+        "gone.yaml no longer there",
+    ):
+        assert words in told.text
 
 
 def test_page_says_what_the_result_says(page, result):
@@ -105,7 +144,7 @@ def test_names_are_text_and_not_markup(page):
 
 def test_maps_share_one_colour_scale_and_hold_the_errors(page, result):
     """The figures in the page are those of the result, in mm, null where no pose puts the tip."""
-    figures = json.loads(page.scripts["figures"])
+    figures = page.figures
     heats = [figures[name]["data"][0] for name in ("map-before", "map-after")]
     assert {(heat["zmin"], heat["zmax"]) for heat in heats} == {(heats[0]["zmin"], heats[0]["zmax"])}
     for heat, field, evaluation in zip(
@@ -122,7 +161,7 @@ def test_maps_share_one_colour_scale_and_hold_the_errors(page, result):
 
 def test_worst_pose_is_marked_where_the_tip_is(page, result):
     """In the plane: x and y of the nominal tip."""
-    figures = json.loads(page.scripts["figures"])
+    figures = page.figures
     marks = figures["map-after"]["data"][1]
     first, second = result.after.worst.poses[0].q
     x = 400.0 * math.cos(first) + 300.0 * math.cos(first + second)
@@ -133,7 +172,7 @@ def test_worst_pose_is_marked_where_the_tip_is(page, result):
 def test_every_figure_has_its_place(page):
     """And every place its figure, with words for those who cannot see it."""
     places = [attributes for _, attributes in page.tags if "data-figure" in attributes]
-    assert {place["data-figure"] for place in places} == set(json.loads(page.scripts["figures"]))
+    assert {place["data-figure"] for place in places} == set(page.figures)
     drawings = [attributes for tag, attributes in page.tags if tag == "svg"]
     assert len(drawings) == 2 + 4
     assert all(attributes["aria-label"] for attributes in drawings + places)
@@ -198,7 +237,7 @@ def test_page_of_a_single_arm(evaluation):
     page = Page(evaluation_page(evaluation, mapped(evaluation)))
     assert page.open == []
     assert mm(evaluation.max_error) in page.text
-    assert set(json.loads(page.scripts["figures"])) == {"map-arm"}
+    assert set(page.figures) == {"map-arm"}
     assert "before" not in page.text.lower()
 
 

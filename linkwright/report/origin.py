@@ -1,0 +1,63 @@
+"""Where a report is from: when it was made, by which version, from which files; its author and what they remark."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from linkwright.report.pictures.svg import element
+from linkwright.results.document import plain
+from linkwright.version import program_version
+
+from .described import text
+
+_END = "</main>"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """`date` (UTC, ISO 8601), the program's `version`, the `files` that were read as names and SHA-256 sums; `author`
+    and `comment` are the user's own, and may be empty."""
+
+    date: str
+    version: str
+    files: tuple[tuple[str, str], ...] = ()
+    author: str = ""
+    comment: str = ""
+
+
+def origin_of(files: Iterable[Path] = (), *, author: str = "", comment: str = "") -> Origin:
+    """The origin of a report that is made now; SOURCE_DATE_EPOCH, where it is set, says when now is
+    (https://reproducible-builds.org/specs/source-date-epoch/). A file that is gone has no sum."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    now = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() and len(epoch) < 12 else datetime.now(UTC)
+    named = tuple((path.name, _sum_of(path)) for path in dict.fromkeys(Path(file) for file in files))
+    return Origin(now.date().isoformat(), program_version(), named, author, comment)
+
+
+def signed(page: str, origin: Origin) -> str:
+    """A page with its origin as the last part."""
+    begin, end, rest = page.rpartition(_END)
+    return f"{begin}{_part(origin)}{end}{rest}"
+
+
+def _part(origin: Origin) -> str:
+    rows = [("date", origin.date), ("made by", f"linkwright {origin.version}")]
+    rows += [("author", plain(origin.author))] if origin.author else []
+    rows += [("comment", plain(origin.comment))] if origin.comment else []
+    rows += [(name, f"SHA-256 {total}" if total else "no longer there") for name, total in origin.files]
+    lines = (element("tr", element("th", text(name), scope="row"), element("td", text(said))) for name, said in rows)
+    return element(
+        "section", element("h2", "Where this is from"), element("table", element("tbody", *lines), class_="origin")
+    )
+
+
+def _sum_of(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
