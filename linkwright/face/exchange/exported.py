@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from arm.descriptions.formats import Exported as Found
 from arm.descriptions.formats import export_arm as exported
+from linkwright.drawings.parts import listed
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
 from linkwright.face.result import Result
 from linkwright.json.exchange import export_json
 from linkwright.output.files import write_file
+from units.quantities import InputError, shown
 
 from .imported import skeleton
 
@@ -23,7 +25,9 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 
-SUFFIXES: Mapping[str, str] = MappingProxyType({"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf"})
+SUFFIXES: Mapping[str, str] = MappingProxyType(
+    {"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf", "dxf": ".dxf", "bom": "-parts.csv"}
+)
 """How the files of each format are called."""
 
 
@@ -69,9 +73,11 @@ class Export(Result):
 
 
 def export_arm(arm: Arm | File, *, to: str) -> Export:
-    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does) or `sdf`.
+    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `sdf`, `dxf` (links and sections
+    drawn to scale, with dimensions) or `bom` (its parts as CSV: sizes, masses, centres, inertias, prices).
 
-    Raises `InputError` for another format and for an arm with absolute angles, which none of them knows.
+    Raises `InputError` for another format and for an arm with absolute angles, which no simulator's format knows;
+    `MissingProperty` for parts of unknown mass.
 
     >>> import linkwright as lw
     >>> found = lw.export_arm("examples/welding-arm/arm.yaml", to="mjcf")
@@ -79,4 +85,10 @@ def export_arm(arm: Arm | File, *, to: str) -> Export:
     <Export: MJCF, nothing left out>
     """
     given = arm_of(arm)
-    return Export(given, exported(given.model, to))
+    if to not in SUFFIXES:
+        raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
+    if to == "dxf":
+        from linkwright.drawings.dxf import drawn
+
+        return Export(given, drawn(given.model))
+    return Export(given, listed(given.model) if to == "bom" else exported(given.model, to))

@@ -1,0 +1,1 @@
+"""Arms for the workshop: drawings to scale and lists of parts."""

@@ -1,0 +1,89 @@
+"""The parts of an arm as a list (bill of materials) in CSV: sizes, masses, centres, inertias, prices."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from arm.chain.chain import Arm
+from arm.chain.kinematics import section_directions
+from arm.descriptions.bodies import rod
+from arm.descriptions.formats import Exported
+from arm.errors.model import beams_of
+from linkwright.results.figures_in_words import shape_words
+from sections.taper import Tapered
+
+_DIGITS = 9
+
+
+def listed(arm: Arm) -> Exported:
+    """The list of an arm's parts. Raises `arm.errors.model.PropertyNeeded` for links of unknown mass."""
+    table = parts(arm)
+    text = table.to_csv(index=False, lineterminator="\n")
+    lost: list[str] = ["what links need at their ends: flanges, bolts, bearings"]
+    unpriced = table.loc[table["price_EUR"].isna(), "part"].tolist()
+    if unpriced:
+        lost.append(f"no price is known of {', '.join(unpriced)}")
+    carried = ("sizes", "masses with centres and inertias", "prices of materials and actuators")
+    return Exported(arm, "bom", text, carried, tuple(lost), ())
+
+
+def parts(arm: Arm) -> pd.DataFrame:
+    """A row for each link, drive and mass: lengths in mm, masses in kg, centres in mm from the link's joint and
+    inertias in kg*m^2 about them, in the link's directions (along, height, width); prices in EUR."""
+    rows: list[dict[str, Any]] = []
+    for number, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams_of(arm), strict=True), start=1):
+        drive = joint.actuator
+        if drive is not None or joint.mass > 0.0:
+            price = None if drive is None else drive.cost
+            rows.append(
+                {
+                    "part": f"drive of joint {number}",
+                    "size": "" if drive is None else drive.name,
+                    "made_of": "" if drive is None else drive.maker,
+                    "mass_kg": joint.mass,
+                    "price_EUR": price,
+                }
+            )
+        height, width = section_directions(link, joint)
+        axes = np.array([link.direction, height, width], dtype=float).T
+        material = None if link.material is None else link.material.at(arm.temperature)
+        body = rod(link, beam, axes, material)
+        center, inertia = axes.T @ body.center, axes.T @ body.inertia @ axes
+        price = None
+        if link.material is not None and link.material.has("cost"):
+            price = body.mass * link.material.need("cost", arm.temperature)
+        section = "" if link.section is None else shape_words(link.section.shape, link.section.given())
+        rows.append(
+            {
+                "part": f"link {number}",
+                "size": link.section_name or "",
+                "section": section + (" (tapered)" if isinstance(link.section, Tapered) else ""),
+                "made_of": "" if link.material is None else link.material.name,
+                "length_mm": 1e3 * link.length,
+                "mass_kg": body.mass,
+                **{f"center_{name}_mm": 1e3 * value for name, value in zip(_AXES, center, strict=True)},
+                **{f"I_{_AXES[i]}_{_AXES[k]}_kg_m2": inertia[i, k] for i in range(3) for k in range(i, 3)},
+                "price_EUR": price,
+            }
+        )
+        rows += [{"part": f"mass at the {each.on} end of link {number}", "mass_kg": each.mass} for each in link.masses]
+    first = ["part", "size", "section", "made_of", "length_mm", "mass_kg"]
+    inertias = [f"I_{_AXES[i]}_{_AXES[k]}_kg_m2" for i in range(3) for k in range(i, 3)]
+    columns = [*first, *(f"center_{name}_mm" for name in _AXES), *inertias, "price_EUR"]
+    table = pd.DataFrame(rows, columns=columns)
+    numbers = table.select_dtypes("number").columns
+    table[numbers] = table[numbers].map(_rounded)
+    table["price_EUR"] = pd.to_numeric(table["price_EUR"])
+    return table.fillna({"size": "", "section": "", "made_of": ""})
+
+
+_AXES = ("along", "height", "width")
+
+
+def _rounded(value: float) -> float:
+    """To nine figures: files are read by people too."""
+    return value if not math.isfinite(value) or value == 0.0 else float(f"{value:.{_DIGITS}g}") + 0.0
