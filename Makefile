@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures test test-fast lint benchmark problems proof proof-sample proof-docs proof-multibody rules rules-docs lock clean
+.PHONY: help demo pictures test test-fast lint benchmark problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -29,6 +29,7 @@ help:
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
 	@echo "make rules      what moves when each rule of the diagnosis does (RULES_ARGS=... is passed on; an hour or two)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
+	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; half an hour)"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -161,6 +162,12 @@ rules: $(DEV) rules-docs
 
 rules-docs: $(DEV)
 	$(BIN)/python -m benchmarks.rules --page docs/rules.md
+
+# Each input within 10 s and 1 GiB; what is neither read nor refused is made as small as it can be, and shown.
+FUZZ_INPUTS ?= 100000
+FUZZ_SEED ?= 1
+fuzz: $(DEV)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.fuzz --inputs $(FUZZ_INPUTS) --seed $(FUZZ_SEED)
 
 # The dev lock repeats the pins of the runtime lock, so that tests run on what users get. The first run on a tree
 # without locks needs pip-tools in the environment by hand.

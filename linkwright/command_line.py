@@ -40,6 +40,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "sections": "sections",
         "effects": "effects",
         "actuators": "actuators",
+        "doctor": "installation.doctor",
     }
 )
 """Every command and its module, in the order of the help. A module has `HELP` and a function of the command's name

@@ -138,7 +138,7 @@ def user_catalogue_path() -> Path:
     """Return where the user's own catalogue is, or would be: `LINKWRIGHT_CATALOGUE`, or the configuration
     folder."""
     named = os.environ.get(CATALOGUE_VARIABLE, "").strip()
-    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "materials.yaml"
+    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "materials.yaml"
 
 
 def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Catalogue:

@@ -29,6 +29,9 @@ from .limits.read import read_limit
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
 
+_SMALLEST, _LARGEST = 1e-6, 1e4
+"""What a link or a wall can measure at all, m; beyond it, the powers in a search are not finite."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -273,6 +276,9 @@ def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[floa
         low, high = body.range(name, "length")
     if low <= 0.0:
         raise body.error(name, f"must be above zero, not {shown(body.content[name])}")
+    if low < _SMALLEST or high > _LARGEST:
+        ends = f"{format_quantity(_SMALLEST, 'length')} and {format_quantity(_LARGEST, 'length')}"
+        raise body.error(name, f"must lie between {ends}, not {shown(body.content[name])}")
     return low, high
 
 

@@ -27,7 +27,7 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader; refuses a key that occurs twice, aliases that explode and nesting without end.
+    """PyYAML's safe loader; refuses a key that occurs twice, tags, aliases that explode and nesting without end.
 
     Plain words mean what YAML 1.2 says: `on`, `y`, dates and `1:30` are text, `012` is 12 and `1e3` is 1000.
     """
@@ -39,6 +39,8 @@ class _Loader(yaml.SafeLoader):
         """Compose one node; an alias is refused, because a few lines of them can stand for gigabytes."""
         if self.check_event(yaml.AliasEvent):
             raise _refusal("aliases (*name) are not read", self.peek_event().start_mark)
+        if getattr(self.peek_event(), "tag", None) is not None:
+            raise _refusal("tags (!name) are not read", self.peek_event().start_mark)
         self.depth += 1
         if self.depth > _DEEPEST:
             raise _refusal("nested too deeply", self.peek_event().start_mark)

@@ -125,7 +125,7 @@ def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ac
     """
     found = dict(shipped_actuators())
     own = user_actuators_path()
-    if user and (own.exists() or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
+    if user and (os.path.exists(own) or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
         found.update(read_actuators(load_yaml(own)))
     for path in paths:
         found.update(read_actuators(load_yaml(path)))
@@ -135,7 +135,7 @@ def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ac
 def user_actuators_path() -> Path:
     """Where the user's own actuators are, or would be: `LINKWRIGHT_ACTUATORS`, or the configuration folder."""
     named = os.environ.get(ACTUATORS_VARIABLE, "").strip()
-    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "actuators.yaml"
+    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "actuators.yaml"
 
 
 @lru_cache(maxsize=1)

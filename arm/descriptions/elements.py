@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
+from units.files import read_bytes
 from units.quantities import InputError, shown
-
-_MOST_BYTES = 64_000_000
 
 
 @dataclass(frozen=True)
@@ -83,12 +82,7 @@ class Element:
 def read_elements(path: Path | str) -> Element:
     """The root element of an XML file. Raises `InputError`, one line, for anything that is no plain XML."""
     file = Path(path)
-    try:
-        if file.stat().st_size > _MOST_BYTES:
-            raise InputError(file, "", f"is larger than {_MOST_BYTES // 1_000_000} MB; no description of an arm is")
-        content = file.read_bytes()
-    except OSError as error:
-        raise InputError(file, "", f"cannot be read: {error.strerror or error}") from None
+    content = read_bytes(file)
     parser = expat.ParserCreate()
     roots: list[Element] = []
     open_elements: list[Element] = []

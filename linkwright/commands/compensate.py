@@ -27,6 +27,9 @@ Example: linkwright compensate arm.yaml --grid 9 --out table.csv
 """
 
 
+_LARGEST = 1e9
+
+
 def compensate(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file; a corrected one, say.")],
     grid: Annotated[
@@ -75,9 +78,11 @@ def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
     import numpy as np
     import pandas as pd
 
+    from diagnose.reading.table import as_number
+
     text = read_text(path)
     try:
-        content = pd.read_csv(io.StringIO(text), skipinitialspace=True)
+        content = pd.read_csv(io.StringIO(text), skipinitialspace=True, dtype=str)
     except ValueError as error:
         raise InputError(path, "", f"is no table: {' '.join(str(error).split())}") from None
     if content.empty:
@@ -87,9 +92,9 @@ def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
         name = f"q{index + 1}_{'deg' if joint.revolute else 'mm'}"
         if name not in content.columns:
             raise InputError(path, name, f"is missing; the file has {', '.join(str(each) for each in content.columns)}")
-        values = np.asarray(pd.to_numeric(content[name], errors="coerce"), dtype=np.float64)
-        bad = np.flatnonzero(~np.isfinite(values))
+        values = np.array([as_number(str(cell)) for cell in content[name]])
+        bad = np.flatnonzero(~(np.abs(values) < _LARGEST))
         if len(bad):
-            raise InputError(path, name, f"is not a number in row {int(bad[0]) + 1}")
+            raise InputError(path, name, f"is no coordinate of a joint in row {int(bad[0]) + 1}")
         found.append(np.radians(values) if joint.revolute else 1e-3 * values)
     return np.stack(found, axis=1)

@@ -63,6 +63,7 @@ def ipopt_options() -> dict[str, Any]:
     """The options with which every finite problem is solved."""
     return {
         "print_time": False,
+        "show_eval_warnings": False,  # a trial step may leave what a section can be; IPOPT goes back by itself
         "ipopt": {
             "print_level": 0,
             "sb": "yes",

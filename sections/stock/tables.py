@@ -193,7 +193,7 @@ def _stock(layers: Sequence[Sequence[StockSize]]) -> Stock:
 def user_stock_path() -> Path:
     """Where the user's own tables are, or would be: `LINKWRIGHT_SECTIONS`, or the configuration folder."""
     named = os.environ.get(STOCK_VARIABLE, "").strip()
-    return Path(named).expanduser() if named else Path(user_config_dir("linkwright")) / "sections.yaml"
+    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "sections.yaml"
 
 
 @lru_cache(maxsize=1)

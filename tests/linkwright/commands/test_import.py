@@ -48,4 +48,4 @@ def test_several_tips_are_one_line(linkwright, empty):
     assert not (empty / "arm.yaml").exists()
     status, _, err = linkwright("import", "nothing.urdf")
     assert status == 2
-    assert "nothing.urdf: cannot be read" in err
+    assert "nothing.urdf: there is no such file" in err

@@ -60,6 +60,7 @@ SAID_OF_PROBLEMS = [
     ('"<= 3 kg"', '"<= 1e200 kg"', "subject_to.mass"),
     ("[20 mm, 80 mm]", "[20 mm, 1e200 mm]", "subject_to.section_size[2]"),
     ("[20 mm, 80 mm]", "[1e-200 mm, 80 mm]", "subject_to.section_size[1]"),
+    ("[20 mm, 80 mm]", "[1e-9 mm, 80 mm]", "subject_to.section_size"),
     ("500 mm, 200 mm", "1e200 mm, 200 mm", "workspace.path[1][1]"),
     ("20 N, 0 N", "1e200 N, 0 N", "load_cases[2].force[1]"),
 ]

@@ -38,3 +38,11 @@ def test_names_are_shown_and_not_obeyed(linkwright, bench):
     assert status == 0
     assert "written: a\\x1b[31m\\x07b.json" in out
     assert "\x1b" not in out
+
+
+def test_the_solver_does_not_talk(process, bench):
+    """Sizes at which a trial step leaves what can be computed: CasADi would warn of each."""
+    path = bench / "problem.yaml"
+    path.write_text(path.read_text().replace("[20 mm, 80 mm]", "[20 mm, 9 km]"))
+    done = process('"$PYTHON" -m linkwright optimize problem.yaml >/dev/null')
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,108 @@
+"""What must hold of every file, and the processes in which it is held within bounds."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import resource
+import shutil
+import tempfile
+import time
+import warnings
+from collections.abc import Mapping
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from .kinds import REFUSED, Kind, kinds
+from .odd import odd_files
+
+SECONDS = 10.0
+BYTES = 1024**3
+
+
+class Wrong(Exception):
+    """A file that was neither read nor refused in one line."""
+
+
+def hold(kind: Kind, files: Mapping[str, bytes], folder: Path) -> bool:
+    """Read files; tells whether they could be. Raises `Wrong` where a refusal is no line."""
+    for name, text in kind.good.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            kind.read(folder)
+    except REFUSED as error:
+        line = str(error)
+        if not line.strip() or len(line.splitlines()) != 1 or len(line) > 3000:
+            raise Wrong(f"not one line: {line[:200]!r}") from error
+        return False
+    return True
+
+
+def held_of(name: str, kind: Kind, count: int, number: int, done: Synchronized[int], folder: Path) -> None:
+    """Hold so many odd files of a kind, each counted in `done` before it is read. Raises what the first one raises."""
+
+    @seed(number)
+    @settings(
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=(Phase.generate, Phase.shrink),
+        suppress_health_check=list(HealthCheck),
+        print_blob=False,
+    )
+    @given(odd_files(dict(kind.odd)))
+    def every(files: dict[str, bytes]) -> None:
+        done.value += 1
+        hold(kind, files, folder)
+
+    every.__name__ = name
+    every()
+
+
+def _worker(name: str, count: int, number: int, done: Synchronized[int], folder: str) -> None:
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    most = pages * os.sysconf("SC_PAGE_SIZE") + BYTES
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    held_of(name, kinds()[name], count, number, done, Path(folder))
+
+
+class Watched:
+    """A process that holds odd files of one kind, ended where one of them takes longer than `SECONDS`."""
+
+    def __init__(self, name: str, count: int, number: int) -> None:
+        context = multiprocessing.get_context("fork")
+        self.name, self.wrong = name, ""
+        self._done = context.Value("q", 0, lock=False)
+        self._folder = tempfile.mkdtemp(prefix=f"fuzz-{name}-")
+        self._process = context.Process(target=_worker, args=(name, count, number, self._done, self._folder))
+        self._process.start()
+        self._seen, self._since = 0, time.monotonic()
+
+    @property
+    def held(self) -> int:
+        """How many inputs were held."""
+        return self._done.value
+
+    def ended(self) -> bool:
+        """Whether it has come to its end; `wrong` then tells of what it found, and where the files are that did it."""
+        slow = False
+        if self._process.is_alive():
+            if self.held != self._seen:
+                self._seen, self._since = self.held, time.monotonic()
+            slow = time.monotonic() - self._since > SECONDS
+            if not slow:
+                return False
+            self._process.kill()
+        self._process.join()
+        if self._process.exitcode == 0:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        else:
+            why = f"took longer than {SECONDS:g} s" if slow else "is neither read nor refused in one line (above)"
+            self.wrong = f"a file {why}: {self._folder}"
+        return True

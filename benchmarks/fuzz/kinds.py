@@ -1,0 +1,209 @@
+"""The kinds of files that people hand in: good ones to begin with, and how the program reads one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import linkwright as lw
+from arm.chain.chain import Arm
+from arm.files.read import read_arm
+from arm.files.write import arm_to_yaml
+from catalogues import freecad_cards, materials_csv, stock_csv
+from diagnose.reading.read import read_recording
+from linkwright.commands.compensate import read_poses
+from linkwright.output.files import made_by
+from materials.catalogue import load_layer
+from optimize.problem import read_problem
+from sections.section import SectionError
+from sections.stock.tables import read_file
+from units.quantities import InputError, NoAnswer
+
+ENTRY = re.compile(r"\n  [^ ]")
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+REFUSED = (InputError, SectionError, NoAnswer)
+"""What may be said of a file instead of reading it."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Files by name, each with good ones to begin with; what reads them in a folder; and those that stay good."""
+
+    odd: Mapping[str, tuple[str, ...]]
+    read: Callable[[Path], object]
+    good: Mapping[str, str]
+
+
+def kinds() -> dict[str, Kind]:
+    """Every kind of file by name."""
+    arms = tuple(_text(f"{name}/arm.yaml") for name in ("welding-arm", "hidden-backlash", "several-loads", "real/ur10"))
+    problems = tuple(_text(f"{name}/problem.yaml") for name in ("welding-arm", "left-out-slopes", "several-loads"))
+    welding = read_arm(EXAMPLES / "welding-arm/arm.yaml")
+    drives = read_arm(EXAMPLES / "hidden-backlash/arm.yaml")
+    rows = _text("hidden-backlash/recording.csv").splitlines(keepends=True)[:24]
+    recordings = ("".join(rows), "".join(rows).replace(",", ";"), "".join(rows).replace(",", "\t"))
+    cable = _text("cable-drag/recording.yaml")
+    return {
+        "arm": Kind({"arm.yaml": (*arms, UNUSUAL_ARM)}, _arm, {}),
+        "problem": Kind({"problem.yaml": (*problems, UNUSUAL_PROBLEM)}, _problem, {"arm.yaml": arm_to_yaml(welding)}),
+        "materials": Kind(
+            {"own.yaml": _shipped("materials/catalogue/*.yaml")}, lambda at: load_layer(at / "own.yaml"), {}
+        ),
+        "sections": Kind({"own.yaml": _shipped("sections/stock/*.yaml")}, lambda at: read_file(at / "own.yaml"), {}),
+        "recording": Kind(
+            {"r.csv": recordings, "recording.yaml": (cable, UNUSUAL_SETTINGS, "sigma: 15 um\n")},
+            lambda at: read_recording(at / "r.csv", drives),
+            {},
+        ),
+        "result": Kind(
+            {"diagnosis.json": (DIAGNOSIS,), "residuals.csv": ("".join(rows),)},
+            _result,
+            {
+                "arm.yaml": arm_to_yaml(drives),
+                "problem.yaml": "arm: arm.yaml\nrobust: worst\nuncertain: {diagnosis: diagnosis.json}\n",
+            },
+        ),
+        "exchange": Kind(
+            {
+                "card.FCMat": (CARD, "[General]\nName = a\n[Mechanical]\nYoungsModulus = 70 GPa\n"),
+                "materials.csv": (MATERIALS,),
+                "stock.csv": (STOCK,),
+                "poses.csv": ("q1_deg,q2_deg,q3_deg\n0,10,20\n5,15,25\n",),
+                "robot.urdf": (_text("urdf/tabletop.urdf"),),
+            },
+            lambda at: _exchange(at, welding),
+            {},
+        ),
+    }
+
+
+def _text(name: str) -> str:
+    return (EXAMPLES / name).read_text(encoding="utf-8")
+
+
+def _shipped(pattern: str) -> tuple[str, ...]:
+    """The first entries of the shipped files: what odd files cost grows with their size."""
+    texts = (path.read_text(encoding="utf-8") for path in sorted(ROOT.glob(pattern)))
+    return tuple(text[: ENTRY.search(text, 2500).start() + 1] if len(text) > 5000 else text for text in texts)
+
+
+def _arm(at: Path) -> object:
+    """What is read is written so that it reads back."""
+    arm = read_arm(at / "arm.yaml")
+    (at / "back.yaml").write_text(arm_to_yaml(arm), encoding="utf-8")
+    return read_arm(at / "back.yaml")
+
+
+def _problem(at: Path) -> object:
+    return read_problem(at / "problem.yaml")
+
+
+def _result(at: Path) -> object:
+    made_by(at / "diagnosis.json")
+    lw.read_arm(at / "arm.yaml")
+    return read_problem(at / "problem.yaml")
+
+
+def _exchange(at: Path, arm: Arm) -> object:
+    """Each of the files, and the first refusal."""
+    refused: list[Exception] = []
+    readers: tuple[Callable[[], object], ...] = (
+        lambda: freecad_cards.read_card(at / "card.FCMat"),
+        lambda: materials_csv.read_table(at / "materials.csv"),
+        lambda: stock_csv.read_table(at / "stock.csv"),
+        lambda: read_poses(at / "poses.csv", arm),
+        lambda: lw.import_arm(at / "robot.urdf", tip="tip"),
+    )
+    for read in readers:
+        try:
+            read()
+        except REFUSED as error:
+            refused.append(error)
+    if refused:
+        raise refused[0]
+    return None
+
+
+UNUSUAL_ARM = """\
+name: all that may stand in a file
+gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+temperature: 30 degC
+chain:
+  - joint: {type: revolute, range: [-90 deg, 90 deg], clearance: 0.02 mm, backlash: 1 arcmin, mass: 2 kg}
+    dh: {a: 0 mm, d: 300 mm, alpha: 90 deg, theta: 0 deg}
+    link: {rigid: true, mass: unknown}
+  - joint: {type: prismatic, axis: [1, 0, 0], range: [0 mm, 500 mm], stiffness: 50 N/um}
+    link: {length: 400 mm, section: IPE 80, material: steel-s355, masses: [{mass: 1 kg, at: [10 mm, 0 mm, 5 mm]}]}
+  - joint: {range: [-2 rad, 2 rad], stiffness: 60 kN*m/rad, zero: 1 deg}
+    origin: {xyz: [0 mm, 0 mm, 10 mm], rpy: [0 deg, 90 deg, 0 deg]}
+    link:
+      length: 300 mm
+      section: {shape: tube, diameter: [60 mm, 40 mm], thickness: 3 mm}
+      material: {elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3}
+payload: {mass: 0.7 kg, force: [0 N, 5 N, 0 N]}
+play: {mode: statistical, draws: 200, level: 0.95}
+tool: {xyz: [0 mm, 0 mm, 80 mm]}
+leave_out: [slope_propagation]
+effects:
+  - {effect: encoder_offset, at: 1, offset: 0.05 deg}
+  - {effect: thermal_expansion, at: [2, 3]}
+"""
+UNUSUAL_PROBLEM = """\
+arm: arm.yaml
+minimize: mass
+relative_to: {payload: {mass: 2 kg}}
+workspace: {box: [[0.6 m, 0.2 m], [0.7 m, 0.3 m]]}
+load_cases: [{payload: {mass: 3 kg}}, {payload: {mass: 0 kg}, force: [43 N, 0 N, 0 N]}]
+subject_to:
+  max_error: "<= 1 mm"
+  mass: [">= 1 kg", "<= 26 kg"]
+  safety_factor: ">= 2"
+  wall_slenderness: off
+  link_length: [200 mm, 700 mm]
+  reach: "== 1240 mm"
+choose:
+  section: [circle, tube]
+  material: {where: {magnetic: false, service_temperature: ">= 50 degC", family: [aluminium]}}
+  same: [section]
+robust: worst
+uncertain: {elastic_modulus: 5 %, stiffness: [10 %, 10 %, 20 %]}
+"""
+UNUSUAL_SETTINGS = """\
+columns: {q1_deg: "q1_deg*1.0 + 0", q2_deg: "(`q2_deg` - 0)**1", x_mm: x_mm, y_mm: "-(-y_mm)"}
+ignore: [time_s]
+rows: ["q1_deg < 1000"]
+separator: comma
+decimal: "."
+comment: "#"
+skip_rows: 0
+encoding: latin-1
+time_format: iso
+sigma: 15 um
+frame: free
+tool: known
+sides: from_order
+"""
+DIAGNOSIS = """\
+{"made_by": "linkwright diagnose 0.1.0", "verdict": "named", "missing": [{"effect": "joint_compliance", "at": [2],
+ "parameters": {"compliance_2": {"parameter": "compliance", "value": 2e-5, "at": 2, "ci95": [1.9e-5, 2.1e-5]}}}]}
+"""
+CARD = """\
+General:
+  Name: "own alloy"
+Models:
+  LinearElastic:
+    YoungsModulus: "70 GPa"
+    PoissonRatio: "0.3"
+    Density: "2700 kg/m^3"
+"""
+MATERIALS = """\
+name,elastic_modulus,poisson_ratio,density,source
+mine,70 GPa,0.3,2700 kg/m^3,a data sheet
+"""
+STOCK = """\
+name,family,shape,source,diameter_mm,thickness_mm
+mine,CHS,tube,a data sheet,60.3,3.2
+"""

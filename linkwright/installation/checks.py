@@ -1,0 +1,205 @@
+"""What an installation needs, looked at one by one: each check says what it found and what to do where it is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import import_module, metadata
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+from units.quantities import InputError
+
+State = Literal["sound", "left out", "wrong"]
+
+_NEEDS = re.compile(r"([A-Za-z0-9._-]+)(?:>=([0-9.]+))?")
+_MODULES = MappingProxyType({"PyYAML": "yaml"})
+"""By name, where a package is imported by another."""
+_PARTS = (
+    ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
+    ("clusters (--dask)", ("dask", "distributed"), "pip install 'linkwright[cluster]'"),
+)
+OLDEST_PYTHON = (3, 11)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What was looked at, how it stands (an optional part may be left out), what was found, and what would do."""
+
+    name: str
+    state: State
+    found: str
+    would_do: str = ""
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """All checks of one installation."""
+
+    checks: tuple[Check, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing is wrong."""
+        return all(each.state != "wrong" for each in self.checks)
+
+
+def checked() -> Checkup:
+    """Look at everything."""
+    return Checkup(
+        (
+            _python(),
+            *_packages(),
+            _solver(),
+            *_catalogues(),
+            *_folders(),
+            _threads(),
+            *(_part(*each) for each in _PARTS),
+        )
+    )
+
+
+def _python() -> Check:
+    found = ".".join(str(part) for part in sys.version_info[:3])
+    if sys.version_info < OLDEST_PYTHON:
+        return Check("Python", "wrong", found, f"install Python {'.'.join(map(str, OLDEST_PYTHON))} or newer")
+    return Check("Python", "sound", found)
+
+
+def _packages() -> Iterator[Check]:
+    """Each package that the distribution needs: there, new enough, and importable."""
+    try:
+        needs = metadata.requires("linkwright") or []
+    except metadata.PackageNotFoundError:
+        yield Check("linkwright", "wrong", "not installed, only run", "pip install . in its folder")
+        return
+    yield Check("linkwright", "sound", metadata.version("linkwright"))
+    for need in needs:
+        found = None if "extra ==" in need else _NEEDS.match(need)
+        if found is not None:
+            yield _package(found[1], found[2] or "0")
+
+
+def _package(name: str, oldest: str) -> Check:
+    would_do = f"pip install '{name}>={oldest}'"
+    try:
+        version = metadata.version(name)
+        import_module(_MODULES.get(name, name))
+    except (ImportError, OSError) as error:
+        return Check(name, "wrong", f"cannot be used: {error}", would_do)
+    if _numbers(version) < _numbers(oldest):
+        return Check(name, "wrong", version, would_do)
+    return Check(name, "sound", version)
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in re.findall(r"[0-9]+", version.partition("+")[0])[:3])
+
+
+def _solver() -> Check:
+    """Solve what has a known solution: the point of the unit disc that is nearest to (3, 4)."""
+    import casadi as ca
+
+    from optimize.exchange.program import ipopt_options
+
+    try:
+        at: Any = ca.MX.sym("at", 2)
+        program = {"x": at, "f": (at[0] - 3.0) ** 2 + (at[1] - 4.0) ** 2, "g": ca.dot(at, at)}
+        solve = ca.nlpsol("check", "ipopt", program, ipopt_options())
+        solution = solve(x0=[0.1, 0.1], ubg=1.0)["x"].full().ravel()
+    except RuntimeError as error:  # CasADi's own, whatever was wrong
+        lines = str(error).strip().splitlines()
+        return Check("solver (IPOPT)", "wrong", lines[-1] if lines else "fails", "pip install --force-reinstall casadi")
+    if abs(solution[0] - 0.6) > 1e-6 or abs(solution[1] - 0.8) > 1e-6:
+        return Check("solver (IPOPT)", "wrong", f"solves wrongly: {solution}", "pip install --force-reinstall casadi")
+    return Check("solver (IPOPT)", "sound", "solves a program of known solution")
+
+
+def _catalogues() -> Iterator[Check]:
+    from arm.actuators.catalogue import load_actuators, user_actuators_path
+    from materials.catalogue import load_catalogue, user_catalogue_path
+    from sections import SectionError
+    from sections.stock.tables import load_stock, user_stock_path
+
+    def stock() -> int:
+        try:
+            return len(load_stock().sizes)
+        except SectionError as error:
+            raise InputError("", "", error.message) from None
+
+    own_materials, own_stock = user_catalogue_path(), user_stock_path()
+    yield _catalogue("materials", lambda: len(load_catalogue().names), own_materials)
+    yield _catalogue("stock sizes", stock, own_stock)
+    yield _catalogue("actuators", lambda: len(load_actuators()), user_actuators_path())
+
+
+def _catalogue(name: str, count: Callable[[], int], own: Path | None) -> Check:
+    there = own is not None and os.path.exists(own)
+    try:
+        number = count()
+    except InputError as error:
+        return Check(f"catalogue: {name}", "wrong", str(error), "mend the file, or move it away")
+    return Check(f"catalogue: {name}", "sound", f"{number} read" + (f", those of {own} among them" if there else ""))
+
+
+def _folders() -> Iterator[Check]:
+    """Where own catalogues go, and where temporary files do."""
+    from materials.catalogue import user_catalogue_path
+
+    yield _folder("folder of own catalogues", user_catalogue_path().parent)
+    try:
+        temporary = Path(tempfile.gettempdir())
+    except OSError as error:
+        yield Check("folder of temporary files", "wrong", str(error), "set TMPDIR to a folder that can be written")
+        return
+    yield _folder("folder of temporary files", temporary)
+
+
+def _folder(name: str, folder: Path) -> Check:
+    """Write a file there; a folder that is not there yet is made in the nearest one that is."""
+    there = next((each for each in (folder, *folder.parents) if os.path.isdir(each)), folder)
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        would_do = f"make {there} writable, or name another file by LINKWRIGHT_CATALOGUE and LINKWRIGHT_SECTIONS"
+        return Check(name, "wrong", f"{folder}: {error.strerror or error}", would_do)
+    return Check(name, "sound", f"{folder}" + ("" if there == folder else " (made when it is first needed)"))
+
+
+def _threads() -> Check:
+    """How many threads linear algebra takes. One is best where commands run side by side; none is wrong."""
+    import numpy as np
+    import scipy.linalg
+
+    from executors.threads import loaded
+
+    scipy.linalg.lu(np.linalg.inv(np.eye(2)))  # now the libraries are loaded
+    counts = sorted({get() for get, _ in loaded()})
+    cores = os.cpu_count() or 1
+    found = f"{', '.join(map(str, counts)) or 'unknown'} of {cores} cores"
+    hint = (
+        "OPENBLAS_NUM_THREADS=1 serves better where several commands run at once" if max(counts, default=1) > 1 else ""
+    )
+    return Check("threads of linear algebra", "sound", found, hint)
+
+
+def _part(name: str, modules: tuple[str, ...], would_do: str) -> Check:
+    """An optional part: it may be left out, but what is there must be importable."""
+    versions: list[str] = []
+    for module in modules:
+        try:
+            version = metadata.version(module)
+        except metadata.PackageNotFoundError:
+            return Check(name, "left out", f"{module} is not installed", would_do)
+        try:
+            import_module(module)
+        except (ImportError, OSError) as error:
+            return Check(name, "wrong", f"{module} cannot be used: {error}", would_do)
+        versions.append(f"{module} {version}")
+    return Check(name, "sound", ", ".join(versions))

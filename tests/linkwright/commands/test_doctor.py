@@ -1,0 +1,72 @@
+"""`linkwright doctor`: a sound installation, and each way in which one is not."""
+
+import json
+import tempfile
+from importlib import metadata
+
+import pytest
+
+
+def checkup(linkwright, bench):
+    status, out, err = linkwright("doctor", "--json", "doctor.json")
+    assert err == ""
+    content = json.loads((bench / "doctor.json").read_text())
+    assert content["sound"] == (status == 0)
+    wrong = [each for each in content["checks"] if each["state"] == "wrong"]
+    assert all(each["would_do"] for each in wrong)
+    assert all(each["name"] in out for each in wrong)
+    return status, {each["name"]: each for each in content["checks"]}
+
+
+def test_this_installation_is_sound(linkwright, bench):
+    status, found = checkup(linkwright, bench)
+    assert status == 0
+    assert {"Python", "casadi", "solver (IPOPT)", "catalogue: materials", "threads of linear algebra"} <= set(found)
+
+
+def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch):
+    (bench / "own.yaml").write_text("materials: 3\n")
+    monkeypatch.setenv("LINKWRIGHT_CATALOGUE", str(bench / "own.yaml"))
+    status, found = checkup(linkwright, bench)
+    assert status == 1
+    assert found["catalogue: materials"]["state"] == "wrong"
+    assert "own.yaml: format_version" in found["catalogue: materials"]["found"]
+
+
+@pytest.mark.parametrize(
+    ("version", "status", "casadi", "parquet"),
+    [(None, 1, "wrong", "left out"), ("0.1", 1, "wrong", "sound"), ("999.1", 0, "sound", "sound")],
+)
+def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parquet):
+    """One that is missing or too old is wrong where it is needed; an optional one may be left out."""
+    real = metadata.version
+
+    def told(name):
+        if name in ("casadi", "pyarrow"):
+            if version is None:
+                raise metadata.PackageNotFoundError(name)
+            return version
+        return real(name)
+
+    monkeypatch.setattr(metadata, "version", told)
+    ended, found = checkup(linkwright, bench)
+    assert (ended, found["casadi"]["state"], found["parquet recordings"]["state"]) == (status, casadi, parquet)
+
+
+def test_a_solver_that_answers_wrongly_is_no_solver(linkwright, bench, monkeypatch):
+    """Far fewer steps than it needs."""
+    options = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 1}}
+    monkeypatch.setattr("optimize.exchange.program.ipopt_options", lambda: options)
+    status, found = checkup(linkwright, bench)
+    assert status == 1
+    assert "solves wrongly" in found["solver (IPOPT)"]["found"]
+
+
+def test_a_folder_that_cannot_be_written_is_named(linkwright, bench, monkeypatch):
+    def refused(**_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", refused)
+    status, found = checkup(linkwright, bench)
+    assert status == 1
+    assert "Permission denied" in found["folder of own catalogues"]["found"]

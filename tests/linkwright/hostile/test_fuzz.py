@@ -1,0 +1,47 @@
+"""A sample of `make fuzz`: odd files of every kind are read, or refused in one line; and that this can fail."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from benchmarks.fuzz.held import Wrong, hold
+from benchmarks.fuzz.kinds import kinds
+from benchmarks.fuzz.odd import odd_files
+from units.quantities import InputError
+
+KINDS = kinds()
+
+
+@pytest.mark.parametrize("name", KINDS)
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_odd_files_are_read_or_refused_in_one_line(tmp_path_factory, name, data):
+    kind = KINDS[name]
+    hold(kind, data.draw(odd_files(dict(kind.odd))), tmp_path_factory.mktemp("odd"))
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_the_good_files_are_read(tmp_path, name):
+    """Otherwise the odd ones would be odd in one way only."""
+    kind = KINDS[name]
+    assert hold(kind, {file: seeds[0].encode() for file, seeds in kind.odd.items()}, tmp_path)
+
+
+def test_what_is_held_can_be_missed(tmp_path):
+    """Two lines, and what is no refusal."""
+
+    def two_lines(folder):
+        error = InputError(folder, "", "one")
+        error.args = ("one\ntwo",)
+        raise error
+
+    def crash(folder):
+        raise KeyError(folder)
+
+    kind = KINDS["arm"]
+    with pytest.raises(Wrong):
+        hold(replace(kind, read=two_lines), {}, tmp_path)
+    with pytest.raises(KeyError):
+        hold(replace(kind, read=crash), {}, tmp_path)
