@@ -42,6 +42,21 @@ _SUFFIXES = MappingProxyType(
         "torque": ("Nm",),
     }
 )
+_IN_BRACKETS = re.compile(r"(.+?)[ _]*[\[(]\s*(.+?)\s*[\])]")
+_APART = re.compile(r"((?:temperature[ _]link|[a-z]+)[ _]?[0-9]*)[ _]+(.+)", re.IGNORECASE)
+_NUMBERED = re.compile(r"([a-z_]+?)[ _]?([0-9]+)")
+_UNITS = MappingProxyType(
+    {
+        **{suffix.lower(): suffix for suffixes in _SUFFIXES.values() for suffix in suffixes},
+        **dict.fromkeys(("°", "º", "degree", "degrees"), "deg"),
+        **dict.fromkeys(("radian", "radians"), "rad"),
+        **dict.fromkeys(("°c", "ºc", "deg c", "celsius"), "degC"),
+        **dict.fromkeys(("µm", "μm", "micron", "microns"), "um"),
+        **dict.fromkeys(("sec", "second", "seconds"), "s"),
+        **dict.fromkeys(("n*m", "n·m", "n m"), "Nm"),
+    }
+)
+"""How people write the units of headers, in small letters."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +110,20 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
     if base in ("qw", "qx", "qy", "qz"):
         return _bare(header, base, None, suffix, file)
     return _with_unit(header, base, None, _KINDS[base], suffix, file)
+
+
+def otherwise_spelled(header: str) -> str | None:
+    """Our header for one that differs from it in nothing but how it is written (`Q1_DEG`, `q1 (deg)`, `x [mm]`, `Time
+    (s)`); None for any other, and for one of ours as it stands."""
+    found = _IN_BRACKETS.fullmatch(header) or _APART.fullmatch(header)
+    name, unit = (header, None) if found is None else (found[1], found[2].strip())
+    name = _NUMBERED.sub(r"\1\2", name.strip().lower().replace("temperature link", "temperature_link"))
+    if unit is not None:
+        parts = re.sub(r"[\^²]2?$", "2", unit.lower()).split("/")
+        known = [_UNITS.get(part.strip(), part.strip()) for part in parts]
+        unit = _UNITS.get(unit.lower(), "_".join(known))
+    ours = name if unit is None else f"{name}_{unit}"
+    return ours if ours != header and looks_like_ours(ours) else None
 
 
 def looks_like_ours(header: str) -> bool:

@@ -23,7 +23,7 @@ from units.quantities import InputError, shown
 from units.reading import nearest
 
 from .assemble import ReadColumn, assembled
-from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of
+from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of, otherwise_spelled
 from .formula import Formula, read_condition, read_formula
 from .settings import ReadingSettings, find_settings, read_settings
 from .table import Table, read_table
@@ -114,11 +114,15 @@ def _columns(
         used.update(formula.columns)
         found[meaning.name] = _by_formula(table, header, meaning, formula, held)
     strangers: dict[str, Array] = {}
+    spelled = {} if held.columns else _spelled(table, held, arm)
+    if spelled:
+        pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
+        warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
     for header in table.names:
         if header in held.ignore:
             continue
         try:
-            meaning = meaning_of(header, arm, file=table.file)
+            meaning = meaning_of(spelled.get(header, header), arm, file=table.file)
         except UnitMissing as error:
             if not held.columns and not error.stranger:
                 raise
@@ -145,6 +149,21 @@ def _columns(
         else:
             found[meaning.name] = _plain(table, header, meaning)
     return found, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
+
+
+def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:
+    """The headers that are ours but for how they are written, with ours; none whose like is there as it should be."""
+
+    def meant(header: str) -> str:
+        try:
+            meaning = meaning_of(header, arm, file=table.file)
+        except UnitMissing:
+            return ""
+        return "" if meaning is None else meaning.name
+
+    taken = {meant(header) for header in table.names}
+    ours = {header: otherwise_spelled(header) for header in table.names if header not in held.ignore}
+    return {header: name for header, name in ours.items() if name and meant(name) and meant(name) not in taken}
 
 
 def _known_headers(arm: Arm) -> list[str]:

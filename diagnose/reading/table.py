@@ -20,7 +20,7 @@ from sections.numeric import Array
 from units.files import read_bytes
 from units.quantities import InputError, shown
 
-from .columns import looks_like_ours
+from .columns import looks_like_ours, otherwise_spelled
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -30,6 +30,7 @@ _SEPARATORS = (",", ";", "\t", "|")
 _MARKS = ("#", "%")
 _FEWEST_COLUMNS = 3
 """An arm with one joint has as many: q1, x and y."""
+_MOST_TITLES = 30
 _THOUSANDS = MappingProxyType(
     {
         ".": re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+\.[0-9]*"),
@@ -173,6 +174,8 @@ def _csv(path: Path, layout: Layout) -> Table:
     kept, first, named = _lines(path, text, layout)
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
+    if not layout.names:
+        _refuse_title(path, text, layout)
     separator = layout.separator or named or _separator(first)
     try:
         rows = [
@@ -199,7 +202,12 @@ def _csv(path: Path, layout: Layout) -> Table:
         if len(cells) != len(header)
     )
     if not good:
-        raise InputError(path, "", f"no row has the {len(header)} cells of the header; row 1 has {len(body[0])}")
+        message = f"no row has the {len(header)} cells of the header; row 1 has {len(body[0])}"
+        if separator == "," and len(body[0]) >= 2 * len(header) - 1 > 1:
+            message += "; decimal commas cannot stand in a table parted by commas: part it by semicolons"
+        elif len(body[0]) > len(header) and not layout.names:
+            message += "; where a title stands above the header, write `skip_rows: 1`, say, in recording.yaml"
+        raise InputError(path, "", message)
     columns = {name: tuple(body[index][k] for index in good) for k, name in enumerate(header) if name}
     return Table(
         str(path),
@@ -218,6 +226,27 @@ def _refuse_binary(path: Path, content: bytes) -> None:
     for mark, kind in _BINARY.items():
         if content.startswith(mark):
             raise InputError(path, "", f"is {kind}; a recording is a table of text (save a sheet as CSV) or parquet")
+
+
+def _refuse_title(path: Path, text: str, layout: Layout) -> None:
+    """Refuse a file whose header stands below its first lines, with how many to skip."""
+    above: list[str] = []
+    for number, line in zip(range(layout.skip_rows + _MOST_TITLES), io.StringIO(text), strict=False):
+        cells = max((line.split(each) for each in ([layout.separator] if layout.separator else _SEPARATORS)), key=len)
+        names = [" ".join(cell.strip().strip('"').split()) for cell in cells]
+        if sum(looks_like_ours(name) or otherwise_spelled(name) is not None for name in names) < _FEWEST_COLUMNS:
+            above.append(line)
+            continue
+        if any(each.strip() and not _passed_over(each, layout) for each in above[layout.skip_rows :]):
+            message = f"the header stands in line {number + 1}; write `skip_rows: {number}` in recording.yaml"
+            raise InputError(path, "", message)
+        return
+
+
+def _passed_over(line: str, layout: Layout) -> bool:
+    """Whether a line is a comment, or Excel's on the separator."""
+    comment = bool(layout.comment) and line.lstrip().startswith(str(layout.comment))
+    return comment or re.fullmatch(r'"?sep=(.)"?\s*', line) is not None
 
 
 def _lines(path: Path, text: str, layout: Layout) -> tuple[io.StringIO, str, str | None]:
