@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from linkwright.face.exchange.exported import export_arm
     from linkwright.face.exchange.imported import import_arm
     from linkwright.face.inverse import inverse
+    from linkwright.face.planning.budget import budget
     from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
     from linkwright.face.recording import read_recording, read_recordings, simulate
@@ -51,6 +52,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.exchange.exported": ("export_arm",),
         "linkwright.face.exchange.imported": ("import_arm",),
         "linkwright.face.inverse": ("inverse",),
+        "linkwright.face.planning.budget": ("budget",),
         "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
         "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
@@ -73,6 +75,7 @@ __all__ = [
     "Problem",
     "Processes",
     "actuators",
+    "budget",
     "compare",
     "compensate",
     "diagnose",

@@ -34,6 +34,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "compare": "compare",
         "predict": "predict",
         "compensate": "compensate",
+        "budget": "planning.budget",
         "import": "exchange.import_",
         "export": "exchange.export",
         "materials": "materials",

@@ -104,7 +104,7 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
         if not 0.5 <= share < 1.0:
             raise mapping.error("robust", f"is worst, or a share from 50 % to below 100 %, not {shown(raw)}")
     with mapping.mapping("uncertain").reading() as body:
-        widths = {name: _widths(body, name, arm) for name in FACTORS}
+        widths = {name: read_widths(body, name, arm) for name in FACTORS}
         if body.has("diagnosis"):
             _diagnosed(body, arm, widths)
         if not any(any(own) for own in widths.values()):
@@ -117,7 +117,7 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
     return Uncertain(MappingProxyType(widths), share)
 
 
-def _widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
+def read_widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
     """A width for each link or joint: one for all, or a list; nought where there is nothing of that to be uncertain."""
     what = "links" if name in OF_LINKS else "joints"
     if not body.has(name):

@@ -161,6 +161,11 @@ def _farthest_in_space(
     if plays:
         vertices = sign_vertices(min(plays, _MOST_VERTICES_TRIED))
         points = vector[:, None, :] + np.einsum("ck,nki->nci", vertices, intervals[:, : vertices.shape[1]])
+        if not normals.shape[1] and plays <= _MOST_VERTICES_TRIED:
+            # All vertices of what intervals alone reach: the farthest is among them.
+            farthest = np.argmax(_length(points), axis=1)
+            reached = points[np.arange(count), farthest]
+            return PlayedError(_length(reached), reached, vertices[farthest], np.zeros((count, 0, 3)))
         order = np.argsort(-_length(points), axis=1)[:, :6]
         starts += [points[np.arange(count), order[:, column]] for column in range(order.shape[1])]
     repeated = [np.tile(array, (len(starts), *[1] * (array.ndim - 1))) for array in (vector, intervals, normals, radii)]
@@ -191,6 +196,38 @@ def _climb(
             break
         reached = direction = new
     return PlayedError(_length(reached), reached, signs, shifts)
+
+
+def farthest_by_fan(arrays: PoseArrays, radii: Array) -> Array:
+    """The farthest distances (N,) that play leads to in space, for very many rows: one climb each, from that direction
+    of a fan in which the set reaches farthest. The distance is the greatest support over all directions, so none of
+    the fan is above it; a climb raises it further."""
+    fan = _fan()
+    return np.concatenate(
+        [_from_fan(_chunk(arrays, start, start + _CHUNK), radii, fan) for start in range(0, len(arrays.vector), _CHUNK)]
+    )
+
+
+def _from_fan(arrays: PoseArrays, radii: Array, fan: Array) -> Array:
+    support = arrays.vector @ fan.T
+    for k in range(arrays.intervals.shape[1]):
+        support += np.abs(arrays.intervals[:, k] @ fan.T)
+    for k, radius in enumerate(radii.tolist()):
+        along = arrays.normals[:, k] @ fan.T
+        support += radius * np.sqrt(np.maximum(0.0, 1.0 - along * along))
+    every_radius = np.broadcast_to(radii, arrays.normals.shape[:2])
+    start = fan[np.argmax(support, axis=1)]
+    return _climb(arrays.vector, arrays.intervals, arrays.normals, every_radius, start, None).error
+
+
+def _fan() -> Array:
+    """Directions spread over the sphere, 26 of them along axes and diagonals of a cube and 192 on a spiral."""
+    cube = np.array([row for row in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(row)])
+    step = np.arange(192) + 0.5
+    up, turn = 1.0 - step / 96.0, np.pi * (1.0 + np.sqrt(5.0)) * step
+    level = np.sqrt(1.0 - up * up)
+    spiral = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
+    return np.vstack([cube / np.linalg.norm(cube, axis=1)[:, None], spiral])
 
 
 def _across(arrays: PoseArrays) -> Array:

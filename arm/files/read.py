@@ -58,7 +58,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             play=play,
             statistics=statistics,
             leave_out=left_out,
-            effects=_effects(mapping, joints, left_out),
+            effects=read_effects(mapping, joints, left_out),
             tool=tool,
         )
     _check_absolute(mapping, arm)
@@ -106,12 +106,15 @@ def _leave_out(mapping: Mapping) -> frozenset[str]:
     return frozenset(names)
 
 
-def _effects(mapping: Mapping, joints: tuple[Joint, ...], left_out: frozenset[str]) -> tuple[EffectEntry, ...]:
-    if not mapping.has("effects"):
+def read_effects(
+    mapping: Mapping, joints: tuple[Joint, ...], left_out: frozenset[str], key: str = "effects", *also_known: str
+) -> tuple[EffectEntry, ...]:
+    """The effects listed under a key, each with its places and parameters; keys of `also_known` are read elsewhere."""
+    if not mapping.has(key):
         return ()
     found: list[EffectEntry] = []
-    for entry in mapping.mappings("effects"):
-        with entry.reading():
+    for entry in mapping.mappings(key):
+        with entry.reading(*also_known):
             name = entry.text("effect")
             if name not in EFFECTS:
                 raise entry.error("effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
@@ -188,4 +191,4 @@ def _check_absolute(mapping: Mapping, arm: Arm) -> None:
         raise mapping.error("angles", "can be absolute only where all revolute axes are parallel to z; write relative")
 
 
-__all__ = ["arm_from", "read_arm", "read_load", "read_section"]
+__all__ = ["arm_from", "read_arm", "read_effects", "read_load", "read_section"]

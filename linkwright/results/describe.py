@@ -20,6 +20,7 @@ _DESCRIBED = MappingProxyType(
         "Prediction": "prediction",
         "Imported": "imported",
         "Exported": "exported",
+        "Budget": "budget",
     }
 )
 """The module that describes each class of results, loaded when asked for."""

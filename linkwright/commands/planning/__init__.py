@@ -1,0 +1,1 @@
+"""The commands for what is asked before anything is bought, built or measured."""

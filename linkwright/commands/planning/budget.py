@@ -1,0 +1,58 @@
+"""`linkwright budget`: what an arm is to be expected to err by, before anything is bought."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import linkwright as lw
+from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
+from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_markdown, write_result
+
+HELP = """The error to expect, by cause, from data sheets and tolerances; and which part to buy better first.
+
+Example: linkwright budget arm.yaml --sheet sheet.yaml --out budget
+"""
+
+
+def budget(
+    arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
+    sheet: Annotated[
+        Path | None,
+        typer.Option("--sheet", metavar="FILE", help="Tolerances, repeatability, temperature, better parts, prices."),
+    ] = None,
+    problem: Annotated[
+        Path | None,
+        typer.Option("--problem", metavar="PROBLEM", help="Take workspace and loads from this problem file."),
+    ] = None,
+    out: OutFolder = None,
+    json: JsonFile = None,
+    markdown: MarkdownFile = None,
+    catalogue: CatalogueFile = None,
+) -> None:
+    """Run the command."""
+    from linkwright.results.budget import describe
+    from linkwright.screen.console import console
+    from linkwright.screen.described import show
+
+    for target in (json, markdown):
+        check_target(target, arm, sheet, problem, catalogue)
+    given = lw.read_arm(arm, catalogue=catalogue)
+    if out is not None:
+        claim_own(out, "budget", (RESULT, REPORT))
+    with asked_of(arm):
+        asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
+        found = lw.budget(given, sheet=sheet, problem=asked)
+    if out is not None:
+        found.save(out)
+    write_result(json, found.to_json())
+    screen = console()
+    described = describe(found.found)
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in ([out / REPORT, out / RESULT] if out is not None else []) + [
+        path for path in (json, markdown) if path is not None
+    ]:
+        screen.print(f"written: {path}", soft_wrap=True)

@@ -1,0 +1,254 @@
+"""An arm's error at many poses in parts: what each effect does at each place, and what each tolerance could.
+
+All to first order, from the effects' own formulas on arrays of poses; so halving a part or drawing another arm is only
+another sum.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.statics import PoseState, solve
+from arm.effects import BACKLASH, EFFECTS, JOINT_COMPLIANCE, Settings
+from arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
+from arm.errors.model import beams_of
+from arm.errors.tip import ActiveEffect, TipError, active_effects, tip_error
+from optimize.exchange.scenarios import resized
+from sections.numeric import Array
+
+from .sheet import Sheet
+
+Owner = tuple[str, int]
+"""`("joint", 0)`, `("link", 2)`; `("base", -1)` and `("tip", -1)` are nobody's in the chain."""
+
+REPEATABILITY, TEMPERATURE = "repeatability", "temperature"
+EACH_TIME = ", each time"
+"""Ends the name of a cause that is drawn anew at every pose."""
+_WARM = "warming"
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """What an effect does at a place in every arm: `vector` (S, 3) m. A drive's stiffness or a link's modulus
+    (`factor`) divides it."""
+
+    cause: str
+    owner: Owner
+    factor: str | None
+    vector: Array
+
+
+@dataclass(frozen=True)
+class Varying:
+    """What differs from arm to arm (or, `each_time`, from pose to pose): `vector` (S, 3) m at the bound, times a number
+    between -1 and 1, and `bent` (S, 3) times its square. `key` names the number, so that the same draws serve again."""
+
+    cause: str
+    owner: Owner
+    key: str
+    vector: Array
+    bent: Array | None = None
+    each_time: bool = False
+
+
+@dataclass(frozen=True)
+class Play:
+    """Play that moves the tip within an interval (S, 3), or within a disc of `radius` normal to `normal` (S, 3)."""
+
+    cause: str
+    owner: Owner
+    vector: Array
+    seating: Array
+    radius: float | None = None
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The error at S states (poses under loads, load after load) in parts. `scatter` (m) is one standard deviation of
+    the tip in each direction; `load_scale` (S,) the size of the loads; `widths` how far off factors are."""
+
+    arm: Arm
+    planar: bool
+    fixed: tuple[Fixed, ...]
+    varying: tuple[Varying, ...]
+    play: tuple[Play, ...]
+    scatter: float
+    load_scale: Array
+    widths: dict[tuple[str, int], float]
+    unwarmed: tuple[int, ...]
+    """Links that would grow by an unknown amount (from 0)."""
+
+    @property
+    def states(self) -> int:
+        """How many."""
+        return len(self.load_scale)
+
+
+def parts_of(arm: Arm, sheet: Sheet, poses: Array, loads: Sequence[LoadCase]) -> Parts:
+    """The parts at poses (N, n) under load cases; `PropertyNeeded` where a link's mass or material is not known."""
+    own = [_at_load(arm, sheet, poses, load) for load in loads]
+    first = own[0]
+
+    def stacked(name: str) -> tuple[object, ...]:
+        return tuple(_stacked(group) for group in zip(*(getattr(each, name) for each in own), strict=True))
+
+    return replace(
+        first,
+        planar=all(each.planar for each in own),
+        fixed=stacked("fixed"),
+        varying=stacked("varying"),
+        play=stacked("play"),
+        load_scale=np.concatenate([each.load_scale for each in own]),
+    )
+
+
+def _stacked(group: Sequence[Fixed | Varying | Play]) -> Fixed | Varying | Play:
+    names = [name for name in ("vector", "seating", "bent") if getattr(group[0], name, None) is not None]
+    return replace(group[0], **{name: np.concatenate([getattr(each, name) for each in group]) for name in names})
+
+
+def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:
+    columns = [poses[:, k] for k in range(arm.size)]
+    state = solve(arm, columns, beams_of(arm, (load,)), load)
+    count = len(poses)
+    fixed: list[Fixed] = []
+    play: list[Play] = []
+    for active in active_effects(arm):
+        for owner, settings in _places(arm, active):
+            found = tip_error(state, [replace(active, settings=settings)])
+            vector = _rows(found.vector, count)
+            if vector.any():
+                fixed.append(Fixed(active.effect.id, owner, _factor(active, owner), vector))
+            play += _play(found, owner, count)
+    widths = (
+        {}
+        if sheet.uncertain is None
+        else {(name, k): sheet.uncertain.widths[name][k] for name, k in sheet.uncertain.places}
+    )
+    varying = [
+        *_tolerances(state, sheet, count),
+        *_resized(arm, load, columns, widths, count),
+        *_warmed(state, sheet.temperature, count),
+    ]
+    unwarmed = tuple(
+        k for k, link in enumerate(state.links) if link.beam.thermal_expansion is None and sheet.temperature > 0.0
+    )
+    scale = np.linalg.norm(_rows(state.joints[0].force, count), axis=1)
+    scale = scale + np.linalg.norm(_rows(state.joints[0].moment, count), axis=1)
+    scatter = sheet.repeatability / reach_of_repeatability(state.planar)
+    return Parts(arm, state.planar, tuple(fixed), tuple(varying), tuple(play), scatter, scale, widths, unwarmed)
+
+
+def reach_of_repeatability(planar: bool) -> float:
+    """Repeatability over one standard deviation in each direction: the mean distance from the mean position and three
+    times its standard deviation (ISO 9283:1998, 7.2.2), of a normal scatter in two or three directions."""
+    mean = np.sqrt(np.pi / 2.0) if planar else 2.0 * np.sqrt(2.0 / np.pi)
+    spread = np.sqrt(2.0 - np.pi / 2.0) if planar else np.sqrt(3.0 - 8.0 / np.pi)
+    return float(mean + 3.0 * spread)
+
+
+def _rows(vector: Sequence[object], count: int) -> Array:
+    """A vector of floats or arrays as rows (count, 3)."""
+    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in vector], axis=1)
+
+
+def _places(arm: Arm, active: ActiveEffect) -> list[tuple[Owner, Settings]]:
+    """Each place at which an effect acts, by itself."""
+    effect = active.effect
+    if effect.place not in ("joint", "link"):
+        return [((effect.place, -1), active.settings)]
+    return [
+        ((effect.place, k), replace(active.settings, at=(k,)))
+        for k in range(arm.size)
+        if active.settings.acts_at(k) and effect.can_act(k, revolute=arm.joints[k].revolute)
+    ]
+
+
+def _factor(active: ActiveEffect, owner: Owner) -> str | None:
+    if active.effect.id == JOINT_COMPLIANCE.id:
+        return "stiffness"
+    return "elastic_modulus" if active.effect.flexible and owner[0] == "link" else None
+
+
+def _play(found: TipError, owner: Owner, count: int) -> list[Play]:
+    intervals = [
+        Play(each.effect, owner, _rows(each.vector, count), np.broadcast_to(each.seating, (count,)))
+        for each in found.intervals
+    ]
+    discs = [
+        Play(each.effect, owner, _rows(each.normal, count), _rows(each.seating, count), each.radius)
+        for each in found.discs
+    ]
+    return [*intervals, *discs]
+
+
+def _tolerances(state: PoseState, sheet: Sheet, count: int) -> list[Varying]:
+    found: list[Varying] = []
+    for tolerance in sheet.tolerances:
+        entry = tolerance.entry
+        active = ActiveEffect(EFFECTS[entry.effect], Settings(tuple(k - 1 for k in entry.at), entry.parameters))
+        for owner, settings in _places(state.arm, active):
+            for name, width in entry.parameters.items():
+                alone = replace(active, settings=replace(settings, values={name: width}))
+                vector = _rows(tip_error(state, [alone]).vector, count)
+                key = f"{entry.effect} {name} {owner} {tolerance.each_time}"
+                cause = f"{entry.effect}{EACH_TIME}" if tolerance.each_time else entry.effect
+                if vector.any():
+                    found.append(Varying(cause, owner, key, vector, each_time=tolerance.each_time))
+    return found
+
+
+def _resized(
+    arm: Arm, load: LoadCase, columns: Sequence[Array], widths: dict[tuple[str, int], float], count: int
+) -> list[Varying]:
+    """What links of other dimensions do more or less, to second order."""
+    found: list[Varying] = []
+    middle: Array | None = None
+    for (name, k), width in widths.items():
+        section = arm.links[k].section
+        if name not in ("size", "thickness") or section is None:
+            continue
+        if middle is None:
+            middle = _whole(arm, load, columns, count)
+        ends: list[Array] = []
+        for side in (1.0 - width, 1.0 + width):
+            size, wall = (side, 1.0) if name == "size" else (1.0, side)
+            links = list(arm.links)
+            links[k] = replace(links[k], section=resized(section, size, wall), section_name=None)
+            ends.append(_whole(arm.with_links(tuple(links)), load, columns, count) - middle)
+        low, high = ends
+        if low.any() or high.any():
+            found.append(Varying(name, ("link", k), f"{name} {k}", 0.5 * (high - low), 0.5 * (high + low)))
+    return found
+
+
+def _whole(arm: Arm, load: LoadCase, columns: Sequence[Array], count: int) -> Array:
+    state = solve(arm, columns, beams_of(arm, (load,)), load)
+    return _rows(tip_error(state, active_effects(arm)).vector, count)
+
+
+def _warmed(state: PoseState, swing: float, count: int) -> list[Varying]:
+    """All links warmer or colder by as much."""
+    if swing == 0.0:
+        return []
+    total = np.zeros((count, 3))
+    for k, link in enumerate(state.links):
+        if link.beam.thermal_expansion is not None:
+            settings = Settings((k,), {_WARM: swing})
+            total = total + _rows(tip_error(state, [ActiveEffect(THERMAL_EXPANSION, settings)]).vector, count)
+    return [Varying(TEMPERATURE, ("base", -1), TEMPERATURE, total)] if total.any() else []
+
+
+def generator_of(seed: int, key: str) -> np.random.Generator:
+    """The draws of one number, the same whatever else is drawn."""
+    return np.random.default_rng([seed, zlib.crc32(key.encode())])
+
+
+def backlash_width(parts: Parts, play: Play) -> float:
+    """How far off the backlash of a play's joint may be."""
+    return parts.widths.get(("backlash", play.owner[1]), 0.0) if play.cause == BACKLASH.id else 0.0

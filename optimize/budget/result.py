@@ -1,0 +1,192 @@
+"""The error budget of an arm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.chain import Arm, LoadCase
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.worst.search import WorstSearch
+from arm.worst.workspace import Workspace
+from optimize.robust.figure import upper_rank
+from sections.numeric import Array
+from units.quantities import InputError
+
+from .parts import Owner, Parts, parts_of
+from .sample import ALL, Chosen, Draws, Heard, causes, errors, owners, quantile
+from .sheet import Option, Sheet
+
+_POSES = 64
+_HALF = 0.5
+_LEAST = 1e-3
+"""A gain below this share of the worst error is none."""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What a cause alone does: at the worst pose what the share of arms does not exceed, its root mean square over the
+    poses and arms (both m), and its part of the mean square of all causes alone."""
+
+    name: str
+    at_worst: float
+    average: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What a better part brings: how much less (m) the worst error that the share of arms keeps is, and the average.
+
+    `owner` is the joint or link that is made twice as good; of a part that could be bought it is None, with its `name`,
+    its `price` (EUR) and what a euro of it buys (m).
+    """
+
+    owner: Owner | None
+    name: str
+    worst: float
+    average: float
+    price: float | None = None
+
+    @property
+    def per_euro(self) -> float | None:
+        """How much less the worst error is for a euro, m."""
+        return None if self.price is None else self.worst / self.price
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What an arm is to be expected to err by, in m, to first order.
+
+    `worst` is the worst error over the poses that the sheet's share of arms keeps (`worst_upper`: with 95 % confidence,
+    None where the draws are too few), `median` that of half of them, `average` the root mean square over arms and
+    poses; `nominal` the worst of the arm exactly as on paper. `pose` and `load_case` (from 1) are where the share of
+    arms errs most, `at_worst` by how much. `halved` are joints and links made twice as good, `options` parts to be
+    bought, both by what they bring. `samples` are the worst errors of all arms, sorted.
+    """
+
+    arm: Arm
+    sheet: Sheet
+    load_cases: tuple[LoadCase, ...]
+    poses: int
+    nominal: float
+    worst: float
+    worst_upper: float | None
+    median: float
+    average: float
+    pose: tuple[float, ...]
+    load_case: int
+    at_worst: float
+    causes: tuple[Cause, ...]
+    halved: tuple[Gain, ...]
+    options: tuple[Gain, ...]
+    samples: tuple[float, ...]
+    unwarmed: tuple[int, ...]
+
+
+def budget(
+    arm: Arm,
+    sheet: Sheet,
+    workspace: Workspace | None = None,
+    load_cases: Sequence[LoadCase] = (),
+    *,
+    progress: Heard | None = None,
+) -> Budget:
+    """The budget of an arm over a workspace (its joint ranges by default) and load cases (its own payload by default).
+
+    Raises `PropertyNeeded` or `MissingProperty` where the arm lacks a figure, `Unreachable` where the workspace cannot
+    be reached, `InputError` where errors count from a calibrated state.
+    """
+    cases = tuple(load_cases) or (arm.payload,)
+    if any(case.relative_to is not None for case in cases):
+        raise InputError("", "relative_to", "goes without a budget, which is of the whole error")
+    heard = progress or _silent
+    poses = _poses(arm, workspace or Workspace(), cases)
+    parts = parts_of(arm, sheet, poses, cases)
+    named = causes(parts)
+    if not named:
+        would_do = "stiffness, backlash or clearance of joints, sections of links, or a sheet with tolerances"
+        raise InputError("", "", f"{arm.name} has no data of anything that errs; give {would_do}")
+    draws = Draws(sheet.seed, sheet.draws, parts.states)
+    found = errors(parts, draws)
+    kept = quantile(found, sheet.share)
+    place = int(np.argmax(kept))
+    worst, average = _figures(found, sheet.share)
+    samples = np.sort(found.max(axis=1))
+    upper = upper_rank(sheet.share, sheet.draws)
+    own = owners(parts)
+    done, steps = 0, len(named) + len(own) + len(sheet.options)
+    alone: list[tuple[str, float, float]] = []
+    for name in named:
+        heard(f"what {name} does alone", done / steps)
+        each = errors(parts, draws, Chosen(cause=name))
+        alone.append((name, float(quantile(each, sheet.share)[place]), _root_mean_square(each)))
+        done += 1
+    whole = sum(value**2 for _, _, value in alone) or 1.0
+    halved: list[Gain] = []
+    for owner in own:
+        heard(f"a better {owner[0]} {owner[1] + 1}", done / steps)
+        better = _figures(errors(parts, draws, Chosen(better={owner: _HALF})), sheet.share)
+        halved.append(Gain(owner, f"{owner[0]} {owner[1] + 1}", worst - better[0], average - better[1]))
+        done += 1
+    options: list[Gain] = []
+    for option in sheet.options:
+        heard(f"with {option.name}", done / steps)
+        better = _with_option(option, poses, cases)
+        options.append(Gain(None, option.name, worst - better[0], average - better[1], option.price))
+        done += 1
+    nominal = errors(parts, Draws(sheet.seed, 1, parts.states), Chosen(tolerances=False))
+    return Budget(
+        arm=arm,
+        sheet=sheet,
+        load_cases=cases,
+        poses=len(poses),
+        nominal=float(nominal.max()),
+        worst=worst,
+        worst_upper=None if upper is None else float(samples[upper - 1]),
+        median=float(quantile(samples, 0.5)),
+        average=average,
+        pose=tuple(poses[place % len(poses)].tolist()),
+        load_case=place // len(poses) + 1,
+        at_worst=float(kept[place]),
+        causes=tuple(
+            sorted((Cause(name, top, mean, mean**2 / whole) for name, top, mean in alone), key=lambda x: -x.at_worst)
+        ),
+        halved=tuple(sorted((each for each in halved if each.worst > _LEAST * worst), key=lambda x: -x.worst)),
+        options=tuple(sorted(options, key=_worth)),
+        samples=tuple(samples.tolist()),
+        unwarmed=parts.unwarmed,
+    )
+
+
+def _silent(text: str, share: float) -> None:
+    del text, share
+
+
+def _worth(gain: Gain) -> tuple[bool, float]:
+    """What brings most for a euro goes first; without a price, after those, what brings most."""
+    per_euro = gain.per_euro
+    return per_euro is None, -(gain.worst if per_euro is None else per_euro)
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _figures(found: Array, share: float) -> tuple[float, float]:
+    return float(quantile(found.max(axis=1), share)), _root_mean_square(found)
+
+
+def _with_option(option: Option, poses: Array, cases: Sequence[LoadCase]) -> tuple[float, float]:
+    parts: Parts = parts_of(option.arm, option.sheet, poses, cases)
+    return _figures(errors(parts, Draws(option.sheet.seed, option.sheet.draws, parts.states), ALL), option.sheet.share)
+
+
+def _poses(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase]) -> Array:
+    """The worst poses of the arm as on paper, and others spread over its workspace."""
+    search = WorstSearch(error_model(arm, cases), workspace)
+    p = beam_values(beams_of(arm, cases))
+    worst = [pose.q for pose in search.worst(p, certify=False).poses]
+    return np.vstack([np.array(worst), search.poses(p, _POSES)])
