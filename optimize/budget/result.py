@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain.chain import Arm, LoadCase
 from arm.errors.model import beam_values, beams_of, error_model
@@ -20,6 +21,8 @@ from .sample import ALL, Chosen, Draws, Heard, causes, errors, owners, quantile
 from .sheet import Option, Sheet
 
 _POSES = 64
+_LOOKED_AT, _ARMS = 1024, 40
+"""Poses at which so many arms are looked at for their worst."""
 _HALF = 0.5
 _LEAST = 1e-3
 """A gain below this share of the worst error is none."""
@@ -103,8 +106,9 @@ def budget(
     if any(case.relative_to is not None for case in cases):
         raise InputError("", "relative_to", "goes without a budget, which is of the whole error")
     heard = progress or _silent
-    poses = _poses(arm, workspace or Workspace(), cases)
+    poses = _poses(arm, sheet, workspace or Workspace(), cases)
     parts = parts_of(arm, sheet, poses, cases)
+    spread = _spread(len(poses), len(cases))
     named = causes(parts)
     if not named:
         would_do = "stiffness, backlash or clearance of joints, sections of links, or a sheet with tolerances"
@@ -113,7 +117,7 @@ def budget(
     found = errors(parts, draws)
     kept = quantile(found, sheet.share)
     place = int(np.argmax(kept))
-    worst, average = _figures(found, sheet.share)
+    worst, average = _figures(found, sheet.share, spread)
     samples = np.sort(found.max(axis=1))
     upper = upper_rank(sheet.share, sheet.draws)
     own = owners(parts)
@@ -122,19 +126,19 @@ def budget(
     for name in named:
         heard(f"what {name} does alone", done / steps)
         each = errors(parts, draws, Chosen(cause=name))
-        alone.append((name, float(quantile(each, sheet.share)[place]), _root_mean_square(each)))
+        alone.append((name, float(quantile(each, sheet.share)[place]), _root_mean_square(each[:, spread])))
         done += 1
     whole = sum(value**2 for _, _, value in alone) or 1.0
     halved: list[Gain] = []
     for owner in own:
         heard(f"a better {owner[0]} {owner[1] + 1}", done / steps)
-        better = _figures(errors(parts, draws, Chosen(better={owner: _HALF})), sheet.share)
+        better = _figures(errors(parts, draws, Chosen(better={owner: _HALF})), sheet.share, spread)
         halved.append(Gain(owner, f"{owner[0]} {owner[1] + 1}", worst - better[0], average - better[1]))
         done += 1
     options: list[Gain] = []
     for option in sheet.options:
         heard(f"with {option.name}", done / steps)
-        better = _with_option(option, poses, cases)
+        better = _with_option(option, poses, cases, spread)
         options.append(Gain(None, option.name, worst - better[0], average - better[1], option.price))
         done += 1
     nominal = errors(parts, Draws(sheet.seed, 1, parts.states), Chosen(tolerances=False))
@@ -175,18 +179,30 @@ def _root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _figures(found: Array, share: float) -> tuple[float, float]:
-    return float(quantile(found.max(axis=1), share)), _root_mean_square(found)
+def _figures(found: Array, share: float, spread: NDArray[np.bool_]) -> tuple[float, float]:
+    return float(quantile(found.max(axis=1), share)), _root_mean_square(found[:, spread])
 
 
-def _with_option(option: Option, poses: Array, cases: Sequence[LoadCase]) -> tuple[float, float]:
+def _spread(poses: int, loads: int) -> NDArray[np.bool_]:
+    """Which states are those spread over the workspace: the last of each load case. The average is over them alone."""
+    return np.tile(np.arange(poses) >= poses - _POSES, loads)
+
+
+def _with_option(
+    option: Option, poses: Array, cases: Sequence[LoadCase], spread: NDArray[np.bool_]
+) -> tuple[float, float]:
     parts: Parts = parts_of(option.arm, option.sheet, poses, cases)
-    return _figures(errors(parts, Draws(option.sheet.seed, option.sheet.draws, parts.states), ALL), option.sheet.share)
+    found = errors(parts, Draws(option.sheet.seed, option.sheet.draws, parts.states), ALL)
+    return _figures(found, option.sheet.share, spread)
 
 
-def _poses(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase]) -> Array:
-    """The worst poses of the arm as on paper, and others spread over its workspace."""
+def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCase]) -> Array:
+    """The worst poses of the arm as on paper and of some drawn arms; then others spread over its workspace."""
     search = WorstSearch(error_model(arm, cases), workspace)
     p = beam_values(beams_of(arm, cases))
     worst = [pose.q for pose in search.worst(p, certify=False).poses]
-    return np.vstack([np.array(worst), search.poses(p, _POSES)])
+    many = np.vstack([search.poses(p, _LOOKED_AT), np.array(worst)])
+    parts = parts_of(arm, sheet, many, cases)
+    found = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
+    of_arms = many[np.unique(found.argmax(axis=1) % len(many))]
+    return np.vstack([np.array(worst), of_arms, search.poses(p, _POSES)])
