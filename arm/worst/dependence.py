@@ -9,7 +9,8 @@ leans, a force across it, a wave on its encoder.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -25,6 +26,9 @@ ErrorColumns = Callable[[Array], Array]
 _POSES = 128
 _NOTHING = 1e-12
 """Of the greatest entry: what rounding leaves of nothing."""
+_SAME = 1e-11
+"""Of the greatest product of two vectors: what rounding leaves of no difference."""
+_LOOKED_AT = 32
 
 
 def joints_that_matter(columns: ErrorColumns, vectors: int, arm: Arm, coordinates: Coordinates) -> tuple[int, ...]:
@@ -53,13 +57,31 @@ def joints_that_matter(columns: ErrorColumns, vectors: int, arm: Arm, coordinate
     return tuple(matter)
 
 
+def still_all_that_matter(columns: ErrorColumns, vectors: int, coordinates: Coordinates, joints: Sequence[int]) -> bool:
+    """Whether the `joints` that mattered for another design are all that matter for this one: wherever the others
+    stand, the vectors have the same lengths and products with each other, and the other figures are the same."""
+    if len(joints) == len(coordinates.moving):
+        return True
+    q = all_round(coordinates, seed=6)[:_LOOKED_AT]
+    found = columns(np.vstack([q, coordinates.placed(joints, q[:, list(joints)])]))
+    own = found[:, :vectors].reshape(len(found), -1, 3)
+    here, there = np.split(own @ own.transpose(0, 2, 1), 2)
+    if np.abs(here - there).max(initial=0.0) > _SAME * np.abs(here).max(initial=0.0):
+        return False
+    here, there = np.split(found[:, vectors:], 2)
+    return _alike(there, here, np.abs(here).max(initial=0.0))
+
+
+@lru_cache(maxsize=64)
 def all_round(coordinates: Coordinates, seed: int) -> Array:
     """Poses (N, n) from whole circles and whole slides; joints without width stand where they do."""
     free = coordinates.moving
     some = coordinates.of(free)
     reach = np.where(some.revolute, np.pi, 1.0)
     x = np.random.default_rng(seed).uniform(-reach, reach, (_POSES, len(free)))
-    return coordinates.placed(free, some.unscaled(x))
+    poses = coordinates.placed(free, some.unscaled(x))
+    poses.setflags(write=False)
+    return poses
 
 
 def _replaced(q: Array, joint: int, other: Array) -> Array:
@@ -68,7 +90,7 @@ def _replaced(q: Array, joint: int, other: Array) -> Array:
     return out
 
 
-def _alike(one: Array, two: Array, size: Array) -> bool:
+def _alike(one: Array, two: Array, size: Array | float) -> bool:
     return bool(np.all(np.abs(one - two) <= _NOTHING * size))
 
 

@@ -17,7 +17,7 @@ from arm.errors.lost_motion import played, pushed_discs, sign_vertices
 from arm.errors.model import CaseModel
 from sections.numeric import Array
 
-from .dependence import joints_that_matter
+from .dependence import joints_that_matter, still_all_that_matter
 from .polynomial import (
     Coefficients,
     Coordinates,
@@ -92,9 +92,11 @@ def error_polynomials(
     *,
     planar: bool,
     confined: bool,
+    matter: tuple[int, ...] | None = None,
 ) -> ErrorPolynomials:
     """The polynomials of load case `number` for a design p, of the joints that matter; `confined` keeps all that move,
-    for a workspace where they decide what is in it.
+    for a workspace where they decide what is in it. `matter` are those that mattered for another design: they are taken
+    if they are all that matter for this one.
 
     Raises `NotPolynomial` where the error is none (loaded clearance in space, statistical play) or has too many joints
     or ways of play.
@@ -134,7 +136,10 @@ def error_polynomials(
         return np.concatenate([*rows, arrays.kink_loads / size] if zones else rows, axis=1)
 
     vectors = 3 + 3 * count + 6 * len(zones)
-    matter = coordinates.moving if confined else joints_that_matter(columns, vectors, case.state.arm, coordinates)
+    if confined:
+        matter = coordinates.moving
+    elif matter is None or not still_all_that_matter(columns, vectors, coordinates, matter):
+        matter = joints_that_matter(columns, vectors, case.state.arm, coordinates)
     if len(matter) > MOST_JOINTS:
         raise NotPolynomial("the error depends on too many joints")
     kept = coordinates.of(matter)

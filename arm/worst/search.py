@@ -34,6 +34,8 @@ _FARTHEST = 1e6
 _SAME_TURN = 1e-9
 """Errors that differ by less than this share are the same a turn further."""
 _MOST_CELLS = 2_000_000
+_FEW_JOINTS, _FEW_CELLS = 3, 20_000
+"""Cells of so few joints are looked at before another kind of bound is tried: some hundredths of a second."""
 _MOST_REGION_CELLS = 500_000
 """A path is a thin set: its cells are dropped slowly, and beyond this many the bound stands as it is."""
 
@@ -64,7 +66,10 @@ class WorstCase:
 
 
 class WorstSearch:
-    """Searches a workspace for the worst pose of a design, again and again as the design changes."""
+    """Searches a workspace for the worst pose of a design, again and again as the design changes.
+
+    What does not change with the design is kept from search to search.
+    """
 
     def __init__(self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096) -> None:
         """`gap`: relative, of the certificate; `scan`: poses looked at where no polynomial serves."""
@@ -77,6 +82,7 @@ class WorstSearch:
             tuple(joint.revolute for joint in self.arm.joints),
             tuple(zip(self.lower.tolist(), self.upper.tolist(), strict=True)),
         )
+        self._matter: dict[int, tuple[int, ...]] = {}
 
     def _widen_where_turns_differ(self) -> None:
         """Keep the whole range of a joint that turns once or more, where the error is not the same a turn further."""
@@ -185,7 +191,7 @@ class WorstSearch:
         if confined and len(self._coordinates.moving) > MOST_JOINTS:
             return None
         try:
-            return [
+            found = [
                 error_polynomials(
                     case,
                     number,
@@ -194,11 +200,14 @@ class WorstSearch:
                     self.arm.play,
                     planar=self.model.planar,
                     confined=confined,
+                    matter=self._matter.get(number),
                 )
                 for number, case in enumerate(self.model.cases)
             ]
         except NotPolynomial:
             return None
+        self._matter = {each.case: each.joints for each in found}
+        return found
 
     def _climbed_and_certified(
         self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify_up_to: float
@@ -217,13 +226,17 @@ class WorstSearch:
             return WorstCase(worst.error, None, False, distinct(poses, matter))
         bound = worst.error
         for each in polynomials:
-            quick = None
-            if cells is None and each.seatings is None:
-                quick = self._loose_bound(p, each.case, worst.error, QUICK if each.exact else THOROUGH)
-            if quick is not None and (self._closed(worst.error, quick) or not each.exact):
-                bound = max(bound, quick)
-                continue
-            certified = self._certify(each, worst.error, cells)
+            plain = cells is None and each.seatings is None
+            few = plain and each.exact and len(each.joints) <= _FEW_JOINTS
+            certified = self._certify(each, worst.error, cells, _FEW_CELLS) if few else None
+            if certified is None or not certified.complete:
+                effort = QUICK if each.exact else THOROUGH
+                quick = self._loose_bound(p, each.case, worst.error, effort) if plain else None
+                if quick is not None and (self._closed(worst.error, quick) or not each.exact):
+                    bound = max(bound, quick)
+                    continue
+                most = _MOST_CELLS if cells is None else _MOST_REGION_CELLS
+                certified = self._certify(each, worst.error, cells, most)
             if certified.function >= 0:
                 # The certificate knows a worse pose than the climbs found: it counts.
                 poses += self.worst_poses_at(self._whole(each, certified.point)[None], p, each.case)
@@ -300,7 +313,9 @@ class WorstSearch:
             value_and_gradient, start, self.workspace, lambda q: self.tip(q, p), (self.lower, self.upper)
         )
 
-    def _certify(self, polynomials: ErrorPolynomials, known: float, cells: RegionCells | None) -> Certified:
+    def _certify(
+        self, polynomials: ErrorPolynomials, known: float, cells: RegionCells | None, most_cells: int
+    ) -> Certified:
         joints = list(polynomials.joints)
         lower = self._coordinates.scaled(self.lower)[joints]
         upper = self._coordinates.scaled(self.upper)[joints]
@@ -320,7 +335,7 @@ class WorstSearch:
             upper,
             gap=2.0 * self.gap,
             incumbent=max(known - polynomials.radius, 0.0) ** 2,
-            most_cells=_MOST_CELLS if cells is None else _MOST_REGION_CELLS,
+            most_cells=most_cells,
             keep=keep if filtered else None,
             admissible=admissible if filtered else None,
         )

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from arm.errors.model import BEAM_FIELDS
 from arm.worst.polynomial_error import error_polynomials
 from arm.worst.workspace import Workspace
 from tests.arm.worst.test_worst_case import DOWN_Z, X, Y, Z, check, errors, rods, search_of
@@ -137,3 +138,21 @@ def test_joints_within_a_box_all_count() -> None:
     inside = np.all((tips >= box.points[0]) & (tips <= box.points[1]), axis=1)
     assert inside.sum() > 20
     assert errors(search, p, q[inside]).max() <= worst.error * (1.0 + 1e-9) <= worst.upper_bound * (1.0 + 2e-9)
+
+
+def test_a_joint_that_comes_to_matter_with_another_design_is_noticed() -> None:
+    """What a search keeps from design to design is given up where it no longer holds: a roll ahead of a link counts
+    once that is no longer as stiff on edge as flat."""
+    joints = (*UPRIGHT[:3], Joint(axis=X, range=TURN, stiffness=8e3))
+    arm = rods(joints, LENGTHS[:4], gravity=DOWN_Z, payload=LoadCase(mass=3.0))
+    search, round_ = search_of(arm)
+    flat = round_.copy()
+    flat[3 * len(BEAM_FIELDS) + BEAM_FIELDS.index("flexural_rigidity_height")] *= 0.3
+    for p, joints_then in [(round_, (1, 2)), (flat, (1, 2, 3)), (round_, (1, 2)), (flat, (1, 2, 3))]:
+        again, afresh = search.worst(p), search_of(arm)[0].worst(p)
+        assert again.error == pytest.approx(afresh.error, rel=1e-9)
+        assert again.certified
+        assert set(joints_then) <= set(search._matter[0])  # pyright: ignore[reportPrivateUsage]
+        q = np.random.default_rng(0).uniform(search.lower, search.upper, (5_000, 4))
+        assert again.upper_bound is not None
+        assert errors(search, p, q).max() <= again.upper_bound

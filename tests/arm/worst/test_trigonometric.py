@@ -48,6 +48,22 @@ def poses(rng: np.random.Generator, coordinates: Coordinates, count: int) -> Arr
 
 
 @pytest.mark.parametrize("kinds", KINDS)
+def test_many_points_at_once_give_what_each_gives_alone(kinds: tuple[bool, ...]) -> None:
+    """Both ways of `Terms.at`: by terms for few points, by tables for many; two functions, all orders."""
+    coordinates = coordinates_of(kinds)
+    functions = [as_function(*random_expression(seed, kinds)) for seed in (3, 4)]
+    terms = terms_of(fit(lambda q: np.hstack([each(q) for each in functions]), coordinates))
+    rng = np.random.default_rng(5)
+    x, which = coordinates.scaled(poses(rng, coordinates, 3000)), rng.integers(0, 2, 3000).astype(np.intp)
+    for order in (0, 1, 2):
+        many = terms.at(x, which, order)
+        few = [terms.at(x[k : k + 10], which[k : k + 10], order) for k in range(0, 3000, 10)]
+        for derivative in range(order + 1):
+            alone = np.concatenate([each[derivative] for each in few])
+            assert many[derivative] == pytest.approx(alone, abs=1e-12 * np.abs(alone).max())
+
+
+@pytest.mark.parametrize("kinds", KINDS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_fit_gives_values_gradients_and_curvatures_back(kinds: tuple[bool, ...], seed: int) -> None:
     """Against CasADi's own derivatives."""
