@@ -39,6 +39,9 @@ TOLERANCE = 2e-5
 CERTIFICATE_GAP = 3e-5
 _MOST_ROUNDS = 40
 _MOST_ADDED = 6
+_BETWEEN = (1.0 / 3.0, 2.0 / 3.0)
+"""Where poses between two stand that are farther apart (rad, m) than `_SAME` and nearer than `_NEAR`."""
+_SAME, _NEAR = 1e-4, 0.6
 
 
 @dataclass(frozen=True)
@@ -127,8 +130,8 @@ class Exchange:
         if self._program is None or not self._program.holds(pool):
             families = [family for family, _ in self.context.families]
             room = pool.room(self.context.error_groups, groups_of(self.context.problem, families))
-            # Eight slots compile about as fast as one, where poses need no unknowns of their own.
-            room = room.spare(1 if self._anchors else 8) if spare else room
+            # Each slot takes its time to compile; most designs are held by fewer poses than these.
+            room = room.spare(1 if self._anchors else 4) if spare else room
             self._program = Program(self.space, self.context.model, self.context.families, room, self.context.scenarios)
         return self._program
 
@@ -255,7 +258,8 @@ class Exchange:
             certified = worst.certified
             violation = worst.error / max(allowed, LEAST_ERROR) - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
-            grown = grown.with_errors(tuple(error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED]))
+            found = [error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED]]
+            grown = grown.with_errors(tuple(found)).with_errors(tuple(self._between(found, grown)))
         for family, prepared in context.families:
             cuts: list[Cut] = []
             for each in family.worst(prepared, context.problem, context.search, arm, p):
@@ -266,6 +270,38 @@ class Exchange:
                     cuts.append(each.cut)
             grown = grown.with_cuts(family.name, cuts)
         return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
+
+
+    def _between(self, found: Sequence[ErrorCut], pool: Pool) -> list[ErrorCut]:
+        """Poses between those found and the nearest of the pool, as many as the program has room for.
+
+        A worst pose that moves with the design is closed in on from both sides: the next design has its own between
+        these two, so that more of them at once save rounds. Any pose of the workspace may be in a pool.
+        """
+        problem = self.context.problem
+        if problem.workspace.kind != "joints" or self._program is None:
+            return []
+        vacant = [
+            have - sum(cut.load_case == case for cut in (*pool.errors, *found))
+            for case, have in enumerate(self._program.room.errors)
+        ]
+        added: list[ErrorCut] = []
+        for cut in found:
+            if any(cut.shift) or (cut.signs and problem.arm.play != "worst"):
+                continue  # where the play stands is the pose's own
+            alike = [each for each in pool.errors if (each.load_case, each.signs) == (cut.load_case, cut.signs)]
+            near = min(alike, key=lambda each: _apart(each.q, cut.q), default=cut)
+            if not _SAME < _apart(near.q, cut.q) < _NEAR:
+                continue
+            for share in _BETWEEN[: max(vacant[cut.load_case], 0)]:
+                q = tuple(share * a + (1.0 - share) * b for a, b in zip(near.q, cut.q, strict=True))
+                added.append(replace(cut, q=q))
+                vacant[cut.load_case] -= 1
+        return added
+
+
+def _apart(one: Sequence[float], other: Sequence[float]) -> float:
+    return float(np.abs(np.subtract(one, other)).max())
 
 
 @dataclass(frozen=True)

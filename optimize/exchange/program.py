@@ -64,6 +64,9 @@ def ipopt_options() -> dict[str, Any]:
     return {
         "print_time": False,
         "show_eval_warnings": False,  # a trial step may leave what a section can be; IPOPT goes back by itself
+        # Prices of the parameters are not asked for, and their derivatives take long to set up.
+        "no_nlp_grad": True,
+        "calc_lam_p": False,
         "ipopt": {
             "print_level": 0,
             "sb": "yes",

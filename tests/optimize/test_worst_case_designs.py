@@ -13,7 +13,7 @@ from optimize.choice.combinations import choose
 from optimize.exchange.design import arm_of
 from optimize.exchange.exchange import Context, Exchange, context_of, first_pool
 from optimize.run import optimise
-from tests.optimize.builders import DRIVE, jointed, problem_of, ranged, scanned_error, worst_at
+from tests.optimize.builders import DRIVE, jointed, one_exchange, problem_of, ranged, scanned_error, worst_at
 
 BENT = ranged("-120 120", "40 140", "30 150")
 LOOSE = ranged("-120 120", "40 140", "30 150", more=DRIVE + ", backlash: 3 arcmin, clearance: 0.02 mm")
@@ -79,6 +79,25 @@ def test_claim_is_the_true_worst_and_limits_are_kept(name: str, tmp_path: Path) 
         assert all(0.005 * (1 - 1e-9) <= size <= 0.2 * (1 + 1e-9) for size in sizes.values())
     if problem.link_length is not None:
         assert result.after.reach == pytest.approx(1.24, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["elbows that cannot stretch", "elbows, free lengths, backlash everywhere", "loaded play"]
+)
+def test_no_pose_of_the_pool_asks_for_more_than_its_own_error(name: str, tmp_path: Path) -> None:
+    """Poses that close in on a worst one, too: each stands in the workspace, its play where it can be."""
+    arm, text, _ = DESIGNS[name]
+    problem = problem_of(tmp_path, arm, text)
+    design, done = one_exchange(problem)
+    model, p = error_model(design, problem.load_cases), beam_values(beams_of(design))
+    assert len(done.pool.errors) > len(done.iterations)
+    for cut in done.pool.errors:
+        q = np.array([cut.q])
+        assert all(low <= at <= high for at, (low, high) in zip(cut.q, (j.range for j in design.joints), strict=True))
+        arrays = model.cases[cut.load_case].arrays(q, p)
+        vector = arrays.vector[0] + np.array(cut.shift) + np.array(cut.signs) @ arrays.intervals[0]
+        radius = model.cases[cut.load_case].radii.sum() if design.play == "worst" else 0.0
+        assert np.linalg.norm(vector) + radius <= worst_at(design, problem.load_cases, q) * (1.0 + 1e-9)
 
 
 def test_slide_between_two_turning_joints(tmp_path: Path) -> None:
