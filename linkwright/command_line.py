@@ -11,7 +11,14 @@ from typing import Annotated, Any
 
 import typer
 
-from linkwright.output.stream import OutputClosed, drop_errors, drop_output, open_closed_streams, printable
+from linkwright.output.stream import (
+    OutputClosed,
+    drop_errors,
+    drop_output,
+    open_closed_streams,
+    printable,
+    results_alone,
+)
 from linkwright.version import program_version
 from units.quantities import InputError, NoAnswer
 
@@ -99,7 +106,8 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     asked = next((word for word in given if word != "--"), "")
     try:
-        status: object = command_line(asked)(args=given, prog_name="linkwright", standalone_mode=False)
+        with results_alone(given):
+            status: object = command_line(asked)(args=given, prog_name="linkwright", standalone_mode=False)
         sys.stdout.flush()
     except InputError as error:
         return _failed(str(error), WRONG_INPUT)

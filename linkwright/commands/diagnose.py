@@ -113,7 +113,7 @@ def known_effects(names: Sequence[str]) -> frozenset[str]:
 
 @contextmanager
 def steps() -> Generator[Steps]:
-    """A bar on a terminal, lines elsewhere."""
+    """A bar on a terminal, nothing elsewhere."""
     from linkwright.screen.progress import Steps
 
     made = Steps()

@@ -113,13 +113,13 @@ def optimize(
 
 
 def _solved(problem: Problem, round_to: str | None, round_length: str | None, crew: Executor) -> Optimization:
-    """Optimise (and round), with a line for each iteration and a bar (or lines) while combinations are tried."""
+    """Optimise (and round), with a line for each iteration and a bar while combinations are tried."""
     from linkwright.results.optimization import iteration_line
     from linkwright.screen.console import console
     from linkwright.screen.progress import Steps
 
     screen = console()
-    steps = Steps(screen)
+    steps = Steps()
 
     def log(iteration: Iteration) -> None:
         screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)

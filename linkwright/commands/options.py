@@ -14,7 +14,9 @@ from units.quantities import InputError
 if TYPE_CHECKING:
     from executors import Executor
 
-JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines.")]
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines; - for standard output.")
+]
 MarkdownFile = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the result as Markdown, for notes and issues.")
 ]

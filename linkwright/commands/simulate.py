@@ -10,7 +10,7 @@ from typing import Annotated, Any, cast
 import typer
 
 import linkwright as lw
-from linkwright.output.files import check_target, write_result
+from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, parse_yaml
 
@@ -63,6 +63,8 @@ def simulate(
     from linkwright.screen.console import console, waiting
 
     check_target(out, arm, catalogue)
+    if out == OUTPUT:
+        raise InputError("", "--out", "needs the name of a file; the settings are written beside it")
     settings = out.with_suffix(".yaml")
     check_target(json, arm, catalogue, out)
     check_target(settings, arm, catalogue, json)

@@ -151,7 +151,7 @@ def _traced(
     from linkwright.screen.tracing import TracingProgress
 
     screen = console(errors=True)
-    shown = TracingProgress(console(), groups=asked.by is not None)
+    shown = TracingProgress(groups=asked.by is not None)
     try:
         result = traced_front(given, asked, accuracy, journal, shown, crew)
         if result.interrupted:

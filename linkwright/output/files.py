@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from linkwright.output.stream import write_result_out
 from units.files import left_over_of, neighbour, write_whole
 from units.quantities import InputError
 from units.reading import load_json
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 RESULT, REPORT, DESIGN = "result.json", "report.html", "arm.yaml"
 """The files of an output folder."""
+OUTPUT = Path("-")
+"""Standard output, where a file to write is asked for."""
 
 
 def strict(value: Any) -> Any:
@@ -41,7 +44,7 @@ def check_target(path: Path | None, *inputs: Path | None) -> None:
 
     Raises `InputError`.
     """
-    if path is None:
+    if path is None or path == OUTPUT:
         return
     if os.path.isdir(path):
         raise InputError(path, "", "is a folder; name a file to write")
@@ -77,8 +80,11 @@ def _same(one: Path, other: Path) -> bool:
 def write_file(path: Path, text: str) -> None:
     """Write a text file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is.
 
-    Raises `InputError`.
+    `-` is standard output. Raises `InputError`.
     """
+    if path == OUTPUT:
+        write_result_out(text)
+        return
     try:
         if os.path.exists(path) and not os.path.isfile(path):
             path.write_text(text, encoding="utf-8")

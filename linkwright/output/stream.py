@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import re
 import sys
-from contextlib import suppress
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager, suppress
+from itertools import pairwise
+from typing import Any, TextIO, cast
 
+_TO_OUTPUT = (("--json", "-"), ("--markdown", "-"), ("--out", "-"))
 _OBEYED = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
 
 
@@ -48,6 +52,42 @@ def open_closed_streams() -> None:
         sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
     if sys.stderr is None:
         sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
+
+
+class _Aside:
+    """Takes what is printed to standard error, so that `results`, the standard output, gets nothing but results."""
+
+    def __init__(self, results: TextIO, errors: TextIO) -> None:
+        self.results, self._errors = results, errors
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._errors, name)
+
+
+@contextmanager
+def results_alone(arguments: Sequence[str]) -> Generator[None]:
+    """Print to standard error where an option hands a result to standard output (`--json -`), as pipes need it."""
+    pairs = pairwise(arguments)
+    if not (any(pair in _TO_OUTPUT for pair in pairs) or any(f"{name}=-" in arguments for name, _ in _TO_OUTPUT)):
+        yield
+        return
+    before = sys.stdout
+    sys.stdout = cast(TextIO, _Aside(before, sys.stderr))
+    try:
+        yield
+    finally:
+        sys.stdout = before
+
+
+def write_result_out(text: str) -> None:
+    """Write a result to standard output itself. Raises `OutputClosed`, and `OSError` where it cannot be written."""
+    output: TextIO = getattr(sys.stdout, "results", sys.stdout)
+    try:
+        output.write(text)
+        output.flush()
+    except BrokenPipeError:
+        _drop(output.fileno())
+        raise OutputClosed from None
 
 
 def printable(text: str) -> str:

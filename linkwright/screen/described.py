@@ -25,6 +25,7 @@ from linkwright.results.document import (
 from .console import table as empty_table
 
 _BAR = 24
+_WIDE = 80
 _STYLES = (("strong", "bold"), ("warning", "bold red"))
 
 
@@ -54,7 +55,7 @@ class _Shown:
                     self._say(line)
             else:
                 self._part()
-                self._out.print(drawn(item.table if isinstance(item, Facts) else item))
+                self._out.print(drawn(item.table if isinstance(item, Facts) else item, self._out.width))
                 self._gap = False
 
     def _section(self, item: Section) -> None:
@@ -79,21 +80,22 @@ def _say(out: Console, text: str, style: str | None = None) -> None:
         out.print(plain(line), style=style, soft_wrap=True)
 
 
-def drawn(given: Table) -> rich.table.Table:
-    """A table as a screen shows it: its brief rows, bars as blocks."""
+def drawn(given: Table, width: int) -> rich.table.Table:
+    """A table as a screen of so many columns shows it: its brief rows, bars as blocks."""
+    blocks = _BAR if width >= _WIDE else _BAR // 3
     short = given.shortened()
     headings = (plain(column.heading) for column in short.columns)
     made = empty_table(*headings, numbers=short.numbers, title=plain(given.title) or None)
     made.show_header = short.headed
     for row in short.rows:
-        made.add_row(*(_cell(cell) for cell in row))
+        made.add_row(*(_cell(cell, blocks) for cell in row))
     if len(short.rows) < len(given.rows) and given.rest:
         made.caption, made.caption_justify = plain(given.rest), "left"
     return made
 
 
-def _cell(cell: Cell) -> str:
+def _cell(cell: Cell, blocks: int) -> str:
     if not isinstance(cell, Bars):
         return plain(words(cell))
     part = cell.bars[0][1]
-    return "█" * round(_BAR * part) or "▏" if part > 0.0 else ""
+    return "█" * round(blocks * part) or "▏" if part > 0.0 else ""

@@ -1,4 +1,4 @@
-"""Progress through the steps of one computation: a bar on a terminal, a line now and then elsewhere."""
+"""Progress through the steps of one computation: a bar on a terminal, on standard error; nothing elsewhere."""
 
 from __future__ import annotations
 
@@ -12,17 +12,14 @@ from linkwright.output.stream import printable
 from .console import console
 
 _PATIENCE = 1.0
-_LINE_EVERY = 10.0
 
 
 class Steps:
     """Hears what is being done and what share of the whole is behind (0 to 1); silent in the first second."""
 
-    def __init__(self, lines: Console | None = None) -> None:
-        """On a terminal a bar appears on standard error; elsewhere `lines` takes lines, standard error by default."""
+    def __init__(self) -> None:
         self._screen: Console = console(errors=True)
-        self._lines = lines or self._screen
-        self._began = self._said = time.monotonic()
+        self._began = time.monotonic()
         self._bar: Progress | None = None
         self._task = TaskID(0)
 
@@ -31,10 +28,7 @@ class Steps:
         now, text = time.monotonic(), printable(text)
         if now - self._began < _PATIENCE:
             return
-        if not self._screen.is_terminal:
-            if now - self._said >= _LINE_EVERY:
-                self._said = now
-                self._lines.print(f"{100.0 * share:.0f} %: {text}")
+        if not (self._screen.is_terminal or self._screen.is_jupyter):
             return
         if self._bar is None:
             what = TextColumn("{task.description}", markup=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 
-from rich.console import Console
 from rich.status import Status
 
 from linkwright.results.figures_in_words import percent
@@ -13,17 +12,16 @@ from optimize.tradeoff.trace import Progress
 from .console import console
 
 MOST_ROWS = 25
-_LINE_EVERY = 5.0
 _PATIENCE = 2.0
 
 
 class TracingProgress:
-    """How far the front has come: a status line on a terminal, a line now and then elsewhere."""
+    """How far the front has come: a status line on a terminal, nothing elsewhere."""
 
-    def __init__(self, out: Console, *, groups: bool) -> None:
-        """`out` takes the lines where there is no terminal; `groups`: fronts have names of their own."""
-        self._out, self._screen, self._groups = out, console(errors=True), groups
-        self._began = self._said = time.monotonic()
+    def __init__(self, *, groups: bool) -> None:
+        """`groups`: fronts have names of their own."""
+        self._screen, self._groups = console(errors=True), groups
+        self._began = time.monotonic()
         self._status: Status | None = None
 
     def __call__(self, progress: Progress) -> None:
@@ -36,9 +34,6 @@ class TracingProgress:
                 self._status = self._screen.status("")
                 self._status.start()
             self._status.update(self._words(progress))
-        elif now - self._said >= _LINE_EVERY:
-            self._said = now
-            self._out.print(self._words(progress), soft_wrap=True)
 
     def _words(self, progress: Progress) -> str:
         name = f"{progress.front}: " if self._groups else ""

@@ -19,8 +19,8 @@ from tests.diagnose.core_cases import made_arm, recorded, with_effects
 
 DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
 
-# Numbers at the top of a module that are no rules: mathematics, units, rounding, iterations, lengths of texts, what floats
-# can hold the powers of.
+# Numbers at the top of a module that are no rules: mathematics, units, rounding, iterations, lengths of texts, and
+# what floats can hold the powers of.
 NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
