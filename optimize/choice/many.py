@@ -2,8 +2,9 @@
 
 Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
 the best design are out without a solution of their own. Where there are too many for a bound each, all are bounded at
-once (`at_once.branching`). Where the model is no sum of products, lengths are chosen, or play depends on the
-design, nothing bounds them: they are then searched link by link.
+once (`at_once.branching`), and so they are where lengths are chosen. Where the model is no sum of products, play
+depends on the design, or poses of a place in space turn with the lengths, nothing bounds them: they are then searched
+link by link.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ _LOOSE = 2e-3
 """A solution this far (relative) above its combination's bound can raise bounds."""
 
 
-_MOST_PARTS = 40
-"""So many parts of all combinations are looked at where they are bounded at once."""
+_MOST_PARTS, _MOST_PARTS_FREE = 40, 400
+"""So many parts of all combinations are looked at where they are bounded at once; with lengths to choose."""
 
 
 @dataclass(frozen=True)
@@ -46,23 +47,29 @@ def among_many(chooser: Chooser) -> Among:
     """Look for the best of all combinations."""
     context = chooser.context
     problem = context.problem
-    fixed = problem.link_length is None and (problem.arm.play == "worst" or not context.uses_error)
-    if fixed and count(problem) > MOST_AT_ONCE:
-        return _at_once(chooser)
+    sums = (problem.arm.play == "worst" or not context.uses_error) and context.scenarios is None
+    if problem.link_length is not None:
+        # A pose of a place in space turns with the lengths.
+        if sums and problem.workspace.kind == "joints":
+            return _at_once(chooser, _MOST_PARTS_FREE)
+    elif sums and count(problem) > MOST_AT_ONCE:
+        return _at_once(chooser, _MOST_PARTS)
     gap = _one_by_one(chooser)
     return Among(gap if gap is not None and math.isfinite(gap) else None)
 
 
-def _at_once(chooser: Chooser) -> Among:
-    """Bound all combinations at once, and solve those that a bound points at."""
+def _at_once(chooser: Chooser, most: int) -> Among:
+    """Bound all combinations at once, in so many parts at most, and solve those that a bound points at."""
     branching = Branching(chooser, WANTED)
-    proof = branching.run(_MOST_PARTS)
+    proof = branching.run(most)
     if proof is None or (chooser.best is None and proof.bound < math.inf):
         chooser.link_by_link()
     if proof is None:
         return Among(None)
     gap = branching.gap
-    return Among(gap if math.isfinite(gap) else None, branching.proof(), branching)
+    # With lengths to choose each near tie takes seconds.
+    ties = None if chooser.context.problem.link_length is not None else branching
+    return Among(gap if math.isfinite(gap) else None, branching.proof(), ties)
 
 
 def _one_by_one(chooser: Chooser) -> float | None:

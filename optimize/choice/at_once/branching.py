@@ -19,18 +19,25 @@ from arm.chain.chain import Arm
 from materials.material import Material
 from optimize.choice.chooser import Chooser
 from optimize.choice.picks import Combination, options, uniform
+from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
 from optimize.exchange.exchange import Context, first_pool
 from optimize.exchange.program import carried_mass
 from sections.numeric import Array
 
-from .cells import COLUMNS, Cells, Ids
-from .pose_rows import rows_of
-from .relaxation import Node, Relaxation, Relaxed
+from .cells import COLUMNS, LENGTH, Cells, Ids
+from .lengths import LengthRows
+from .pose_rows import PoseRow, rows_of
+from .relaxation import LOOSE, Node, Relaxation, Relaxed
 
 _LITTLE = 1e-9
 _LEAST_SCORE = 1e-7
 """Where splitting could win less than this (relative), a part stays as it is."""
+
+_ASIDE = 1e-4
+"""A side of a part this near (in logarithms) is where the split would be."""
+_SHARE, _LOOSEST = 0.1, 0.01
+"""How loose cells may be with free lengths, as a share of the gap and at most."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +77,11 @@ class Branching:
         self.chooser, self.wanted = chooser, wanted
         self.context = chooser.context
         self.links = elastic_links(self.context)
-        self.relaxation = Relaxation(link_cells(self.context), self.links, self.context.problem.arm.size)
+        problem = self.context.problem
+        span = problem.link_length
+        logs = (0.0, 0.0) if span is None else (math.log(span[0]), math.log(span[1]))
+        self.relaxation = Relaxation(link_cells(self.context), self.links, problem.arm.size, logs)
+        self._free = None if span is None else LengthRows(self.context, span)
         self.worth = 1.0
         self.parts = 0
         self._rows_for: object = None
@@ -114,6 +125,9 @@ class Branching:
             if self.gap <= self.wanted:
                 break
             self._tell()
+            if self._free is not None:
+                # Many parts differ in lengths: cells are split as finely as the gap is worth.
+                self.relaxation.loose = min(max(LOOSE, _SHARE * self.gap), _LOOSEST)
             if not self._step(heapq.heappop(self._heap)[2]):
                 return None
         return self.proof()
@@ -180,13 +194,18 @@ class Branching:
         assert self._read_off is not None
         if self._rows_for is pool:
             return True
-        rows = rows_of(self.context, pool, *self._read_off, self.worth)
+        rows = self._rows(pool, *self._read_off)
         if rows is None:
             return False
         if self._rows_for is not None:
             self._heap = [(bound, n, replace(node, tangents=())) for bound, n, node in self._heap]
         self.relaxation.rows, self._rows_for = rows, pool
         return True
+
+    def _rows(self, pool: Pool, arm: Arm, p: Array) -> list[PoseRow] | None:
+        if self._free is not None:
+            return self._free.rows_of(pool, arm, p, self.worth)
+        return rows_of(self.context, pool, arm, p, self.worth)
 
     def _roots(self) -> list[Node]:
         """All designs, in parts that agree in what must be the same."""
@@ -271,16 +290,25 @@ class Branching:
                     mixed[column.cell] = (weight + share, at + share * column.values)
             for weight, at in mixed.values():
                 scores[k] += np.abs(found.prices[k]) * np.abs(at - weight * found.y[k])
+        # At a side that the part has already nothing is split.
+        beside = (found.y > node.low + _ASIDE) & (found.y < node.high - _ASIDE)
+        beside[:, LENGTH] = node.high[:, LENGTH] > node.low[:, LENGTH] + _ASIDE
+        scores = np.where(beside, scores, 0.0)
         k, column = (int(x) for x in np.unravel_index(int(scores.argmax()), scores.shape))
         if scores[k, column] <= _LEAST_SCORE:
             return []
         at = float(found.y[k, column])
+        if column == LENGTH:
+            room = 0.1 * (node.high - node.low)[k, LENGTH]
+            at = min(max(at, node.low[k, LENGTH] + room), node.high[k, LENGTH] - room)
         parts: list[Node] = []
         for side in (0, 1):
             low, high = node.low.copy(), node.high.copy()
             (high if side == 0 else low)[k, column] = at
             least, most = self.relaxation.cells[k].spans(node.cells[k])
             inside = (least[:, column] <= at) if side == 0 else (most[:, column] >= at)
+            if column == LENGTH:
+                inside = np.ones(len(inside), dtype=bool)
             cells: tuple[Ids, ...] = tuple(ids[inside] if j == k else ids for j, ids in enumerate(node.cells))
             parts.append(replace(node, cells=cells, low=low, high=high))
         return parts

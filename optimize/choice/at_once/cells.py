@@ -28,10 +28,11 @@ from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.section import Section
 
-COLUMNS = (*FEATURES, "price")
-"""What a cell holds of a section: the logarithms of its features, thermal expansion as it is, and the logarithm of the
-price of its material by length (EUR/m)."""
-EXPANSION, PRICE = FEATURES.index("expansion"), len(FEATURES)
+COLUMNS = (*FEATURES, "price", "length")
+"""What a cell holds of a section: the logarithms of its features, thermal expansion as it is, the logarithm of the
+price of its material by length (EUR/m); and the logarithm of the link's length where that is free, which no section
+settles (nought in every cell)."""
+EXPANSION, PRICE, LENGTH = FEATURES.index("expansion"), len(FEATURES), len(FEATURES) + 1
 _PLAIN = 4
 """So many of the features every section has; one of the others that is not known is in no sum."""
 _LEAST_PRICE = 1e-12
@@ -44,8 +45,9 @@ _GIVES = 1e-7
 """By how much a section may break its own limits and still count."""
 _NARROW = 0.3
 """A cell this narrow (in logarithms) whose corners are no sections is left out: what is possible ends far inside."""
-MOST_CELLS = 30_000
-"""So many cells are made of a link's options; from then on they stay as they are."""
+MOST_CELLS, MOST_CELLS_FREE = 30_000, 60_000
+"""So many cells are made of a link's options, with lengths that stay and free ones; from then on they stay as they
+are."""
 NARROWEST = 1e-5
 """Cells are not split further than this (in logarithms)."""
 
@@ -225,7 +227,7 @@ class Cells:
     @property
     def spent(self) -> bool:
         """Whether there are as many cells as there may be."""
-        return self.count >= MOST_CELLS
+        return self.count >= (MOST_CELLS if self.problem.link_length is None else MOST_CELLS_FREE)
 
     def width(self, ids: Ids) -> Array:
         """The widest range of each cell (in logarithms)."""

@@ -16,7 +16,7 @@ from scipy.optimize import linprog
 
 from sections.numeric import Array
 
-from .cells import COLUMNS, NARROWEST, Cells, Ids
+from .cells import COLUMNS, LENGTH, NARROWEST, Cells, Ids
 from .pose_rows import PoseRow
 
 _WIDTH = len(COLUMNS)
@@ -29,7 +29,7 @@ _CLOSED = 2e-4
 _MOST_ROUNDS = 40
 _SEARCHING = 0.1
 """From this distance between linear program and bound on, cells are split where they are loose."""
-_LOOSE = 1e-3
+LOOSE = 1e-3
 """A cell whose bound is this far below the best of its sections seen is loose."""
 _ROUGHER = 3.0
 """So many times looser cells may be where it is only to be told which combinations come near the best."""
@@ -86,11 +86,15 @@ class Relaxed:
 
 
 class Relaxation:
-    """The relaxation of the finite problem; `cells` of each elastic link, at its place in the arm."""
+    """The relaxation of the finite problem; `cells` of each elastic link, at its place in the arm. `lengths` are the
+    logarithms between which all of them are free (nought where they stay)."""
 
-    def __init__(self, cells: Sequence[Cells], links: Sequence[int], size: int) -> None:
-        self.cells, self.links, self.size = tuple(cells), tuple(links), size
+    def __init__(
+        self, cells: Sequence[Cells], links: Sequence[int], size: int, lengths: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
+        self.cells, self.links, self.size, self.lengths = tuple(cells), tuple(links), size, lengths
         self.rows: list[PoseRow] = []
+        self.loose = LOOSE
 
     def root(self, allowed: Sequence[Ids] | None = None) -> Node:
         """The node of all designs; `allowed`: of each link the options that it may be."""
@@ -99,7 +103,9 @@ class Relaxation:
             ids = own.roots
             found.append(ids if allowed is None else ids[np.isin(own.option[ids], allowed[k])])
         free = np.full((len(self.cells), _WIDTH), np.inf)
-        return Node(tuple(found), -free, free)
+        low, high = -free, free.copy()
+        low[:, LENGTH], high[:, LENGTH] = self.lengths
+        return Node(tuple(found), low, high)
 
     def solve(self, node: Node, enough: float, *, rough: bool = False) -> Relaxed:
         """Bound a node; given up where the bound is `enough`, and with `rough` before any cell is split for it."""
@@ -114,7 +120,7 @@ class Relaxation:
         losses: list[dict[int, float]] = []
         for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
             ids, size = start, np.abs(price)
-            loose = _LOOSE * max(abs(found.bound), _LITTLE)
+            loose = LOOSE * max(abs(found.bound), _LITTLE)
             while True:
                 scores = own.corners[ids] @ price
                 values = scores[:, :-1].min(axis=1) - own.pad[ids] @ size
@@ -128,7 +134,8 @@ class Relaxation:
                     break
                 axes = own.telling_axes(ids[coarse], price)
                 ids = np.concatenate([ids[~coarse], own.split(ids[coarse], axes)])
-            bound += float(least.min())
+            ends = found.node.low if price[LENGTH] >= 0.0 else found.node.high
+            bound += float(least.min()) + float(price[LENGTH]) * float(ends[len(losses), LENGTH])
             losses.append(dict(zip(options.tolist(), (least - least.min()).tolist(), strict=True)))
         return bound, losses
 
@@ -158,6 +165,7 @@ class _Solve:
             least, most = own.spans(self.cells[k])
             low[k] = np.maximum(low[k], least.min(axis=0))
             high[k] = np.minimum(high[k], most.max(axis=0))
+        low[:, LENGTH], high[:, LENGTH] = self.node.low[:, LENGTH], self.node.high[:, LENGTH]
         self.low, self.high = self.relaxation.full(low), self.relaxation.full(np.maximum(low, high))
         self.cuts: list[tuple[Array, float, bool]] = [self._cut(each) for each in self.tangents]
 
@@ -191,6 +199,9 @@ class _Solve:
             for k in range(self.count):
                 for column in (0, 2):
                     self._price(k, np.eye(_WIDTH)[column])
+        for k in range(self.count):
+            if self.node.high[k, LENGTH] > self.node.low[k, LENGTH]:
+                self._price(k, prices[k] - (np.abs(prices[k]).sum() + 1.0) * np.eye(_WIDTH)[LENGTH])
         if not self.tangents:
             self._touch(self._mean(), -np.inf, every=True)
         answer = self._rounds(enough, rough=rough)
@@ -216,7 +227,8 @@ class _Solve:
             fresh = False
             total = constant
             for k in range(self.count):
-                least, added = self._price(k, prices[k], loose=_LOOSE * max(abs(value), _LITTLE) if near else None)
+                loose = self.relaxation.loose * max(abs(value), _LITTLE) if near else None
+                least, added = self._price(k, prices[k], loose=loose)
                 total += least
                 fresh = fresh or added
             self.best = max(self.best, total)
@@ -297,6 +309,8 @@ class _Solve:
         sides: list[tuple[int, int, int]] = []
         for side, bounds in enumerate((self.node.low, self.node.high)):
             for k, column in np.argwhere(np.isfinite(bounds)).tolist():
+                if column == LENGTH:  # every column of the program has one of its ends
+                    continue
                 sign = -1.0 if side == 0 else 1.0
                 own = np.where(links == k, sign * values[:, column], 0.0)
                 rows.append(np.concatenate([[0.0, -1.0], own])[None])
@@ -339,6 +353,7 @@ class _Solve:
         the least and by more than `loose` below the best of their sections are split first."""
         own = self.relaxation.cells[k]
         size = np.abs(price)
+        end = float((self.node.low if price[LENGTH] >= 0.0 else self.node.high)[k, LENGTH])
         while True:
             ids = self.cells[k]
             scores = own.corners[ids] @ price
@@ -347,10 +362,15 @@ class _Solve:
             best = int(values.argmin())
             if loose is None or own.spent:
                 break
-            near = np.flatnonzero(values <= values[best] + loose)
-            near = near[np.argsort(values[near])][:_MOST_SPLIT]
+            near = (
+                np.argpartition(values, _MOST_SPLIT - 1)[:_MOST_SPLIT]
+                if len(ids) > _MOST_SPLIT
+                else np.arange(len(ids))
+            )
             real = np.where(self._inside(own, ids[near], k), scores[near], np.inf).min(axis=1)
-            coarse = near[(real - values[near] > loose) & (own.width(ids[near]) > NARROWEST)]
+            # A cell matters where it could be better than a section that is there.
+            short = values[near] < np.minimum(real.min(), real) - loose
+            coarse = near[short & (values[near] <= values[best] + loose) & (own.width(ids[near]) > NARROWEST)]
             if not len(coarse):
                 break
             parts = own.split(ids[coarse], own.telling_axes(ids[coarse], price))
@@ -362,24 +382,29 @@ class _Solve:
                 return np.inf, False
         cell = int(ids[best])
         taken = own.corners[cell, corner[best]] - np.sign(price) * own.pad[cell]
+        taken[LENGTH] = end
+        least = float(values[best]) + float(price[LENGTH]) * end
         if any(
             each.link == k and each.cell == cell and np.allclose(each.values, taken, atol=1e-12)
             for each in self.columns
         ):
-            return float(values[best]), False
+            return least, False
         self.columns.append(Column(k, cell, int(corner[best]), taken))
-        return float(values[best]), True
+        return least, True
 
     def _inside(self, own: Cells, ids: Ids, k: int) -> Array:
         """Which sections of cells are real: they keep all limits on single links, and lie in the node."""
         points = own.corners[ids]
         room = 1e-9
         within = (points >= self.node.low[k] - room) & (points <= self.node.high[k] + room)
+        within[..., LENGTH] = True
         return own.kept[ids] & within.all(axis=2)
 
     def _overlapping(self, own: Cells, ids: Ids, k: int) -> Ids:
         least, most = own.spans(ids)
-        return ids[((most >= self.node.low[k]) & (least <= self.node.high[k])).all(axis=1)]
+        overlapping = (most >= self.node.low[k]) & (least <= self.node.high[k])
+        overlapping[:, LENGTH] = True
+        return ids[overlapping.all(axis=1)]
 
     def _chords(self, multipliers: Array, y: Array) -> Array:
         """What is lost to chords, shared among the columns (n, K) whose ranges it comes from."""

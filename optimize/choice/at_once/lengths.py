@@ -1,0 +1,130 @@
+"""Rows with free lengths: each coefficient is a polynomial in the lengths, read off at lengths between their bounds.
+
+To first order forces and deflections of straight links are polynomials in lengths: a force bends with the third power
+of its own link's and lever arms of others, a weight has one power more. Only errors at poses of the joints, masses,
+cost and reach are rows here; other limits are left out, which can only lower a bound.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.errors.model import BEAM_FIELDS
+from optimize.choice.pose_products import error_vectors, features_of
+from optimize.choice.products import Power
+from optimize.exchange.binding_poses import ErrorCut, Pool
+from optimize.exchange.exchange import Context
+from optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from sections.numeric import Array
+
+from .cells import LENGTH, PRICE
+from .pose_rows import PoseRow, row_of
+
+_DEGREE = 4
+"""Forces of weights (one power) bend (three more)."""
+_AGREE = 1e-7
+"""How well the polynomials must be right where they were not read off, relative to the greatest error there."""
+_NOTHING = 1e-10
+"""A monomial that adds less than this share of the greatest error is left out."""
+
+
+class LengthRows:
+    """The rows of a problem with free lengths between the bounds `span` (m); poses read off are kept."""
+
+    def __init__(self, context: Context, span: tuple[float, float]) -> None:
+        self.context, self.span = context, span
+        self._known: dict[ErrorCut, dict[Power, Array] | None] = {}
+        self._links = [k for k, link in enumerate(context.problem.arm.links) if link.section is not None]
+        powers = itertools.product(range(_DEGREE + 1), repeat=len(self._links))
+        self._monomials = np.array([each for each in powers if sum(each) <= _DEGREE])
+        generator = np.random.default_rng(7)
+        count = len(self._monomials)
+        self._samples = generator.uniform(*span, (2 * count + 8, len(self._links)))
+        self._read = 2 * count
+
+    def rows_of(self, pool: Pool, arm: Arm, p: Array, worth: float) -> list[PoseRow] | None:
+        """The rows for a pool, read off about a design; None where the error is no such sum."""
+        problem = self.context.problem
+        size = arm.size
+        fixed = fixed_error(self.context.model)
+        rigid = sum(link.mass or 0.0 for link in arm.links if link.section is None)
+        stays = sum(link.length for link in arm.links if link.section is None)
+        mass: dict[Power, Array] = {((k, 0), (k, LENGTH)): np.ones(1) for k in self._links}
+        cost: dict[Power, Array] = {((k, PRICE), (k, LENGTH)): np.ones(1) for k in self._links}
+        reach: dict[Power, Array] = {((k, LENGTH),): np.ones(1) for k in self._links}
+        own = {"mass": mass, "total_mass": mass, "cost": cost, "reach": reach}
+        carried = rigid + carried_mass(problem)
+        rest = {"mass": rigid, "total_mass": carried, "cost": drives_cost(problem), "reach": stays}
+        found: list[PoseRow] = []
+        if problem.minimize in own:
+            terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
+            found.append(row_of(terms, size, objective=True, scale=worth))
+        for limit in problem.limits:
+            if limit.name not in own:
+                continue
+            terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
+            if limit.relation != ">=":
+                found.append(row_of(terms, size, objective=False, scale=limit.value))
+            if limit.relation != "<=":
+                terms = {power: -c for power, c in terms.items()}
+                found.append(row_of(terms, size, objective=False, scale=limit.value))
+        least = min((each.value for each in problem.limit("max_error")), default=math.inf)
+        for cut in dict.fromkeys(pool.errors):
+            if cut not in self._known:
+                self._known[cut] = self._terms(cut, p)
+            terms = self._known[cut]
+            if terms is None:
+                return None
+            if problem.minimize == "max_error":
+                found.append(row_of(terms, size, objective=True, scale=worth, shift=fixed))
+            if math.isfinite(least):
+                found.append(row_of(terms, size, objective=False, scale=least, shift=fixed - least))
+        return found
+
+    def _terms(self, cut: ErrorCut, p: Array) -> dict[Power, Array] | None:
+        """The error at a pose, each product with powers of lengths; None where it is no such sum."""
+        model = self.context.model
+        own = p.reshape(model.arm.size, len(BEAM_FIELDS))
+        read: list[Mapping[Power, Array]] = []
+        for lengths in self._samples:
+            design = own.copy()
+            design[self._links, BEAM_FIELDS.index("length")] = lengths
+            vectors = error_vectors(model, cut, design.ravel())
+            if vectors is None:
+                return None
+            read.append(vectors.terms)
+        scale = math.sqrt(self.span[0] * self.span[1])
+        table = np.prod((self._samples / scale)[:, None, :] ** self._monomials, axis=2)
+        sizes = {power: max(_size(each.get(power), power, p, own) for each in read) for power in _powers(read)}
+        largest = max(sizes.values(), default=0.0)
+        found: dict[Power, Array] = {}
+        for power, size in sizes.items():
+            values = np.array([each.get(power, np.zeros(3)) for each in read])
+            fitted, *_ = np.linalg.lstsq(table[: self._read], values[: self._read], rcond=None)
+            worth = size / max(float(np.linalg.norm(values, axis=1).max()), 1e-300)
+            wrong = np.abs(table[self._read :] @ fitted - values[self._read :]).max()
+            if wrong * worth > _AGREE * largest:
+                return None
+            for monomial, c in zip(self._monomials.tolist(), fitted, strict=True):
+                if np.linalg.norm(c) * worth <= _NOTHING * largest:
+                    continue
+                lengths = [(link, LENGTH) for link, n in zip(self._links, monomial, strict=True) for _ in range(n)]
+                found[tuple(sorted((*power, *lengths)))] = c / scale ** sum(monomial)
+        return found
+
+
+def _powers(read: list[Mapping[Power, Array]]) -> dict[Power, None]:
+    return dict.fromkeys(power for each in read for power in each)
+
+
+def _size(c: Array | None, power: Power, p: Array, own: Array) -> float:
+    """What a term adds to the error of the design that it was read off about (m)."""
+    if c is None:
+        return 0.0
+    features = features_of(p, len(own))
+    return float(np.linalg.norm(c)) * float(np.prod([abs(features[place]) for place in power]))
