@@ -91,7 +91,10 @@ def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
         group = prepared.pool.groups[member]
         moved = np.linalg.pinv(group.back) @ sizes
-        reason = why_impossible(prepared, group.candidate, sizes, errors, float(moved @ moved))
+        slopes, turned = sizes.tolist(), group.candidate.from_slopes
+        spread = zip(turned((sizes - errors).tolist()), turned((sizes + errors).tolist()), strict=True)
+        about = np.array([0.5 * abs(high - low) for low, high in spread])
+        reason = why_impossible(prepared, group.candidate, np.array(turned(slopes)), about, float(moved @ moved))
         if reason is not None:
             return reason
     return None

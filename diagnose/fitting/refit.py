@@ -77,7 +77,7 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
         further = np.concatenate([prepared.beside, *(prepared.columns[m] for m in outside)], axis=2)
         prepared = replace(prepared, beside=further)
     terms = [
-        _term(prepared, prepared.pool.groups[m].candidate, fitted.sizes[fitted.members.index(m)], prepared.columns[m])
+        _begun(prepared, prepared.pool.groups[m].candidate, fitted.sizes[fitted.members.index(m)], prepared.columns[m])
         for m in members
     ]
     if not terms:
@@ -125,7 +125,7 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
     if not any(group.candidate.free_shapes for group in groups):
         return (None,) * len(groups)
     terms = [
-        _term(prepared, group.candidate, sizes, prepared.columns[m])
+        _begun(prepared, group.candidate, sizes, prepared.columns[m])
         for m, group, sizes in zip(members, groups, fitted.sizes, strict=True)
     ]
     found = _shapes_found(prepared, terms, fitted.unit)
@@ -135,6 +135,12 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
 def _linear(candidate: Candidate) -> bool:
     """Whether the displacement is the columns times the sizes, whatever these are."""
     return candidate.share or candidate.outside or EFFECTS[candidate.effect].linear
+
+
+def _begun(prepared: Prepared, candidate: Candidate, slopes: Array, columns: Array) -> Term:
+    """A term at the sizes that a linear fit found for its pattern."""
+    sizes = slopes if _linear(candidate) else np.array(candidate.from_slopes(slopes.tolist()))
+    return _term(prepared, candidate, sizes, columns)
 
 
 def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array) -> Term:

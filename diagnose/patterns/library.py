@@ -71,6 +71,12 @@ class Candidate:
         """Whether it is how drives give (see `arm.effects.Effect`)."""
         return not self.outside and EFFECTS[self.effect].of_drives
 
+    def from_slopes(self, slopes: Sequence[float]) -> list[float]:
+        """The sizes that move the tip as much as these of the pattern of small ones, to which a linear fit scales it.
+        Products with unknown weights, more than there are sizes, stay as they are."""
+        turned = None if self.outside else EFFECTS[self.effect].size_from_slope
+        return [value if turned is None or len(slopes) != len(self.sizes) else turned(value) for value in slopes]
+
     def settings(self, values: Mapping[str, float]) -> Settings:
         """The effect's settings at sizes of these values."""
         return Settings(self.at, MappingProxyType({**self.shapes, **values}))

@@ -76,12 +76,13 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
         trial = [number if m == member else m for m in members]
         fitted: Fit = fit(namer.prepared, trial)
         sizes = fitted.sizes[trial.index(number)]
+        usual = typical(candidate, np.array(candidate.from_slopes(sizes.tolist())), rules=whole.fitting)
         rank = LAST_RANK if candidate.outside else EFFECTS[candidate.effect].rank
         still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < whole.patterns.stands
         # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
         unknown = len(sizes) != len(candidate.sizes)
         coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
-        return (still, coefficients, not (unknown or typical(candidate, sizes, rules=whole.fitting)), rank)
+        return (still, coefficients, not (unknown or usual), rank)
 
     # A joint that never moves is not accused while one that does would do nearly as well.
     limit = namer.rules.refuted if order(member)[0] else namer.rules.tied

@@ -133,8 +133,7 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
         if flexible(candidate) and len(values) != len(candidate.sizes):
             products.append((candidate, sizes[:-1]))
             continue
-        turned = None if candidate.outside else EFFECTS[candidate.effect].size_from_slope
-        one = entry(candidate, values if turned is None else [turned(value) for value in values])
+        one = entry(candidate, candidate.from_slopes(values))
         if one is not None:
             found.append(one)
     return (*found, *_under_weights(namer.prepared.observed, products))

@@ -95,7 +95,7 @@ def _motions(namer: Namer, members: Sequence[int]) -> Entries:
     fitted = fit(namer.prepared, members)
     pairs = [(namer.pool.groups[m].candidate, s.tolist()) for m, s in zip(fitted.members, fitted.sizes, strict=True)]
     return tuple(
-        as_entry(candidate, sizes)
+        as_entry(candidate, candidate.from_slopes(sizes))
         for candidate, sizes in pairs
         if not candidate.share and len(sizes) == len(candidate.sizes)
     )
