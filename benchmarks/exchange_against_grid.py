@@ -58,8 +58,17 @@ class Side:
     note: str
 
 
-def exchange_against_grid(*, quick: bool) -> list[str]:
-    """Run both sides in turn, compare, print, and return the targets missed."""
+@dataclass(frozen=True)
+class Compared:
+    """The best of the rounds of each side."""
+
+    ours: Side
+    same: Side
+    mapped: Side
+
+
+def compared(*, quick: bool) -> Compared:
+    """Run all sides in turn and hold the answers against each other."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "arm.yaml").write_text(ARM, encoding="utf-8")
         (Path(folder) / "problem.yaml").write_text(PROBLEM, encoding="utf-8")
@@ -75,6 +84,13 @@ def exchange_against_grid(*, quick: bool) -> list[str]:
     off = max(abs(side.true / best.true - 1.0) for side in (other, quicker))
     if not (off <= AGREEMENT and best.certified):
         raise SystemExit(f"the sides differ by {off:.1e}, or ours is not certified: there is nothing to compare")
+    return Compared(best, other, quicker)
+
+
+def exchange_against_grid(*, quick: bool) -> list[str]:
+    """Compare, print, and return the targets missed."""
+    found = compared(quick=quick)
+    best, other, quicker = found.ours, found.same, found.mapped
     ratio = other.seconds / best.seconds
     print(f"exchange against one IPOPT program over a grid of {EACH}^3 = {EACH**3} poses, 7 variables")
     for name, side in (("exchange, certified", best), ("grid, same program", other), ("grid, mapped", quicker)):

@@ -1,0 +1,59 @@
+"""What works on many things: a choice among millions, executors, scans against bounds."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import time
+from pathlib import Path
+
+from benchmarks.choice_among_millions import LIMITS, problem
+from benchmarks.executors_efficiency import TARGET, cluster, measured, slept
+from executors import Cluster, Processes
+from optimize.choice.at_once.branching import Branching
+from optimize.choice.chooser import Chooser
+from optimize.choice.picks import count
+from optimize.exchange.exchange import context_of
+
+from . import random_problems
+from .row import Row, at_most
+
+GAP = 0.01
+
+
+def millions(*, quick: bool) -> list[Row]:
+    """The best of millions of combinations to a proven gap."""
+    rows: list[Row] = []
+    for name, limits in LIMITS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            asked = problem(Path(folder), limits, 10 if quick else 30)
+            began = time.process_time()
+            proof = Branching(Chooser(context_of(asked), None, None), GAP).run(40)
+            seconds = time.process_time() - began
+        what = f"{count(asked):,} combinations, limits on {name}: proven gap"
+        gap = math.inf if proof is None else 100.0 * proof.gap
+        rows.append(at_most(what, gap, "%", 100.0 * GAP, f"in {seconds:.1f} s"))
+    return rows
+
+
+def executors(*, quick: bool) -> list[Row]:
+    """The efficiency per worker of processes and of a dask scheduler, with tasks that sleep a second."""
+    tasks = [1.0] * (8 if quick else 32)
+    with Processes(2, patience=0.0) as processes:
+        found = {"processes": measured("processes", processes, 2, tasks, slept)}
+    with cluster(2) as address, Cluster(address) as workers:
+        found["dask, separate processes"] = measured("dask", workers, 2, tasks, slept)
+    note = f"2 workers, {len(tasks)} tasks of a second, by the wall"
+    return [Row(what, f"{each:.3f}", f"at least {TARGET:g}", each >= TARGET, note) for what, each in found.items()]
+
+
+def random_scans(*, quick: bool, problems: int = 200) -> list[Row]:
+    """Random problems whose bounds are held against finer scans."""
+    problems = 10 if quick else problems
+    found = [each for each in map(random_problems.run, range(problems)) if each is not None]
+    bounded = [each for each in found if each.bound is not None]
+    beaten = sum(each.worst > each.bound * (1.0 + 1e-9) for each in bounded if each.bound is not None)
+    poses = sum(each.poses for each in found)
+    note = f"{len(bounded)} answers with a bound of {problems} problems, {poses:,} poses; "
+    note += f"the scan reaches {min(each.tight for each in bounded):.5f} of the bound at least"
+    return [Row("bounds that a scan beats", str(beaten), "none", beaten == 0, note)]
