@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from units.quantities import InputError
 from units.reading import nearest, read_text
+from units.spreadsheet import defused, fused
 
 T = TypeVar("T")
 
@@ -19,7 +20,7 @@ def table_text(columns: Sequence[str], rows: Iterable[Mapping[str, object]]) -> 
     stream = io.StringIO()
     writer = csv.DictWriter(stream, columns, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows({key: defused(cell) for key, cell in row.items()} for row in rows)
     return stream.getvalue()
 
 
@@ -44,7 +45,7 @@ def read_rows(
             where = f"line {reader.line_num}"
             if None in row or None in row.values():
                 raise InputError(path, where, "has not as many cells as the heading")
-            cells = {key: text.strip() for key, text in row.items() if text.strip()}
+            cells = {key: fused(text.strip()) for key, text in row.items() if text.strip()}
             for column in needed:
                 if column not in cells:
                     raise InputError(path, where, f"has no {column}")

@@ -29,6 +29,7 @@ from .limits.read import read_limit
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
 
+_MOST_POINTS = 2000
 _SMALLEST, _LARGEST = 1e-6, 1e4
 """What a link or a wall can measure at all, m; beyond it, the powers in a search are not finite."""
 
@@ -154,6 +155,9 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
             raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
         if not points:
             raise body.error("path", "needs at least one point, [[x, y], ...]")
+        if len(points) > _MOST_POINTS:
+            message = f"has {len(points)} points; at most {_MOST_POINTS} are followed, straight from each to the next"
+            raise body.error("path", f"{message}: leave out those in between")
         if len({len(point) for point in points}) != 1:
             raise body.error(kinds[0], "mixes points of two and of three components")
         flat = len(points[0]) == 2

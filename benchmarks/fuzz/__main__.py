@@ -40,6 +40,7 @@ def main() -> int:
         for each in [each for each in running if each.ended()]:
             running.remove(each)
             counted[each.name] += each.held
+            print(f"{sum(counted.values())} inputs", file=sys.stderr, flush=True)
             if each.wrong:
                 wrong[each.name] = each.wrong
     for name, count in counted.items():

@@ -15,6 +15,7 @@ from arm.descriptions.formats import Exported
 from arm.errors.model import beams_of
 from linkwright.results.figures_in_words import shape_words
 from sections.taper import Tapered
+from units.spreadsheet import defused
 
 _DIGITS = 9
 
@@ -22,7 +23,7 @@ _DIGITS = 9
 def listed(arm: Arm) -> Exported:
     """The list of an arm's parts. Raises `arm.errors.model.PropertyNeeded` for links of unknown mass."""
     table = parts(arm)
-    text = table.to_csv(index=False, lineterminator="\n")
+    text = table.map(defused).to_csv(index=False, lineterminator="\n")
     lost: list[str] = ["what links need at their ends: flanges, bolts, bearings"]
     unpriced = table.loc[table["price_EUR"].isna(), "part"].tolist()
     if unpriced:

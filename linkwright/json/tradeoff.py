@@ -12,6 +12,7 @@ from linkwright.results.tradeoff import slope_factor
 from linkwright.version import program_version
 from optimize.tradeoff.front import Front, Point, Tradeoff
 from optimize.tradeoff.question import Axis
+from units.spreadsheet import defused
 
 from .design import links_json
 from .fields import fields
@@ -114,5 +115,5 @@ def tradeoff_csv(result: Tradeoff) -> str:
         row += [int(point.number in knees), *_figures(result, point).values(), _price(result, point)]
         for link, mass in zip(point.arm.links, point.figures["link_masses"], strict=True):
             row += [1e3 * link.length, section_words(link), link.material.name if link.material else "", mass]
-        writer.writerow(["" if cell is None else cell for cell in [*row, point_file(result, point)]])
+        writer.writerow(["" if cell is None else defused(cell) for cell in [*row, point_file(result, point)]])
     return stream.getvalue()

@@ -271,7 +271,6 @@ class Exchange:
             grown = grown.with_cuts(family.name, cuts)
         return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
 
-
     def _between(self, found: Sequence[ErrorCut], pool: Pool) -> list[ErrorCut]:
         """Poses between those found and the nearest of the pool, as many as the program has room for.
 

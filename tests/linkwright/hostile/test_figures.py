@@ -63,6 +63,7 @@ SAID_OF_PROBLEMS = [
     ("[20 mm, 80 mm]", "[1e-9 mm, 80 mm]", "subject_to.section_size"),
     ("500 mm, 200 mm", "1e200 mm, 200 mm", "workspace.path[1][1]"),
     ("20 N, 0 N", "1e200 N, 0 N", "load_cases[2].force[1]"),
+    ("[500 mm, 200 mm], ", "[500 mm, 200 mm], " * 2000, "workspace.path"),
 ]
 
 
