@@ -20,6 +20,8 @@ from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
+from diagnose.several.floors import floor_of_all
+from diagnose.several.recordings import Several, together
 from executors import Executor
 
 from .options import Options, Progress
@@ -38,8 +40,8 @@ def diagnose(
     progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> Diagnosis:
-    """What an arm's model leaves out, by a recording of the real arm; what falls apart into steps is done by
-    `executor`, else by this process.
+    """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once; what
+    falls apart into steps is done by `executor`, else by this process.
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
@@ -47,15 +49,13 @@ def diagnose(
     asked, tell = options or Options(), progress or _silent
     tell("noise floor", 0.0)
     rules = asked.rules
-    recording = with_sound_orientation(arm, recording, rules=rules.residual)
-    noise = noise_floor(recording, arm, rules=rules.residual)
-    cleaned = _once_each(_without(recording, noise), arm, noise, rules)
+    recording, noise, cleaned, floors = _cleaned(arm, recording, rules)
     tell("setting the recording against the model", 0.05)
     searched = _thinned(arm, cleaned, asked)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
     prepared = prepare(observe(arm, searched, rules=rules), asked, known)
-    if len(prepared.rejected) > rules.fitting.most_outliers * searched.size:
+    if not floors and len(prepared.rejected) > rules.fitting.most_outliers * searched.size:
         noise = _less_doubtful(noise, noise_floor(prepared.observed.recording, arm, rules=rules.residual))
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
@@ -91,8 +91,25 @@ def diagnose(
             )
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
-    found = Conclusion(namer, named, noise, asked, whole=whole, progress=tell).result(arm, recording, began)
-    return _with_labels(found, arm, searched, asked, known, tell)
+    conclusion = Conclusion(namer, named, noise, asked, whole=whole, progress=tell, floors=floors)
+    found = conclusion.result(arm, recording, began)
+    return found if floors else _with_labels(found, arm, searched, asked, known, tell)
+
+
+def _cleaned(
+    arm: Arm, recording: Recording, rules: Rules
+) -> tuple[Recording, NoiseFloor, Recording, tuple[NoiseFloor, ...]]:
+    """The recording with sound orientations, its noise floor, and the readings that do not stand out from repeats; of
+    several recordings each by itself, and each one's floor."""
+    if isinstance(recording, Several):
+        found = [_cleaned(arm, each, rules) for each in recording.each]
+        parts = [cleaned for _, _, cleaned, _ in found]
+        again = together(parts, arm, units=recording.units, names=recording.names, first_row=recording.first_row)
+        floors = tuple(noise for _, noise, _, _ in found)
+        return again, floor_of_all(floors, again), again, floors
+    recording = with_sound_orientation(arm, recording, rules=rules.residual)
+    noise = noise_floor(recording, arm, rules=rules.residual)
+    return recording, noise, _once_each(_without(recording, noise), arm, noise, rules), ()
 
 
 def _with_labels(

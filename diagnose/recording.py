@@ -34,7 +34,8 @@ class Recording:
     `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
     `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
-    for the report. `settings` is the recording.yaml that was used.
+    for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
+    number), `date` when it was made (`2026-05-16`), empty where nobody said.
     """
 
     file: str
@@ -63,6 +64,8 @@ class Recording:
     warnings: tuple[str, ...] = ()
     other: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     settings: str = ""
+    unit: str = ""
+    date: str = ""
 
     @property
     def size(self) -> int:

@@ -229,6 +229,32 @@ class Covered:
 
 
 @dataclass(frozen=True)
+class OfRecording:
+    """One of several recordings that were diagnosed together: its name, file, unit and date, how many readings were
+    used, what is its own (`frame`, `tool`: known or free), and RMS lengths (m).
+
+    `rms_held_out` is on parts of the workspace that the fit has not seen, `rms_from_others` what the model found in the
+    other recordings leaves (frame and tool its own), `rms_own` what the same physics leaves with sizes of its own.
+    `rejected` are rows of its file that were set aside.
+    """
+
+    name: str
+    file: str
+    unit: str
+    date: str
+    rows: int
+    frame: str
+    tool: str
+    noise_floor: float | None
+    rms_before: float
+    rms_after: float
+    rms_held_out: float
+    rms_from_others: float
+    rms_own: float
+    rejected: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The whole result. Residuals are (N, 2 or 3), m, in the order of `recording`'s rows, in the base frame.
 
@@ -239,7 +265,8 @@ class Diagnosis:
     read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
     more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
-    or payloads seem to stand beside the wrong readings (None: none).
+    or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
+    together (none named: one).
     """
 
     arm: Arm
@@ -275,6 +302,7 @@ class Diagnosis:
     rms_promised: float = math.nan
     written: WrittenArm | None = None
     labels: Mislabelled | None = None
+    recordings: tuple[OfRecording, ...] = ()
 
     @property
     def describes_part(self) -> bool:

@@ -15,10 +15,22 @@ from diagnose.fitting.corrected_arm import corrected_arm
 from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
 from diagnose.fitting.held_out import hardest, splits
 from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Recording
+from diagnose.recording import Recording, RejectedRow
 from diagnose.residual.observed import beyond_first_order, one_condition, rms_length
-from diagnose.result import Alternative, Detectable, Diagnosis, Finding, Location, Rung, Unknown, Verdict
+from diagnose.result import (
+    Alternative,
+    Detectable,
+    Diagnosis,
+    Finding,
+    Location,
+    OfRecording,
+    Rung,
+    Unknown,
+    Verdict,
+)
 from diagnose.search.aliases import Rival
+from diagnose.several.each import from_others, of_recordings
+from diagnose.several.recordings import Several
 from sections.numeric import Array
 
 from .confirmation import Confirmed
@@ -57,6 +69,10 @@ class Conclusion(Confirmed):
             self.options.seed,
         )
         held = {name: part.rms() for name, part in self.held_out.items()}
+        rejected = (*recording.rejected, *self.noise.outliers, *self.prepared.rejected)
+        each = self._recordings(before, self._after(), rejected)
+        if each:
+            held["one recording at a time"] = from_others(each)
         rms_before, rms_after = rms_length(before), rms_length(after)
         p_value = self._gate_p()
         moved = displacement(self.prepared, self.fitted)[:, :width]
@@ -82,7 +98,7 @@ class Conclusion(Confirmed):
             ),
             unknown=unknown,
             ladder=self._ladder(),
-            rejected_rows=(*recording.rejected, *self.noise.outliers, *self.prepared.rejected),
+            rejected_rows=rejected,
             rejected_forms=rejected_forms(self.namer, self.found, self.forms) if self._anything else (),
             detectable=self._detectable(),
             invisible=self._invisible(),
@@ -90,7 +106,7 @@ class Conclusion(Confirmed):
             next_poses_note=note,
             null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
-            figures=iso_figures(self.observed.recording, arm, rules=self.rules),
+            figures=() if self.floors else iso_figures(self.observed.recording, arm, rules=self.rules),
             residual_before=before,
             residual_after=after,
             corrected=corrected,
@@ -105,7 +121,19 @@ class Conclusion(Confirmed):
             lack_of_fit=self.lack_of_fit,
             scatter=self._scatter(),
             rms_promised=rms_length(self._left_by_names()),
+            recordings=each,
         )
+
+    def _recordings(self, before: Array, after: Array, rejected: Sequence[RejectedRow]) -> tuple[OfRecording, ...]:
+        """What comes of each of several recordings, from the tip's residuals (N, D), m, before and after."""
+        which = self.observed.which
+        if which is None:
+            return ()
+        residuals = (before, after, hardest(self.held_out).residual(), self._held_out(which).residual())
+        forms = [self.prepared.columns[m] for m in self.outside]
+        found = [np.zeros((*self.observed.residual.shape, 0)), *(term.columns for term in self.refit.terms), *forms]
+        model = (self.prepared.beside, np.concatenate(found, axis=2))
+        return of_recordings(self.observed, self.floors, residuals, model, rejected)
 
     @property
     def _anything(self) -> bool:
@@ -309,7 +337,12 @@ class Conclusion(Confirmed):
         if self.named is None or scatter <= 0.0 or not rules.most_outliers < far.mean() < rules.most_alone:
             return []
         further, middle = mm(rms_length(self._after()[far])), mm(float(np.median(far_off)))
-        rows = rows_text(self.observed.recording.row[far])
+        recording = self.observed.recording
+        rows = (
+            recording.rows_of(recording.row[far].tolist())
+            if isinstance(recording, Several)
+            else rows_text(recording.row[far])
+        )
         return [
             f"{int(far.sum())} of {len(far)} readings lie further off than scatter goes, {further} RMS, where the "
             f"middle one is {middle} off ({rows}): too many to be set aside with nothing to check them by. Read every "

@@ -41,8 +41,10 @@ class Confirmed:
         *,
         whole: Recording | None,
         progress: Progress,
+        floors: Sequence[NoiseFloor] = (),
     ) -> None:
         self.namer, self.named = namer, named
+        self.floors = floors
         self.noise, self.options, self.tell = noise, options, progress
         self.rules: Rules = namer.prepared.observed.rules
         self.unconfirmed: list[str] = []
@@ -140,6 +142,7 @@ class Confirmed:
             correlation=near.correlation,
             about=near.about,
             rules=self.rules,
+            loud=near.loud,
         )
         observed = again.softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]

@@ -20,6 +20,7 @@ from diagnose.residual.observed import Observed, observe
 from diagnose.result import NextPose
 from diagnose.search.aliases import Rival
 from diagnose.search.naming import Namer
+from diagnose.several.recordings import Several
 from sections.numeric import Array
 
 from .sentences import name_of
@@ -144,8 +145,12 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     if own is None or any(part is None for part in rest):
         return None
     there = [part for part in rest if part is not None]
-    free = {"frame": prepared.observed.recording.frame, "tool": prepared.observed.recording.tool}
-    beside, _ = nuisances(replace(tried, recording=replace(tried.recording, **free)))
+    recording = prepared.observed.recording
+    # Of several recordings it is the last that goes on: what the others swallow has no part in it.
+    last = recording.each[-1] if isinstance(recording, Several) else recording
+    own_beside, _ = nuisances(replace(tried, recording=replace(tried.recording, frame=last.frame, tool=last.tool)))
+    others = prepared.beside.shape[2] - own_beside.shape[2]
+    beside = np.pad(own_beside, ((0, 0), (0, 0), (others, 0)))
     recorded = np.concatenate([prepared.beside, *(prepared.columns[m] for m in (*known, other))], axis=2)
     white = prepared.observed.whitened
     # Least squares sees the recorded rows through their triangular factor alone.

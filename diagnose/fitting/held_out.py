@@ -82,7 +82,7 @@ class HeldOut:
         given = list(tethers) if tethers is not None else [None] * len(parts)
         held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(parts, given, strict=True)]
         self._held = np.concatenate(held) ** 2
-        scaled, target = self._design / observed.scale[:, None], observed.residual / observed.scale
+        scaled, target = observed.scaled(self._design), observed.scaled(observed.residual)
         size = np.sqrt(np.sum(scaled**2, axis=(0, 1)) + self._held)
         self._size = np.where(size > 0.0, size, 1.0)
         self._scaled = scaled / self._size
@@ -121,7 +121,7 @@ class HeldOut:
         left = drawn[:, :width].copy()
         if self._design.shape[2] == 0 or len(self._products) == 1:
             return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
-        target = drawn / self._observed.scale[:, None]
+        target = self._observed.scaled(drawn)
         against = [
             np.tensordot(self._scaled[self._folds == fold], target[self._folds == fold], ((0, 1), (0, 1)))
             for fold in self._each

@@ -20,11 +20,12 @@ from diagnose.patterns.forms import forms
 from diagnose.patterns.library import Candidate, candidates, parameter_of
 from diagnose.patterns.pool import Pool, make_pool
 from diagnose.recording import RejectedRow
-from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, rms_length, without_memory
+from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, rms_length
 from diagnose.residual.orientation import tool_turns
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from diagnose.search.subsets import Criterion, criterion_for, gains, products
+from diagnose.several.nuisances import of_each
 from sections.numeric import Array
 
 
@@ -66,6 +67,7 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     the tool is turned."""
     parts: list[Array] = []
     names: list[str] = []
+    settings: list[str] = []
     width = observed.components
     for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
         for effect in EFFECTS.values() if left == "free" else ():
@@ -73,6 +75,7 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
             for size in (size.name for size in sizes if width == 3 or not size.out_of_plane):
                 parts.append(observed.signature(effect.id, Settings((), {size: 1.0})))
                 names.append(f"{effect.id} {size}")
+                settings.append(setting)
     if observed.recording.base_target is not None:
         first = observed.components + (observed.arm.size if observed.asked.joint_side else 0)
         for axis in range(3):
@@ -88,7 +91,8 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
             parts.append(column)
             names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
     shape = (*observed.residual.shape, 0)
-    return (np.stack(parts, axis=2) if parts else np.zeros(shape)), tuple(names)
+    found = np.stack(parts, axis=2) if parts else np.zeros(shape)
+    return of_each(observed, found, tuple(names), settings)
 
 
 def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
@@ -138,10 +142,12 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
     for _ in range(observed.rules.fitting.passes):
         rough = replace(observed, scale=_first_scale(observed))
         left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
-        scale = _scatter(left, rough)
-        outlying = _outliers(left / scale, observed)
+        observed = replace(observed, loud=loudness(left, observed))
+        scale = _scatter(observed.evened(left), rough)
+        outlying = _outliers(replace(observed, scale=scale).scaled(left), observed)
         if not outlying.any():
-            return _with_memory(replace(observed, scale=scale), patterns, left, noise_floor, _in_order(rejected))
+            observed = replace(observed, scale=scale)
+            return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
         rejected += [
             RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
             for row in np.flatnonzero(outlying).tolist()
@@ -151,9 +157,10 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
         observed = observe(
             observed.arm_given,
             observed.recording.kept(keep),
-            scale=_scatter(left[keep], rough),
+            scale=_scatter(observed.evened(left)[keep], rough),
             about=observed.about,
             rules=observed.rules,
+            loud=observed.loud,
         )
         # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
         patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
@@ -180,14 +187,14 @@ def _with_memory(
     Where noise remembers much, a rough model that took readings for independent has taken some of it for physics; so
     the model is made again with the memory found, until that no longer grows.
     """
-    memory = _memory(left / observed.scale, observed)
+    memory = _memory(observed.scaled(left), observed)
     prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
     rules = observed.rules.fitting
     # A memory in a long recording is rather physics that the rough model lacks, and goes with the arm's path.
     much = rules.much_memory * max(1.0, observed.rows / rules.memory_of_physics)
     for _ in range(rules.passes if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
-        found = _memory(left / observed.scale, observed)
+        found = _memory(observed.scaled(left), observed)
         if found <= prepared.observed.correlation + rules.memory_grows:
             break
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
@@ -250,23 +257,34 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
         given = given.beside(pool.columns([best]))
     columns = [prepared.beside, *(prepared.columns[m] for m in members)]
     stacked = np.concatenate(columns, axis=2)
-    design, target = stacked / observed.scale[:, None], observed.residual / observed.scale
+    design, target = observed.scaled(stacked), observed.scaled(observed.residual)
     if design.shape[2] == 0:
         return observed.residual
     weight = np.ones(len(target))
     values = np.zeros(design.shape[2])
-    rho = observed.correlation
     for _ in range(6):
         root = np.sqrt(weight)[:, None]
         values = np.linalg.lstsq(
-            without_memory(design * root[:, :, None], rho).reshape(-1, design.shape[2]),
-            without_memory(target * root, rho).reshape(-1),
+            observed.without_memory(design * root[:, :, None]).reshape(-1, design.shape[2]),
+            observed.without_memory(target * root).reshape(-1),
             rcond=1e-9,
         )[0]
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
         weight = np.minimum(1.0, rules.weighed_down * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
     return observed.residual - stacked @ values
+
+
+def loudness(left: Array, observed: Observed) -> Array | None:
+    """How loud each of several recordings is beside the others (R,), their geometric mean being one, by the robust
+    scatter of the tip in what a rough model leaves (N, C); None of one."""
+    which = observed.which
+    if which is None:
+        return None
+    size = np.abs(left[:, : observed.components])
+    own = np.array([np.median(size[which == one]) if (which == one).any() else 0.0 for one in range(which.max() + 1)])
+    own = np.where(own > 0.0, own, max(float(np.median(size)), 1e-12))
+    return own / float(np.exp(np.mean(np.log(own))))
 
 
 def _scatter(left: Array, observed: Observed) -> Array:

@@ -106,6 +106,8 @@ def assembled(
         warnings=tuple(warnings),
         other=MappingProxyType(strangers),
         settings=held.file,
+        unit=held.unit,
+        date=held.date,
     )
 
 

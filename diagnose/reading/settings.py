@@ -31,7 +31,8 @@ class ReadingSettings:
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
     `sigma` (m) is the standard deviation of each component of the tip. `sides` tells whence the sides of approach are
     known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row. `seat` is
-    the key `orientation`: free uses orientations, how the target is turned on the tool being free.
+    the key `orientation`: free uses orientations, how the target is turned on the tool being free. `unit` says which
+    arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`).
     """
 
     file: str = ""
@@ -45,6 +46,8 @@ class ReadingSettings:
     seat: Literal["unused", "free"] = "unused"
     sides: Sides = "columns"
     layout: Layout = field(default_factory=Layout)
+    unit: str = ""
+    date: str = ""
 
 
 def find_settings(recording: Path) -> Path | None:
@@ -87,6 +90,8 @@ def read_settings(path: Path | None) -> ReadingSettings:
             seat=cast(Literal["unused", "free"], mapping.choice("orientation", ("unused", "free"), "unused")),
             sides=cast(Sides, mapping.choice("sides", ("columns", "from_order"), "columns")),
             layout=_layout(mapping),
+            unit=_name(mapping, "unit"),
+            date=_date(mapping),
         )
 
 
@@ -106,6 +111,24 @@ def _formula(body: Mapping, name: str) -> str:
     if isinstance(raw, bool) or not isinstance(raw, str | int | float) or not str(raw).strip():
         raise body.error(name, f'needs a formula such as "Joint 1 [rad]*57.29578", not {shown(raw)}')
     return " ".join(str(raw).split())
+
+
+def _name(mapping: Mapping, name: str) -> str:
+    """A text; a serial number may be a number in YAML."""
+    if not mapping.has(name):
+        return ""
+    raw = mapping.raw(name)
+    if isinstance(raw, bool) or not isinstance(raw, str | int) or not str(raw).strip():
+        raise mapping.error(name, f'needs a text such as "serial 7", not {shown(raw)}')
+    return " ".join(str(raw).split())
+
+
+def _date(mapping: Mapping) -> str:
+    text = _name(mapping, "date")
+    try:
+        return text and datetime.datetime.fromisoformat(text).date().isoformat()
+    except ValueError:
+        raise mapping.error("date", f"needs a date such as 2026-05-16, not {shown(text)}") from None
 
 
 def _texts(mapping: Mapping, name: str) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Iterator
 
 import numpy as np
@@ -31,6 +32,11 @@ def settings_text(recording: Recording) -> str:
         lines.append(f"orientation: {recording.seat}\n")
     if recording.sigma is not None:
         lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
+    lines += [
+        f"{key}: {json.dumps(value, ensure_ascii=False)}\n"
+        for key, value in (("unit", recording.unit), ("date", recording.date))
+        if value
+    ]
     return "".join(lines)
 
 

@@ -25,6 +25,8 @@ from arm.errors.tip import ActiveEffect, active_effects
 from diagnose.recording import Recording
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES, Rules
+from diagnose.several.recordings import Several
+from diagnose.several.states import joined
 
 from .alignment import Alignment, aligned
 from .orientation import has_orientation, turn_left
@@ -45,6 +47,9 @@ class Observed:
     found so large that first order is taken about it: the residual is less by what that moves beyond first order.
     `nominal` is the arm undeformed, `state` as its model and `about` deform it: patterns are those about that shape.
     `rules` are those of the whole diagnosis.
+
+    Of several recordings (`Several`) frame and tool are each one's own, and so is how loud its instrument is: `loud`
+    (R,) is what `scale` is multiplied by for each recording's readings (None: nothing).
     """
 
     arm: Arm
@@ -60,6 +65,12 @@ class Observed:
     correlation: float = 0.0
     about: tuple[EffectEntry, ...] = ()
     rules: Rules = RULES
+    loud: Array | None = None
+
+    @property
+    def which(self) -> NDArray[np.int64] | None:
+        """The recording (N,), from 0, that each reading is from; None where there is but one."""
+        return self.recording.which if isinstance(self.recording, Several) else None
 
     @property
     def components(self) -> int:
@@ -106,8 +117,26 @@ class Observed:
     def whitened(self, columns: Array) -> Array:
         """Columns (N, C) or (N, C, d) as (N * C) or (N * C, d) of unit scatter, without the correlation of neighbouring
         rows (the transformation of S. J. Prais & C. B. Winsten, 1954)."""
-        scaled = without_memory(columns / (self.scale if columns.ndim == 2 else self.scale[:, None]), self.correlation)
+        scaled = self.without_memory(self.scaled(columns))
         return scaled.reshape(scaled.shape[0] * scaled.shape[1], *columns.shape[2:])
+
+    def scaled(self, columns: Array) -> Array:
+        """Columns (N, C) or (N, C, d) over their scatter."""
+        return self.evened(columns) / (self.scale if columns.ndim == 2 else self.scale[:, None])
+
+    def evened(self, columns: Array) -> Array:
+        """Columns (N, ...) over how loud each reading's recording is."""
+        which = self.which
+        if which is None or self.loud is None:
+            return columns
+        return columns / self.loud[which].reshape(-1, *(1,) * (columns.ndim - 1))
+
+    def without_memory(self, columns: Array, correlation: float | None = None) -> Array:
+        """Columns (N, ...) less what each reading shares with the one before in its recording."""
+        rho, which = self.correlation if correlation is None else correlation, self.which
+        if which is None or rho == 0.0:
+            return without_memory(columns, rho)
+        return np.concatenate([without_memory(columns[which == one], rho) for one in np.unique(which).tolist()])
 
     @property
     def softening(self) -> tuple[EffectEntry, ...]:
@@ -155,14 +184,19 @@ def observe(
     correlation: float = 0.0,
     about: Sequence[EffectEntry] = (),
     rules: Rules = RULES,
+    loud: Array | None = None,
 ) -> Observed:
     """Set a recording against an arm's model.
 
     Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
-    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels. `about`
-    what else is known to be at work, still to be fitted: see `Observed`.
+    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels; `loud` is
+    how loud each of several recordings is. `about` what else is known to be at work, still to be fitted: see
+    `Observed`.
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
+    if isinstance(recording, Several):
+        parts = [observe(arm, each, about=about, rules=rules) for each in recording.parts()]
+        return replace(_of_several(parts, recording, scale, correlation), loud=loud)
     unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
     known = arm.with_links(
         tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))
@@ -211,6 +245,37 @@ def observe(
         correlation,
         tuple(about),
         rules,
+    )
+
+
+def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | None, correlation: float) -> Observed:
+    """Several recordings that were set against one model, each in its own frame and with its own tool, as one."""
+    counts = [each.rows for each in parts]
+    first = parts[0]
+    blocks = np.cumsum([0, *(int(each.block[-1]) + 1 for each in parts)])
+    said = tuple(
+        f"{name}: {text}"
+        for name, each in zip(recording.names, parts, strict=True)
+        for text in each.alignment.undetermined
+    )
+    width = first.components
+    # The arm has the file's tool: what was found of each recording's is in its own state.
+    nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, said)
+    residual = np.concatenate([each.residual for each in parts])
+    return Observed(
+        replace(first.arm, tool=first.arm_given.tool),
+        first.unknown_masses,
+        recording,
+        joined([each.nominal for each in parts], counts),
+        joined([each.state for each in parts], counts),
+        replace(joined([replace(each.asked, rows=0) for each in parts], counts), rows=sum(counts)),
+        nowhere,
+        residual,
+        np.ones(residual.shape[1]) if scale is None else scale,
+        np.concatenate([each.block + start for each, start in zip(parts, blocks[:-1], strict=True)]),
+        correlation,
+        first.about,
+        first.rules,
     )
 
 

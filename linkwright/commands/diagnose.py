@@ -32,9 +32,11 @@ from .options import (
 if TYPE_CHECKING:
     from linkwright.screen.progress import Steps
 
-HELP = """What the model of an arm leaves out, by a recording of the real one: where, what, how sure, and what to do.
+HELP = """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
 
 Example: linkwright diagnose arm.yaml recording.csv --out result
+
+Several at once share the physics: linkwright diagnose arm.yaml may.csv august.csv
 """
 Thorough = Annotated[bool, typer.Option("--thorough", help="Calibrate the whole search; takes longer.")]
 Without = Annotated[
@@ -45,17 +47,28 @@ RecordingYaml = Annotated[
     Path | None,
     typer.Option("--recording-yaml", metavar="FILE", help="What the columns mean; by default the file beside it."),
 ]
+RecordingYamls = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--recording-yaml",
+        metavar="FILE",
+        help="What the columns mean; by default the file beside the recording. Of several recordings: once for all, "
+        "or once for each, in their order.",
+    ),
+]
 
 
 def diagnose(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="The recording, CSV or parquet.")],
+    recording: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help="The recording, CSV or parquet; or several at once.")
+    ],
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     thorough: Thorough = False,
     without_effect: Without = None,
-    recording_yaml: RecordingYaml = None,
+    recording_yaml: RecordingYamls = None,
     problem: Annotated[
         Path | None,
         typer.Option("--problem", metavar="PROBLEM", help="Solve this design problem with what was found, too."),
@@ -67,17 +80,18 @@ def diagnose(
     dask: Dask = None,
 ) -> None:
     """Run the command."""
+    from linkwright.face.diagnosis import recordings_of
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
     from linkwright.results.diagnoses.described import describe
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 
     for target in (json, markdown):
-        check_target(target, arm, recording, recording_yaml, problem, catalogue)
+        check_target(target, arm, *recording, *(recording_yaml or ()), problem, catalogue)
     known_effects(without_effect or ())
     with waiting("reading"):
         given = lw.read_arm(arm, catalogue=catalogue)
-        read = lw.read_recording(recording, given, settings=recording_yaml)
+        read = recordings_of(recording, given, recording_yaml)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
     with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:
         claim_diagnosis(out)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from arm.effects import EFFECTS
 from diagnose.compare.compare import Comparison as FoundComparison
@@ -15,6 +15,7 @@ from diagnose.diagnosis import diagnose as diagnosed
 from diagnose.options import Options
 from diagnose.result import Diagnosis as Found
 from diagnose.result import FittedParameter
+from diagnose.several.recordings import together
 from executors import Executor
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
@@ -139,24 +140,24 @@ def _parameter(fitted: FittedParameter) -> dict[str, Any]:
 
 def diagnose(
     arm: Arm | File,
-    recording: Recording | File | pd.DataFrame,
+    recording: Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame],
     *,
     thorough: bool = False,
     without: Collection[str] = (),
-    settings: File | None = None,
+    settings: File | Sequence[File] | None = None,
     progress: Progress | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Diagnosis:
-    """What the model of an arm leaves out, by one recording of the real one: where, what, how sure.
+    """What the model of an arm leaves out, by a recording of the real one: where, what, how sure.
 
-    Of several recordings each is asked by itself (`for rec in lw.read_recordings(files, arm)`); rows that were taken
-    in one setting, with the same frame and tool, are one recording as one table. `lw.compare` takes two.
+    A list of recordings is diagnosed at once: their physics is shared; frame, tool and noise are each one's own, and
+    `found.recordings` tells what comes of each.
     `thorough` calibrates the whole search and takes longer; `without` names effects that are no candidates; `settings`
-    is the recording's recording.yaml where a file is named. `progress(text, share)` hears of the steps, by default a
-    bar where somebody looks. What takes long is done by so many `workers`, processes of this machine (one a core), or
-    by an `executor` (`lw.Processes`, `lw.Cluster`). Raises `InputError`, and `MissingProperty` where the model lacks a
-    figure.
+    is the recording's recording.yaml where a file is named (of several: one for all, or one each).
+    `progress(text, share)` hears of the steps, by default a bar where somebody looks. What takes long is done by so
+    many `workers`, processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Raises
+    `InputError`, and `MissingProperty` where the model lacks a figure.
 
     >>> import linkwright as lw
     >>> dia = lw.diagnose("examples/hidden-backlash/arm.yaml", "examples/hidden-backlash/recording.csv")
@@ -166,17 +167,47 @@ def diagnose(
     <Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>
     """
     given = arm_of(arm)
-    read = recording_of(recording, given, settings)
+    read = recordings_of(recording, given, settings)
     options = Options(thorough=thorough, without=_known(without))
     with told(progress) as tell, at_work(executor, workers) as crew:
         found = diagnosed(given.model, read.found, options, tell, crew)
         return Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
 
 
+def recordings_of(
+    given: Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame],
+    arm: Arm,
+    settings: File | Sequence[File] | None = None,
+) -> Recording:
+    """A recording as given, or read; several as one that knows which reading is from which."""
+    own = list(settings) if isinstance(settings, list | tuple) else None
+    if not isinstance(given, list | tuple):
+        if own is not None and len(own) != 1:
+            raise InputError("", "settings", f"there are {len(own)} for one recording")
+        return recording_of(given, arm, settings if own is None else own[0])
+    several = cast("Sequence[Recording | File | pd.DataFrame]", given)
+    if not several:
+        raise InputError("", "recording", "is an empty list; name one recording or more")
+    if own is not None and len(own) not in (1, len(several)):
+        raise InputError(
+            "", "settings", f"there are {len(own)} for {len(several)} recordings; give one for all, or one each"
+        )
+    each = [settings if own is None else own[0 if len(own) == 1 else k] for k in range(len(several))]
+    read = [recording_of(one, arm, cast("File | None", held)) for one, held in zip(several, each, strict=True)]
+    files = [Path(one.found.file).absolute() for one in read if one.found.file and Path(one.found.file).exists()]
+    twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
+    if twice is not None:
+        raise InputError(twice, "", "is named twice; each recording counts once")
+    widths = {one.found.q.shape[1] for one in read}
+    if len(widths) > 1:
+        raise InputError("", "recording", f"are of arms with {' and '.join(map(str, sorted(widths)))} joints")
+    return read[0] if len(read) == 1 else Recording(arm, together([one.found for one in read], arm.model))
+
+
 def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:
     """A recording as given, or read."""
     if isinstance(given, list | tuple):
-        raise InputError("", "recording", "is one recording, not a list; ask for each by itself, or lw.compare two")
+        raise InputError("", "recording", "is one recording here, not a list; lw.diagnose takes several")
     return given if isinstance(given, Recording) else read_recording(given, arm, settings=settings)
 
 

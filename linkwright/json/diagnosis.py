@@ -10,6 +10,7 @@ from typing import Any
 
 from arm.chain.chain import Arm
 from diagnose.answer.sentences import put_right
+from diagnose.recording import Recording, RejectedRow
 from diagnose.result import (
     Covered,
     Detectable,
@@ -18,9 +19,11 @@ from diagnose.result import (
     FittedParameter,
     LackOfFit,
     Mislabelled,
+    OfRecording,
     RejectedForm,
     Unknown,
 )
+from diagnose.several.recordings import Several
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.version import program_version
 from units.quantities import format_quantity, kind_of
@@ -134,6 +137,24 @@ def _labels(labels: Mislabelled) -> dict[str, Any]:
     }
 
 
+def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
+    """A row that was set aside; of several recordings with the one whose file it is in."""
+    if not isinstance(recording, Several):
+        return fields(each, "row", "reason")
+    index, row = recording.place_of(each.row)
+    return {"recording": recording.names[index], "row": row, "reason": each.reason}
+
+
+def _recording(each: OfRecording) -> dict[str, Any]:
+    rms = ("rms_before_mm", "rms_after_mm", "rms_held_out_mm", "rms_from_others_mm", "rms_own_mm")
+    return {
+        **fields(each, "name", "file", "rows", "frame", "tool", "noise_floor_mm", *rms),
+        "unit": each.unit or None,
+        "date": each.date or None,
+        "rejected_rows": list(each.rejected),
+    }
+
+
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
     arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
@@ -142,6 +163,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "made_by": f"linkwright diagnose {program_version()}",
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
+        "recordings": [_recording(each) for each in diagnosis.recordings],
         "rows": recording.size,
         "answer": answer(diagnosis),
         "to_do": list(to_do(diagnosis)),
@@ -159,8 +181,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
-        "rejected_rows": [each.row for each in diagnosis.rejected_rows],
-        "rejected_rows_detail": [fields(each, "row", "reason") for each in diagnosis.rejected_rows],
+        "rejected_rows": [_rejected_row(recording, each)["row"] for each in diagnosis.rejected_rows],
+        "rejected_rows_detail": [_rejected_row(recording, each) for each in diagnosis.rejected_rows],
         "minimum_detectable_mm": minimum_detectable(diagnosis),
         "detectable": [_detectable(each) for each in diagnosis.detectable],
         "invisible": [{"effect": effect, "at": at} for effect, at in diagnosis.invisible],

@@ -12,6 +12,7 @@ import pandas as pd
 from arm.chain.chain import Arm
 from arm.files.write import arm_to_yaml
 from diagnose.result import Diagnosis
+from diagnose.several.recordings import Several
 from linkwright.json.fields import joint_columns
 from units.quantities import InputError
 from units.reading import read_text
@@ -53,6 +54,9 @@ def _poses(diagnosis: Diagnosis) -> dict[str, Any]:
     """Row, joint coordinates and what was carried, by column."""
     recording = diagnosis.recording
     columns: dict[str, Any] = {"row": recording.row}
+    if isinstance(recording, Several):
+        places = [recording.place_of(row) for row in recording.row.tolist()]
+        columns = {"recording": [recording.names[index] for index, _ in places], "row": [row for _, row in places]}
     for name, values in joint_columns(diagnosis.arm, recording.q).items():
         columns[name] = values.round(_DIGITS)
     if recording.payload_mass is not None:

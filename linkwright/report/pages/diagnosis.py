@@ -18,6 +18,7 @@ from linkwright.report.pictures.residual_map import arrow_maps, hover_maps
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.svg import element, nice_below, text
 from linkwright.results.diagnoses.described import describe
+from linkwright.results.diagnoses.words import row_words
 from linkwright.results.figures_in_words import figure, mm, pose
 
 from .covariates import small_multiples
@@ -55,9 +56,9 @@ def _arm(diagnosis: Diagnosis) -> str:
         longest = nice_below(0.2e-3 * window.width / at.error)
         window = replace(window, exaggeration=min(window.exaggeration, longest))
     joint = None if diagnosis.where.joint is None else diagnosis.where.joint - 1
-    row = int(recording.row[worst])
     ring = "" if joint is None else f"; joint {joint + 1} is ringed"
-    about = f"{arm.name} at row {row}, where the mismatch is largest: {mm(at.error, 3)}{ring}"
+    row = row_words(recording, int(recording.row[worst]))
+    about = f"{arm.name} at {row}, where the mismatch is largest: {mm(at.error, 3)}{ring}"
     view = "" if arm.planar() else "; seen from the side, in the upright plane through the tip"
     arrow = f"The arrow is the mismatch, {figure(window.exaggeration)} times its size{view}."
     words = f"{about} ({pose(arm, at.q)}). {arrow}"

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from arm.chain.kinematics import tip_position
 from diagnose.result import Diagnosis
 from linkwright.report.page import figure_place, side_by_side
+from linkwright.results.diagnoses.words import row_words
 from linkwright.results.figures_in_words import figure, mm, pose
 from sections.numeric import Array
 
@@ -133,10 +134,12 @@ def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], great
     across = tip[:, 0] if planar else np.hypot(tip[:, 0], tip[:, 1])
     up = tip[:, 1] if planar else tip[:, 2]
     names = ("x", "y") if planar else ("distance from the base's z axis", "z")
-    told = [
-        f"row {recording.row[row]}: {pose(arm, recording.q[row].tolist())}<br>{figure(float(length[row]), 3)} mm"
-        for row in rows.tolist()
-    ]
+
+    def words(row: int) -> str:
+        at = f"{row_words(recording, int(recording.row[row]))}: {pose(arm, recording.q[row].tolist())}"
+        return f"{at}<br>{figure(float(length[row]), 3)} mm"
+
+    told = [words(row) for row in rows.tolist()]
     marks = {
         "type": "scatter",
         "mode": "markers",

@@ -23,7 +23,6 @@ from linkwright.results.document import (
     Section,
     Value,
     amount,
-    count,
     length,
     section,
     table,
@@ -42,6 +41,7 @@ from .evidence import (
     standards,
     where_it_sits,
 )
+from .recordings import recordings
 from .words import (
     alias_sentence,
     covariate_words,
@@ -54,6 +54,7 @@ from .words import (
     place_words,
     portion,
     probability,
+    row_words,
     spoken,
     time_words,
     value,
@@ -73,6 +74,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),
         _broken_promise(diagnosis),
+        recordings(diagnosis) if diagnosis.recordings else None,
         _findings(diagnosis) if diagnosis.findings else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
@@ -291,11 +293,12 @@ def _set_aside(diagnosis: Diagnosis) -> Section:
     rejected = diagnosis.rejected_rows
     if not rejected:
         return section("Rows set aside", Paragraph("Every row was used.", detail=True), detail=True)
-    lines = [f"Row {each.row} is set aside: {each.reason}." for each in rejected]
+    words = [row_words(diagnosis.recording, each.row) for each in rejected]
+    lines = [f"R{name[1:]} is set aside: {each.reason}." for name, each in zip(words, rejected, strict=True)]
     told = Lines(tuple(lines[:MOST_REJECTED]))
     left = len(lines) - MOST_REJECTED
     more = Paragraph(f"{left} more rows are set aside; the report and the JSON name them.") if left > 0 else None
-    rows = [(count(each.row), each.reason) for each in rejected]
+    rows = [(Value(name.removeprefix("row ")), each.reason) for name, each in zip(words, rejected, strict=True)]
     every = table(("row", "why"), rows, detail=True) if left > 0 else None
     return section("Rows set aside", told, more, every)
 
@@ -308,7 +311,7 @@ def _notes(diagnosis: Diagnosis) -> Section | None:
 def _asked(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     recording, arm = diagnosis.recording, diagnosis.arm
     rows = [
-        ("recording", PurePath(recording.file).name),
+        ("recordings" if diagnosis.recordings else "recording", PurePath(recording.file).name),
         ("readings used", str(recording.size)),
         ("measuring frame", recording.frame),
         ("tool", recording.tool),

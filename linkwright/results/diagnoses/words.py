@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from types import MappingProxyType
 
 from arm.effects import EFFECTS
+from diagnose.recording import Recording
 from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
+from diagnose.several.recordings import Several
 from linkwright.results.document import Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
 from units.quantities import format_quantity
@@ -235,6 +237,14 @@ def least_visible(diagnosis: Diagnosis) -> list[Detectable]:
 def spoken(sentence: str) -> str:
     """A sentence with the names of parameters and the units as people write them."""
     return re.sub(r"(?<=[a-z])_(?=[a-z])", " ", sentence).replace("*", "·").replace("^2", "²")
+
+
+def row_words(recording: Recording, row: int) -> str:
+    """A reading by its number in `row`: `row 5`, or of several recordings `row 5 of august.csv`."""
+    if not isinstance(recording, Several):
+        return f"row {row}"
+    index, own = recording.place_of(row)
+    return f"row {own} of {recording.names[index]}"
 
 
 def whole_sentence(words: str) -> str:

@@ -1,0 +1,74 @@
+"""What comes of each of several recordings that were fitted together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import PurePath
+
+import numpy as np
+
+from diagnose.fitting.fit import solved
+from diagnose.recording import RejectedRow
+from diagnose.residual.noise import NoiseFloor
+from diagnose.residual.observed import Observed, rms_length
+from diagnose.result import OfRecording
+from diagnose.several.recordings import Several
+from sections.numeric import Array
+
+
+def of_recordings(
+    observed: Observed,
+    floors: Sequence[NoiseFloor],
+    residuals: tuple[Array, Array, Array, Array],
+    model: tuple[Array, Array],
+    rejected: Sequence[RejectedRow],
+) -> tuple[OfRecording, ...]:
+    """What comes of each recording. `residuals` (N, D) m are those before anything was fitted, after it, held out by
+    parts of the workspace, and held out by recording with what each swallows left in; `model` are the columns (N, C, d)
+    of what each recording swallows and of what was found; `rejected` all rows set aside, numbered through."""
+    several = observed.recording
+    if not isinstance(several, Several):
+        return ()
+    beside, found = model
+    before, after, held_out, apart = residuals
+    places = [several.place_of(each.row) for each in rejected]
+    told: list[OfRecording] = []
+    for index, (name, each) in enumerate(zip(several.names, several.each, strict=True)):
+        rows = several.which == index
+        told.append(
+            OfRecording(
+                name=name,
+                file=PurePath(each.file).name,
+                unit=each.unit,
+                date=each.date,
+                rows=int(rows.sum()),
+                frame=each.frame,
+                tool=each.tool,
+                noise_floor=floors[index].rms_m,
+                rms_before=rms_length(before[rows]),
+                rms_after=rms_length(after[rows]),
+                rms_held_out=rms_length(held_out[rows]),
+                rms_from_others=rms_length(_less_own(observed, apart, beside, index)),
+                rms_own=rms_length(_less_own(observed, before, np.concatenate([beside, found], axis=2), index)),
+                rejected=tuple(sorted(row for where, row in places if where == index)),
+            )
+        )
+    return tuple(told)
+
+
+def _less_own(observed: Observed, residual: Array, columns: Array, index: int) -> Array:
+    """A recording's residuals of the tip (n, D), m, less what columns (N, C, d) fitted to it alone take off."""
+    rows = observed.which == index
+    width = observed.components
+    design = columns[rows][:, :width] / observed.scale[:width, None]
+    target = residual[rows] / observed.scale[:width]
+    flat = design.reshape(design.shape[0] * width, design.shape[2])
+    if flat.shape[1] == 0:
+        return residual[rows]
+    return residual[rows] - columns[rows][:, :width] @ solved(flat, target.reshape(-1))
+
+
+def from_others(each: Sequence[OfRecording]) -> float:
+    """The RMS length (m) that the models of the other recordings leave in all readings."""
+    count = np.array([one.rows for one in each], dtype=float)
+    return float(np.sqrt(np.sum(count * np.array([one.rms_from_others for one in each]) ** 2) / count.sum()))

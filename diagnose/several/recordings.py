@@ -1,0 +1,194 @@
+"""Several recordings as one: readings one after the other, each knowing the recording that it is from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import PurePath
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.chain import Arm
+from diagnose.mistakes.row_lists import rows_text
+from diagnose.recording import Recording, RejectedRow
+from sections.numeric import Array
+
+_PAUSE = 0.05
+"""The share of all that was recorded by which the clocks of two recordings are set apart."""
+
+
+@dataclass(frozen=True)
+class Several(Recording):
+    """The readings of R recordings of one arm (or of arms of one type, `units`), one recording after the other.
+
+    `which` (N,) is the recording (from 0) that a reading is from, `each` the recordings themselves: their frame, tool,
+    declared sigma and file count, their readings are here. `row` numbers all readings of all files through (see
+    `place_of`); `time` runs on from one recording to the next, `began` (R,) is where each clock starts, s. `frame` and
+    `tool` are free where any recording's is.
+    """
+
+    which: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    each: tuple[Recording, ...] = ()
+    names: tuple[str, ...] = ()
+    first_row: tuple[int, ...] = ()
+    began: tuple[float, ...] = ()
+    units: bool = False
+
+    def parts(self) -> tuple[Recording, ...]:
+        """The recordings with the readings that are left of each, on clocks of their own."""
+        return tuple(self._part(index) for index in range(len(self.each)))
+
+    def _part(self, index: int) -> Recording:
+        rows, own = self.which == index, self.each[index]
+        taken: dict[str, Array | NDArray[np.int64] | None] = {}
+        for name in _COLUMNS:
+            values = getattr(self, name)
+            taken[name] = None if values is None else values[rows]
+        if self.time is not None:
+            taken["time"] = self.time[rows] - self.began[index]
+        other = MappingProxyType({name: values[rows] for name, values in self.other.items()})
+        return replace(own, **taken, other=other, seat=self.seat)  # pyright: ignore[reportArgumentType]
+
+    def place_of(self, row: int) -> tuple[int, int]:
+        """The recording (from 0) and the row in its file of a reading by its number in `row`."""
+        index = int(np.searchsorted(self.first_row, row, side="right")) - 1
+        return index, row - self.first_row[index] + 1
+
+    def rows_of(self, rows: Sequence[int]) -> str:
+        """Readings by their numbers in `row`, as words."""
+        told: list[str] = []
+        for index, name in enumerate(self.names):
+            own = [at for where, at in map(self.place_of, rows) if where == index]
+            told += [f"{rows_text(own)} of {name}"] if own else []
+        return ", ".join(told)
+
+
+_COLUMNS = (
+    "q", "tip", "row", "orientation", "time", "sides", "payload_mass", "temperature", "link_temperature", "velocity",
+    "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "base_target",
+)  # fmt: skip
+
+
+def names_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """What to call each recording: its unit, date or both where these tell them apart, else its file's name."""
+    count = len(recordings)
+    for said in (
+        [each.unit for each in recordings],
+        [each.date for each in recordings],
+        [f"{each.unit} of {each.date}" if each.unit and each.date else "" for each in recordings],
+        [PurePath(each.file).name for each in recordings],
+        [each.file for each in recordings],
+    ):
+        if all(said) and len(set(said)) == count:
+            return tuple(said)
+    return tuple(f"recording {number}" for number in range(1, count + 1))
+
+
+def together(
+    recordings: Sequence[Recording],
+    arm: Arm,
+    *,
+    units: bool = False,
+    first_row: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
+) -> Several:
+    """Recordings of one arm as one. What only some of them hold counts where it is sure what the others would hold
+    (the arm file's payload, no force, no known side, standing still, 20 degC); else it is left out, and said.
+
+    `first_row` says with which number the rows of each file begin (by default so that none has two), `names` what they
+    are called.
+    """
+    names = tuple(names) if names is not None else names_of(recordings)
+    width = min(each.tip.shape[1] for each in recordings)
+    notes: list[str] = []
+    counts = [each.size for each in recordings]
+
+    def column(name: str, instead: Callable[[int], Array] | None, words: str, said: str = "") -> Array | None:
+        given = [getattr(each, name) for each in recordings]
+        have = [label for label, values in zip(names, given, strict=True) if values is not None]
+        if not have:
+            return None
+        if len(have) < len(given):
+            only = " and ".join(have)
+            if instead is None:
+                notes.append(f"Only {only} holds {words}: not used." if len(have) == 1 else f"{words}: not in all.")
+                return None
+            notes.append(f"Only {only} holds {words}; elsewhere {said}.")
+        parts = [
+            values if values is not None else instead(count) if instead is not None else np.zeros(0)
+            for values, count in zip(given, counts, strict=True)
+        ]
+        return np.concatenate(parts)
+
+    size = arm.size
+    still: Callable[[int], Array] = lambda count: np.zeros((count, size))  # noqa: E731
+    seats = {each.seat for each in recordings}
+    seat: Literal["unused", "free"] = "free" if seats == {"free"} else "unused"
+    orientation = column("orientation", None, "orientations") if seat == "free" else None
+    if first_row is None:
+        last = [max([int(each.row.max()), *(aside.row for aside in each.rejected)]) for each in recordings]
+        first_row = np.concatenate([[1], 1 + np.cumsum(last)[:-1]]).tolist()
+    rows = [each.row + start - 1 for each, start in zip(recordings, first_row, strict=True)]
+    time, began = _clocks(recordings)
+    if time is None and any(each.time is not None for each in recordings):
+        notes.append("Not all recordings hold times: they are not used.")
+    rejected = [
+        RejectedRow(aside.row + start - 1, aside.reason)
+        for each, start in zip(recordings, first_row, strict=True)
+        for aside in each.rejected
+    ]
+    said = [f"{label}: {text}" for label, each in zip(names, recordings, strict=True) for text in each.warnings]
+    common = set.intersection(*(set(each.other) for each in recordings))
+    return Several(
+        file=" + ".join(PurePath(each.file).name or label for label, each in zip(names, recordings, strict=True)),
+        q=np.concatenate([each.q for each in recordings]),
+        tip=np.concatenate([each.tip[:, :width] for each in recordings]),
+        row=np.concatenate(rows),
+        orientation=orientation,
+        time=time,
+        sides=column("sides", still, "the sides of approach", "they are unknown"),
+        payload_mass=column(
+            "payload_mass", lambda count: np.full(count, arm.payload.mass), "the payload", "the arm file's counts"
+        ),
+        temperature=column(
+            "temperature", lambda count: np.full(count, arm.temperature), "the temperature", "the arm file's counts"
+        ),
+        link_temperature=column("link_temperature", None, "temperatures of the links"),
+        velocity=column("velocity", still, "velocities", "the arm is taken to stand still"),
+        acceleration=column("acceleration", still, "accelerations", "there are taken to be none"),
+        commanded=column("commanded", None, "commanded coordinates"),
+        last_moves=column("last_moves", None, "moves"),
+        joint_side=column("joint_side", None, "encoders on the joints' own side"),
+        torque=column("torque", None, "torques"),
+        force=column("force", lambda count: np.zeros((count, 3)), "a force at the tip", "none is taken to act"),
+        base_target=column("base_target", None, "a target on the base"),
+        frame="free" if any(each.frame == "free" for each in recordings) else "known",
+        tool="free" if any(each.tool == "free" for each in recordings) else "known",
+        seat=seat,
+        rejected=tuple(rejected),
+        warnings=(*said, *notes),
+        other=MappingProxyType({n: np.concatenate([each.other[n] for each in recordings]) for n in sorted(common)}),
+        which=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
+        each=tuple(recordings),
+        names=names,
+        first_row=tuple(int(start) for start in first_row),
+        began=began,
+        units=units,
+    )
+
+
+def _clocks(recordings: Sequence[Recording]) -> tuple[Array | None, tuple[float, ...]]:
+    """One clock that runs through all recordings, and where on it the clock of each starts."""
+    times = [each.time for each in recordings if each.time is not None]
+    if len(times) < len(recordings):
+        return None, ()
+    pause = _PAUSE * sum(float(np.ptp(time)) for time in times)
+    began: list[float] = []
+    end = 0.0
+    for time in times:
+        began.append(end - float(time.min()) if began else 0.0)
+        end = began[-1] + float(time.max()) + pause
+    return np.concatenate([time + start for time, start in zip(times, began, strict=True)]), tuple(began)

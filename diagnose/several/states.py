@@ -1,0 +1,66 @@
+"""States of an arm at several recordings' readings as one: what differs becomes a column of all readings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.chain import Arm
+from arm.chain.conditions import Conditions
+from arm.chain.vectors import Scalar
+
+Held = TypeVar("Held")
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ConditionsOfSeveral(Conditions):
+    """Conditions of the readings of several recordings, each with its own clock: a lag begins anew with each."""
+
+    parts: tuple[Conditions, ...] = ()
+    counts: tuple[int, ...] = ()
+
+    def lagged_warming(self, link: int, lag: float) -> Scalar:
+        """The warming of `link` (from 0) behind a lag of `lag` s, by recording."""
+        return _column([each.lagged_warming(link, lag) for each in self.parts], self.counts)
+
+
+def joined(held: Sequence[Held], counts: Sequence[int]) -> Held:
+    """What is held of several recordings with so many readings each, as one: arms are the first's, numbers that agree
+    stay numbers, others become columns."""
+    return _joined(list(held), tuple(counts))
+
+
+def _joined(held: list[Any], counts: tuple[int, ...]) -> Any:
+    first = held[0]
+    if isinstance(first, Arm):
+        return first
+    if isinstance(first, Conditions):
+        return _conditions(held, counts)
+    if is_dataclass(first) and not isinstance(first, type):
+        changed = {each.name: _joined([getattr(h, each.name) for h in held], counts) for each in fields(first)}
+        return replace(first, **changed)
+    if isinstance(first, tuple):
+        parts = [_joined(list(of), counts) for of in zip(*held, strict=True)]
+        return first.__class__(*parts) if hasattr(first, "_fields") else tuple(parts)
+    if isinstance(first, np.ndarray) or (isinstance(first, int | float) and not isinstance(first, bool)):
+        return _column(held, counts)
+    return first
+
+
+def _conditions(held: list[Conditions], counts: tuple[int, ...]) -> Conditions:
+    plain = [tuple(getattr(h, each.name) for each in fields(Conditions)) for h in held]
+    found = [None if any(part is None for part in of) else _joined(list(of), counts) for of in zip(*plain, strict=True)]
+    return ConditionsOfSeveral(*found, parts=tuple(held), counts=counts)
+
+
+def _column(held: Sequence[Any], counts: Sequence[int]) -> Any:
+    if all(isinstance(each, int | float) and each == held[0] for each in held):
+        return held[0]
+    return np.concatenate(
+        [np.broadcast_to(np.asarray(each, float), (count,)) for each, count in zip(held, counts, strict=True)]
+    )
