@@ -21,6 +21,7 @@ from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
 from diagnose.several.floors import floor_of_all
+from diagnose.several.other_arms import of_different_arms
 from diagnose.several.recordings import Several, together
 from executors import Executor
 
@@ -93,7 +94,12 @@ def diagnose(
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
     conclusion = Conclusion(namer, named, noise, asked, whole=whole, progress=tell, floors=floors)
     found = conclusion.result(arm, recording, began)
-    return found if floors else _with_labels(found, arm, searched, asked, known, tell)
+    if not isinstance(searched, Several):
+        return _with_labels(found, arm, searched, asked, known, tell)
+    if searched.units or found.unknown is None:
+        return found
+    said = of_different_arms(arm, searched, asked, known, found.rms_promised)
+    return replace(found, sentence=f"{found.sentence}{said}")
 
 
 def _cleaned(

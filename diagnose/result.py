@@ -37,13 +37,15 @@ class Alternative:
     """What the data cannot tell from a named effect: where it acts (from 1), and how alike the two patterns are.
 
     `likeness` is the correlation of the two displacement patterns once nuisances and the other findings are projected
-    out; `worse` the increase of the criterion (extended BIC) when it takes the named effect's place.
+    out; `worse` the increase of the criterion (extended BIC) when it takes the named effect's place. `recording` is as
+    in a `Finding`.
     """
 
     effect: str
     at: tuple[int, ...]
     likeness: float
     worse: float
+    recording: str = ""
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class Finding:
     `rms_explained` (m) is the RMS length of the displacement that it adds at the recording's poses; `p_value` that of
     its own test by permutation, given all other findings; `rms_without` (m) the RMS of what remains when it alone is
     left out and the rest is fitted again, `rms_without_held_out` the same on rows not fitted. `reading` is the plain
-    sentence.
+    sentence. `recording` names the one of several recordings in which it acts, beside what all have (empty: in all).
     """
 
     effect: str
@@ -65,6 +67,7 @@ class Finding:
     rms_without: float
     rms_without_held_out: float
     reading: str
+    recording: str = ""
 
 
 @dataclass(frozen=True)
@@ -255,6 +258,17 @@ class OfRecording:
 
 
 @dataclass(frozen=True)
+class Difference:
+    """A parameter that is not the same in several recordings: its value in `each` of them, in their order, and the
+    p-value that it is the same."""
+
+    effect: str
+    at: tuple[int, ...]
+    each: tuple[FittedParameter, ...]
+    p_value: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The whole result. Residuals are (N, 2 or 3), m, in the order of `recording`'s rows, in the base frame.
 
@@ -266,7 +280,7 @@ class Diagnosis:
     more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
     or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
-    together (none named: one).
+    together (none named: one), `differences` what is not the same in all of them.
     """
 
     arm: Arm
@@ -303,6 +317,7 @@ class Diagnosis:
     written: WrittenArm | None = None
     labels: Mislabelled | None = None
     recordings: tuple[OfRecording, ...] = ()
+    differences: tuple[Difference, ...] = ()
 
     @property
     def describes_part(self) -> bool:

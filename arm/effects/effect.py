@@ -235,6 +235,8 @@ class Effect:
     `under_forces` marks what gives under forces, not under moments about where it is alone: of links that nobody has
     weighed it shows the masses beside the first moments. `weights_named` marks what could be almost anything under
     unknown weights of its own, and is sought only under those that an arm file names.
+    `lasts` says how long it stays as it is: as long as `the arm` does, `a while` (until something wears, slips, is
+    adjusted or mounted anew), or as long as `a recording` (what is held, how it is measured).
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
     """
@@ -276,6 +278,7 @@ class Effect:
     turns_along_the_link: bool = False
     declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
     repeats: bool = False
+    lasts: Literal["the arm", "a while", "a recording"] = "the arm"
     kinks: Callable[[PoseState, Settings], Iterable[Kink]] = no_kinks
     under_forces: bool = False
     weights_named: bool = False

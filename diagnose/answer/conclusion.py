@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from arm.chain.chain import Arm
@@ -29,7 +30,8 @@ from diagnose.result import (
     Verdict,
 )
 from diagnose.search.aliases import Rival
-from diagnose.several.each import from_others, of_recordings
+from diagnose.several.differences import differences
+from diagnose.several.each import from_others, of_recordings, told_without
 from diagnose.several.recordings import Several
 from sections.numeric import Array
 
@@ -38,7 +40,7 @@ from .detectable import detectable
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .next_poses import next_poses
-from .sentences import mm, null_vectors, reading_of, refutation, verdict_sentence
+from .sentences import mm, null_vectors, reading_of, recording_of, refutation, verdict_sentence, what_differs
 from .unknown import describe, largest_first, rejected_forms
 
 
@@ -60,6 +62,7 @@ class Conclusion(Confirmed):
             folds = hardest(splits(self.search.observed, self.options.seed))
             unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m)
         findings = self._findings()
+        apart = differences(self.prepared, self.refit, self.outside, self.p_values)
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
@@ -80,7 +83,8 @@ class Conclusion(Confirmed):
             arm=arm,
             recording=self.observed.recording,
             verdict=self._verdict(),
-            sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value),
+            sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value)
+            + what_differs(apart, each, rules=self.rules.answer),
             noise_floor=self.noise.rms_m,
             noise_source=self.noise.sentence,
             rms_before=rms_before,
@@ -122,6 +126,7 @@ class Conclusion(Confirmed):
             scatter=self._scatter(),
             rms_promised=rms_length(self._left_by_names()),
             recordings=each,
+            differences=apart,
         )
 
     def _recordings(self, before: Array, after: Array, rejected: Sequence[RejectedRow]) -> tuple[OfRecording, ...]:
@@ -129,11 +134,22 @@ class Conclusion(Confirmed):
         which = self.observed.which
         if which is None:
             return ()
-        residuals = (before, after, hardest(self.held_out).residual(), self._held_out(which).residual())
+        residuals = (before, after, hardest(self.held_out).residual(), self._from_others(which))
         forms = [self.prepared.columns[m] for m in self.outside]
         found = [np.zeros((*self.observed.residual.shape, 0)), *(term.columns for term in self.refit.terms), *forms]
         model = (self.prepared.beside, np.concatenate(found, axis=2))
         return of_recordings(self.observed, self.floors, residuals, model, rejected)
+
+    def _from_others(self, which: NDArray[np.int64]) -> Array:
+        """The tip's residuals (N, D), m, of each recording by what the others say, its own frame still to be fitted."""
+        held_out = self._held_out(which)
+        left = np.zeros((self.observed.rows, self.observed.components))
+        last = 1 + len(self.refit.terms) + len(self.outside)
+        for index in np.unique(which).tolist():
+            kept = told_without(index, [term.candidate for term in self.refit.terms], int(which.max()) + 1)
+            parts = [0, *(1 + k for k in kept), *range(1 + len(self.refit.terms), last)]
+            left[which == index] = held_out.residual(parts)[which == index]
+        return left
 
     @property
     def _anything(self) -> bool:
@@ -171,6 +187,7 @@ class Conclusion(Confirmed):
         for place, member in enumerate(self.members):
             candidate = self.prepared.pool.groups[member].candidate
             others = tuple(self._alternative(rival) for rival in self.alternatives[place])
+            own = recording_of(candidate, self.observed.recording)
             parameters = self.refit.parameters[place]
             rest = [m for m in whole if m != member]
             without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
@@ -184,7 +201,8 @@ class Conclusion(Confirmed):
                     p_value=p_values[place] if place < len(p_values) else self.rules.search.false_alarm,
                     rms_without=rms_length(without),
                     rms_without_held_out=self._rms_held_out(rest),
-                    reading=reading_of(candidate.effect, candidate.numbers, parameters, others),
+                    reading=reading_of(candidate.effect, candidate.numbers, parameters, others, own),
+                    recording=own,
                 )
             )
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
@@ -199,7 +217,8 @@ class Conclusion(Confirmed):
 
     def _alternative(self, rival: Rival) -> Alternative:
         candidate = self.search.pool.groups[rival.member].candidate
-        return Alternative(candidate.effect, candidate.numbers, rival.likeness, rival.worse)
+        own = recording_of(candidate, self.search.observed.recording)
+        return Alternative(candidate.effect, candidate.numbers, rival.likeness, rival.worse, own)
 
     def _joint_of_forms(self) -> int | None:
         for member in largest_first(self.prepared, self.fitted, self.outside):
@@ -253,8 +272,8 @@ class Conclusion(Confirmed):
         """What this recording cannot show: swallowed by the nuisances, or without a trace for want of a column."""
         shown = {group.candidate.family for group in self.search.pool.groups}
         swallowed = {c.family for c in self.search.pool.invisible if not c.outside} - shown
-        found = {(effect, tuple(index + 1 for index in at)) for effect, at, _ in swallowed}
-        present = {effect for effect, _, _ in shown} | {effect for effect, _ in found}
+        found = {(effect, tuple(index + 1 for index in at)) for effect, at, *_ in swallowed}
+        present = {effect for effect, *_ in shown} | {effect for effect, _ in found}
         absent = [
             name for name, effect in EFFECTS.items() if _fitted(name) and name not in present and not effect.automatic
         ]

@@ -23,7 +23,7 @@ from diagnose.search.naming import Named, Namer, weighed_again
 from sections.numeric import Array
 
 from .lack_of_fit import refuted_by
-from .sentences import name_of
+from .sentences import label_of
 from .unknown import predictable
 
 Item = TypeVar("Item")
@@ -269,7 +269,7 @@ class Confirmed:
 
     def _label(self, member: int) -> str:
         candidate = self.prepared.pool.groups[member].candidate
-        return name_of(candidate.effect, tuple(index + 1 for index in candidate.at))
+        return label_of(candidate, self.observed.recording)
 
 
 def _less(values: tuple[Item, ...], place: int) -> tuple[Item, ...]:

@@ -31,7 +31,7 @@ def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) 
     best: dict[tuple[str, tuple[int, ...]], Detectable] = {}
     for number, group in enumerate(prepared.pool.groups):
         candidate = group.candidate
-        if candidate.outside:
+        if candidate.outside or candidate.only is not None:
             continue
         noncentrality = needed(group.rank, float(price[number]))
         found = _of_group(prepared, number, unit * math.sqrt(noncentrality))

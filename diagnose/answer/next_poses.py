@@ -23,7 +23,7 @@ from diagnose.search.naming import Namer
 from diagnose.several.recordings import Several
 from sections.numeric import Array
 
-from .sentences import name_of
+from .sentences import label_of
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
 
 def _label(namer: Namer, number: int) -> str:
     candidate = namer.pool.groups[number].candidate
-    return name_of(candidate.effect, candidate.numbers)
+    return label_of(candidate, namer.prepared.observed.recording)
 
 
 def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int) -> NextPose:

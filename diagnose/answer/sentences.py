@@ -8,9 +8,22 @@ import numpy as np
 
 from arm.effects import EFFECTS
 from diagnose.fitting.prepare import Prepared
-from diagnose.result import Alternative, Finding, FittedParameter, LackOfFit, Mislabelled, Unknown
+from diagnose.patterns.library import Candidate
+from diagnose.recording import Recording
+from diagnose.result import (
+    Alternative,
+    Difference,
+    Finding,
+    FittedParameter,
+    LackOfFit,
+    Mislabelled,
+    OfRecording,
+    Unknown,
+)
+from diagnose.rules.answer_rules import AnswerRules
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
+from diagnose.several.recordings import Several
 from units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
@@ -29,10 +42,20 @@ def place_of(effect: str, at: Sequence[int]) -> str:
     return f" at {kind}s {', '.join(numbers[:-1])} and {numbers[-1]}"
 
 
-def name_of(effect: str, at: Sequence[int]) -> str:
-    """An effect and where it acts, in words."""
+def name_of(effect: str, at: Sequence[int], recording: str = "") -> str:
+    """An effect and where it acts, in words; of several recordings, in which alone."""
     title = EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
-    return f"{title}{place_of(effect, at)}"
+    return f"{title}{place_of(effect, at)}{f' in {recording} alone' if recording else ''}"
+
+
+def label_of(candidate: Candidate, recording: Recording) -> str:
+    """A candidate and where it acts, in words."""
+    return name_of(candidate.effect, candidate.numbers, recording_of(candidate, recording))
+
+
+def recording_of(candidate: Candidate, recording: Recording) -> str:
+    """The name of the one recording in which a candidate acts; empty where it acts in all."""
+    return recording.names[candidate.only] if isinstance(recording, Several) and candidate.only is not None else ""
 
 
 def size_of(parameter: FittedParameter) -> str:
@@ -61,16 +84,21 @@ def chief(parameters: Sequence[FittedParameter]) -> FittedParameter:
 
 
 def reading_of(
-    effect: str, at: Sequence[int], parameters: Sequence[FittedParameter], others: Sequence[Alternative]
+    effect: str,
+    at: Sequence[int],
+    parameters: Sequence[FittedParameter],
+    others: Sequence[Alternative],
+    recording: str = "",
 ) -> str:
     """A finding in one sentence."""
     if len(parameters) > _MANY_PARAMETERS:
         sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(chief(parameters))}"
     else:
         sizes = "; ".join(size_of(parameter) for parameter in parameters)
-    text = f"{name_of(effect, at)}: {sizes}." if sizes else f"{name_of(effect, at)}."
+    name = name_of(effect, at, recording)
+    text = f"{name}: {sizes}." if sizes else f"{name}."
     if others:
-        names = [name_of(other.effect, other.at) for other in others[:4]]
+        names = [name_of(other.effect, other.at, other.recording) for other in others[:4]]
         more = f" and {len(others) - 4} more" if len(others) > 4 else ""
         text += f" The data cannot tell it from {'; '.join(names)}{more}."
     return text[0].upper() + text[1:]
@@ -122,6 +150,32 @@ def verdict_sentence(
     return text + (f" What describes part of it: {named}." if named else "")
 
 
+def what_differs(
+    found: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: AnswerRules = RULES.answer
+) -> str:
+    """What is not the same in several recordings, as sentences that go on; nothing where all is."""
+    values = [f"{name_of(each.effect, each.at)}, {_values(each, recordings)}" for each in found]
+    told = [f" Not the same in all recordings: {'; '.join(values)}."] if values else []
+    worst = max(recordings, key=lambda each: each.rms_from_others / max(each.rms_own, 1e-12), default=None)
+    if worst is not None and worst.rms_after > rules.apart * max(worst.rms_own, worst.noise_floor or 0.0):
+        told.append(
+            f" The recordings do not agree: what is found in all of them leaves {mm(worst.rms_after)} in {worst.name}, "
+            f"where sizes of its own would leave {mm(worst.rms_own)}. Either they are of different arms, or something "
+            "has changed that is named nowhere here: diagnose each by itself."
+        )
+    return "".join(told)
+
+
+def _values(found: Difference, recordings: Sequence[OfRecording]) -> str:
+    """A parameter with its value in each recording, in one unit."""
+    largest = max(found.each, key=lambda fitted: abs(fitted.value))
+    unit = format_quantity(largest.value, largest.kind, digits=3).partition(" ")[2]
+    sizes = [format_quantity(each.value, each.kind, unit or None, digits=3).partition(" ")[0] for each in found.each]
+    sizes[-1] = f"{sizes[-1]} {unit}".strip()
+    values = [f"{size} in {own.name}" for size, own in zip(sizes, recordings, strict=True)]
+    return f"{largest.parameter} {', '.join(values[:-1])} and {values[-1]}"
+
+
 def refutation(found: LackOfFit) -> str:
     """Why what was named is not the whole answer, by readings of one pose."""
     what = "visits of one pose" if found.against == "returns" else "repeats of a visit"
@@ -141,7 +195,11 @@ def put_right(labels: Mislabelled) -> str:
 
 def _named(finding: Finding) -> str:
     size = f", {size_of(chief(finding.parameters))}" if finding.parameters else ""
-    return name_of(finding.effect, finding.at) + size
+    return name_of(finding.effect, finding.at, finding.recording) + size
+
+
+def _own_name(finding: Finding) -> str:
+    return name_of(finding.effect, finding.at, finding.recording)
 
 
 def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]]) -> str:
@@ -158,9 +216,9 @@ def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]])
 
 
 def _undecided(finding: Finding) -> str:
-    names = [name_of(other.effect, other.at) for other in finding.alternatives[:3]]
+    names = [name_of(other.effect, other.at, other.recording) for other in finding.alternatives[:3]]
     more = f" or {len(finding.alternatives) - 3} more" if len(finding.alternatives) > 3 else ""
-    return f"It could as well be {' or '.join(names)}{more} instead of the {name_of(finding.effect, finding.at)}."
+    return f"It could as well be {' or '.join(names)}{more} instead of the {_own_name(finding)}."
 
 
 def _remains(rms_after: float, noise_floor: float | None, rules: FittingRules) -> str:

@@ -37,7 +37,7 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
         notes.append(_of_weights(shared))
     for term in fitted.terms:
         candidate = term.candidate
-        if candidate.outside:
+        if candidate.outside or candidate.only is not None:
             continue
         if candidate.share:
             share = float(term.sizes[0])

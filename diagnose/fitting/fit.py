@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
 
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
-from diagnose.patterns.library import Candidate, parameter_of
+from diagnose.patterns.library import Candidate, Family, parameter_of
 from diagnose.patterns.unknown_weights import only_products
 from diagnose.residual.observed import Observed
 from diagnose.rules.fitting_rules import FittingRules
@@ -88,8 +88,14 @@ def beyond_nuisances(prepared: Prepared, columns: Array) -> Array:
 
 def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     """Why a fit cannot be physics: the first size that lies beyond its bounds, as a clause; None where all can be."""
+    common = {prepared.pool.groups[m].candidate.family: s for m, s in zip(fitted.members, fitted.sizes, strict=True)}
     for member, sizes, errors in zip(fitted.members, fitted.sizes, fitted.errors, strict=True):
         group = prepared.pool.groups[member]
+        if group.candidate.only is not None:
+            whole = sizes + _of_all(common, group.candidate, sizes)
+            reason = why_impossible(prepared, replace(group.candidate, only=None), whole, errors, 0.0)
+            if reason is not None:
+                return reason
         moved = np.linalg.pinv(group.back) @ sizes
         slopes, turned = sizes.tolist(), group.candidate.from_slopes
         spread = zip(turned((sizes - errors).tolist()), turned((sizes + errors).tolist()), strict=True)
@@ -98,6 +104,12 @@ def impossible(prepared: Prepared, fitted: Fit) -> str | None:
         if reason is not None:
             return reason
     return None
+
+
+def _of_all(common: Mapping[Family, Array], candidate: Candidate, sizes: Array) -> Array:
+    """The sizes that a candidate of one recording has in all of them, nought where none was found."""
+    found = common.get(replace(candidate, only=None).family)
+    return found if found is not None and found.shape == sizes.shape else np.zeros(sizes.shape)
 
 
 def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, errors: Array, moved: float) -> str | None:
@@ -133,6 +145,10 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
     if candidate.share:
         return 0.0, 3.0
     parameter = parameter_of(EFFECTS[candidate.effect], name)
+    if candidate.only is not None:
+        # What a recording has more than the others may be less than nothing; the sum is looked at in `impossible`.
+        most = max(abs(parameter.lower), abs(parameter.upper))
+        return -most, most
     if only_products(prepared.observed, EFFECTS[candidate.effect], candidate.at):
         return -np.inf, np.inf
     if candidate.of_drives:

@@ -14,7 +14,8 @@ from .library import Candidate, parameter_of
 
 def flexible(candidate: Candidate) -> bool:
     """Whether a candidate is flexibility through which unknown loads act."""
-    return not (candidate.share or candidate.outside) and EFFECTS[candidate.effect].flexible
+    common = candidate.only is None
+    return common and not (candidate.share or candidate.outside) and EFFECTS[candidate.effect].flexible
 
 
 def through_flexibility(candidate: Candidate) -> bool:

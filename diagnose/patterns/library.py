@@ -18,6 +18,7 @@ from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
 from arm.effects.effect import Condition
 from arm.files.read import acts_on_slides
 from diagnose.residual.observed import Observed
+from diagnose.several.recordings import Several
 from sections.numeric import Array
 
 from .unknown_weights import columns_under_weights, only_products
@@ -26,13 +27,17 @@ _STEP = 1e-3
 """Sizes are tried at this share of their typical upper end: small enough for what is linear to first order only."""
 
 
+Family = tuple[str, tuple[int, ...], bool, int | None]
+
+
 @dataclass(frozen=True)
 class Candidate:
     """An effect at places (from 0) with its shapes (SI), or a form outside the library (`effect` then is its name).
 
     `sizes` names the parameter of each column; `shared` says that one parameter serves all places. `share` marks
     physics that the arm file has data for but leaves out: its one column is the whole effect, and its size should come
-    out as 1.
+    out as 1. `only` is the one of several recordings (from 0) in which it acts: what it has more there than in the
+    others. None: it acts in all alike.
     """
 
     effect: str
@@ -42,11 +47,12 @@ class Candidate:
     shared: bool = False
     share: bool = False
     outside: bool = False
+    only: int | None = None
 
     @property
-    def family(self) -> tuple[str, tuple[int, ...], bool]:
+    def family(self) -> Family:
         """What variants of one candidate have in common."""
-        return (self.effect, self.at, self.share)
+        return (self.effect, self.at, self.share, self.only)
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -100,6 +106,26 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
                 sizes = tuple(name for name, moves in zip(candidate.sizes, moving.tolist(), strict=True) if moves)
                 candidate, columns = replace(candidate, sizes=sizes), columns[:, :, moving]
             yield candidate, columns
+            yield from _in_one(observed, candidate, columns)
+
+
+def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterator[tuple[Candidate, Array]]:
+    """A candidate in each of several recordings but the first alone, where it need not be the same in all."""
+    recording, effect = observed.recording, EFFECTS[candidate.effect]
+    plain = effect.linear and not (candidate.share or candidate.shared or only_products(observed, effect, candidate.at))
+    if not isinstance(recording, Several) or not plain or (effect.lasts == "the arm" and not recording.units):
+        return
+    for index in range(1, len(recording.each)):
+        own = of_one(observed, columns, index)
+        if own.any():
+            yield replace(candidate, only=index), own
+
+
+def of_one(observed: Observed, columns: Array, only: int | None) -> Array:
+    """Columns (N, C, d) in the readings of one of several recordings (from 0) alone; as they are where there is but
+    one, or none is named."""
+    which = observed.which
+    return columns if which is None or only is None else np.where((which == only)[:, None, None], columns, 0.0)
 
 
 def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
@@ -116,7 +142,7 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
         parameter = parameter_of(effect, name)
         step = _STEP * max(abs(parameter.typical[0]), abs(parameter.typical[1]))
         parts.append(observed.signature(effect.id, candidate.settings({name: step})) / step)
-    columns = np.stack(parts, axis=2)
+    columns = of_one(observed, np.stack(parts, axis=2), candidate.only)
     return columns if columns.any() else None
 
 

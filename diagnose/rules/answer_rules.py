@@ -142,6 +142,12 @@ class AnswerRules:
     told: float = rule(
         13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
     )
+    apart: float = rule(
+        1.5,
+        "times",
+        "Sizes of its own that leave so much less in one of several recordings say that they are not of one arm.",
+        JUDGED,
+    )
     hopeless: float = rule(0.02, "non-centrality a reading", "Below this no number of poses is reasonable.", JUDGED)
     forms: int = rule(5, "forms", "That describe an unknown, at most.", JUDGED)
     form_tells: float = rule(

@@ -97,7 +97,7 @@ def _motions(namer: Namer, members: Sequence[int]) -> Entries:
     return tuple(
         as_entry(candidate, candidate.from_slopes(sizes))
         for candidate, sizes in pairs
-        if not candidate.share and len(sizes) == len(candidate.sizes)
+        if not candidate.share and candidate.only is None and len(sizes) == len(candidate.sizes)
     )
 
 

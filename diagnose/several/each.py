@@ -8,6 +8,7 @@ from pathlib import PurePath
 import numpy as np
 
 from diagnose.fitting.fit import solved
+from diagnose.patterns.library import Candidate
 from diagnose.recording import RejectedRow
 from diagnose.residual.noise import NoiseFloor
 from diagnose.residual.observed import Observed, rms_length
@@ -72,3 +73,16 @@ def from_others(each: Sequence[OfRecording]) -> float:
     """The RMS length (m) that the models of the other recordings leave in all readings."""
     count = np.array([one.rows for one in each], dtype=float)
     return float(np.sqrt(np.sum(count * np.array([one.rms_from_others for one in each]) ** 2) / count.sum()))
+
+
+def told_without(index: int, candidates: Sequence[Candidate], count: int) -> list[int]:
+    """Which candidates the recordings (`count` of them) but one (from 0) tell: where all that are left have a size of
+    their own beside the common one, that common one alone."""
+    kept: list[int] = []
+    for place, candidate in enumerate(candidates):
+        alike = [each for each in candidates if (each.effect, each.at) == (candidate.effect, candidate.at)]
+        own = {each.only for each in alike}
+        common = None in own and {k for k in range(count) if k != index} <= own
+        if candidate.only is None or not common:
+            kept.append(place)
+    return kept

@@ -128,16 +128,14 @@ def together(
     seats = {each.seat for each in recordings}
     seat: Literal["unused", "free"] = "free" if seats == {"free"} else "unused"
     orientation = column("orientation", None, "orientations") if seat == "free" else None
-    if first_row is None:
-        last = [max([int(each.row.max()), *(aside.row for aside in each.rejected)]) for each in recordings]
-        first_row = np.concatenate([[1], 1 + np.cumsum(last)[:-1]]).tolist()
-    rows = [each.row + start - 1 for each, start in zip(recordings, first_row, strict=True)]
+    starts = _through(recordings) if first_row is None else tuple(first_row)
+    rows = [each.row + start - 1 for each, start in zip(recordings, starts, strict=True)]
     time, began = _clocks(recordings)
     if time is None and any(each.time is not None for each in recordings):
         notes.append("Not all recordings hold times: they are not used.")
     rejected = [
         RejectedRow(aside.row + start - 1, aside.reason)
-        for each, start in zip(recordings, first_row, strict=True)
+        for each, start in zip(recordings, starts, strict=True)
         for aside in each.rejected
     ]
     said = [f"{label}: {text}" for label, each in zip(names, recordings, strict=True) for text in each.warnings]
@@ -174,10 +172,16 @@ def together(
         which=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
         each=tuple(recordings),
         names=names,
-        first_row=tuple(int(start) for start in first_row),
+        first_row=starts,
         began=began,
         units=units,
     )
+
+
+def _through(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """The number with which the rows of each file begin, so that no two have the same."""
+    last = [max([int(each.row.max()), *(aside.row for aside in each.rejected)]) for each in recordings]
+    return (1, *(1 + np.cumsum(last)[:-1]).tolist())
 
 
 def _clocks(recordings: Sequence[Recording]) -> tuple[Array | None, tuple[float, ...]]:

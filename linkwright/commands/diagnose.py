@@ -69,6 +69,9 @@ def diagnose(
     thorough: Thorough = False,
     without_effect: Without = None,
     recording_yaml: RecordingYamls = None,
+    units: Annotated[
+        bool, typer.Option("--units", help="The recordings are of several arms of one type: anything may differ.")
+    ] = False,
     problem: Annotated[
         Path | None,
         typer.Option("--problem", metavar="PROBLEM", help="Solve this design problem with what was found, too."),
@@ -80,7 +83,7 @@ def diagnose(
     dask: Dask = None,
 ) -> None:
     """Run the command."""
-    from linkwright.face.diagnosis import recordings_of
+    from linkwright.face.diagnosis import recordings_of, settings_of
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
     from linkwright.results.diagnoses.described import describe
     from linkwright.screen.console import console, waiting
@@ -91,7 +94,7 @@ def diagnose(
     known_effects(without_effect or ())
     with waiting("reading"):
         given = lw.read_arm(arm, catalogue=catalogue)
-        read = recordings_of(recording, given, recording_yaml)
+        read = recordings_of(recording, given, recording_yaml, units=units)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
     with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:
         claim_diagnosis(out)
@@ -103,8 +106,9 @@ def diagnose(
     write_result(json, found.to_json())
     written = [] if json is None else [json]
     if out is not None:
-        settings = Path(read.found.settings) if read.found.settings else None
-        files = files_of(arm, recording, settings, problem, None if asked is None else asked.arm_file, catalogue)
+        files = files_of(
+            arm, *recording, *settings_of(read), problem, None if asked is None else asked.arm_file, catalogue
+        )
         found.save(out, made_from=files, author=author, comment=comment)
         written = [*(out / name for name in FILES if (out / name).exists()), *written]
     screen = console()

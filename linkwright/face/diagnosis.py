@@ -15,7 +15,7 @@ from diagnose.diagnosis import diagnose as diagnosed
 from diagnose.options import Options
 from diagnose.result import Diagnosis as Found
 from diagnose.result import FittedParameter
-from diagnose.several.recordings import together
+from diagnose.several.recordings import Several, together
 from executors import Executor
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
@@ -25,7 +25,7 @@ from linkwright.report.origin import origin_of, signed
 from linkwright.report.pages.diagnosis import diagnosis_page
 from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
-from linkwright.results.diagnoses.words import effect_words
+from linkwright.results.diagnoses.words import name_words
 from linkwright.results.redesign import redesign_json
 from units.quantities import InputError
 from units.reading import nearest
@@ -42,6 +42,8 @@ from .workers import at_work
 if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
+
+    _Given = Recording | File | pd.DataFrame
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,11 +85,38 @@ class Diagnosis(Reported):
                 "at": finding.at,
                 "rms_explained_mm": 1e3 * finding.rms_explained,
                 "p_value": finding.p_value,
-                "alternatives": "; ".join(effect_words(each.effect, each.at) for each in finding.alternatives),
+                "alternatives": "; ".join(name_words(each) for each in finding.alternatives),
             }
             rows += [{**told, **_parameter(fitted)} for fitted in finding.parameters] or [told]
         columns = ["effect", "at", "rms_explained_mm", "p_value", "alternatives"]
         return pd.DataFrame(rows, columns=[*columns, "parameter", "value", "low", "high", "unit"])
+
+    @property
+    def recordings(self) -> pd.DataFrame:
+        """A row for each of several recordings: readings, noise floor and RMS (mm) before, after, held out, by what the
+        other recordings say, and with sizes of its own."""
+        import pandas as pd
+
+        shown = ("noise_floor", "rms_before", "rms_after", "rms_held_out", "rms_from_others", "rms_own")
+        rows = [
+            {"recording": each.name, "file": each.file, "rows": each.rows}
+            | {f"{name}_mm": None if (v := getattr(each, name)) is None else 1e3 * v for name in shown}
+            for each in self.found.recordings
+        ]
+        return pd.DataFrame(rows, columns=["recording", "file", "rows", *(f"{name}_mm" for name in shown)])
+
+    @property
+    def differences(self) -> pd.DataFrame:
+        """A row for each recording of each parameter that is not the same in all, in `unit`, with its 95 % interval."""
+        import pandas as pd
+
+        rows = [
+            {"effect": each.effect, "at": each.at, "p_value": each.p_value, "recording": own.name, **_parameter(fitted)}
+            for each in self.found.differences
+            for own, fitted in zip(self.found.recordings, each.each, strict=True)
+        ]
+        columns = ["effect", "at", "p_value", "recording", "parameter", "value", "low", "high", "unit"]
+        return pd.DataFrame(rows, columns=columns)
 
     @property
     def corrected(self) -> Arm:
@@ -145,6 +174,7 @@ def diagnose(
     thorough: bool = False,
     without: Collection[str] = (),
     settings: File | Sequence[File] | None = None,
+    units: bool = False,
     progress: Progress | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -152,7 +182,8 @@ def diagnose(
     """What the model of an arm leaves out, by a recording of the real one: where, what, how sure.
 
     A list of recordings is diagnosed at once: their physics is shared; frame, tool and noise are each one's own, and
-    `found.recordings` tells what comes of each.
+    `found.recordings` tells what comes of each, `differences` what is not the same in all (a zero that moved, a drive
+    that softened); with `units` they are of several arms of one type, of which anything may differ.
     `thorough` calibrates the whole search and takes longer; `without` names effects that are no candidates; `settings`
     is the recording's recording.yaml where a file is named (of several: one for all, or one each).
     `progress(text, share)` hears of the steps, by default a bar where somebody looks. What takes long is done by so
@@ -167,7 +198,7 @@ def diagnose(
     <Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>
     """
     given = arm_of(arm)
-    read = recordings_of(recording, given, settings)
+    read = recordings_of(recording, given, settings, units=units)
     options = Options(thorough=thorough, without=_known(without))
     with told(progress) as tell, at_work(executor, workers) as crew:
         found = diagnosed(given.model, read.found, options, tell, crew)
@@ -178,22 +209,21 @@ def recordings_of(
     given: Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame],
     arm: Arm,
     settings: File | Sequence[File] | None = None,
+    *,
+    units: bool = False,
 ) -> Recording:
     """A recording as given, or read; several as one that knows which reading is from which."""
-    own = list(settings) if isinstance(settings, list | tuple) else None
-    if not isinstance(given, list | tuple):
-        if own is not None and len(own) != 1:
-            raise InputError("", "settings", f"there are {len(own)} for one recording")
-        return recording_of(given, arm, settings if own is None else own[0])
-    several = cast("Sequence[Recording | File | pd.DataFrame]", given)
+    several = list(cast("Sequence[_Given]", given)) if isinstance(given, list | tuple) else [cast("_Given", given)]
+    own = list(settings) if isinstance(settings, list | tuple) else [cast("File | None", settings)]
     if not several:
         raise InputError("", "recording", "is an empty list; name one recording or more")
-    if own is not None and len(own) not in (1, len(several)):
-        raise InputError(
-            "", "settings", f"there are {len(own)} for {len(several)} recordings; give one for all, or one each"
-        )
-    each = [settings if own is None else own[0 if len(own) == 1 else k] for k in range(len(several))]
-    read = [recording_of(one, arm, cast("File | None", held)) for one, held in zip(several, each, strict=True)]
+    if units and len(several) < 2:
+        raise InputError("", "units", "compares several arms; name a recording of each")
+    if len(own) not in (1, len(several)):
+        said = f"there are {len(own)} for {len(several)} recordings; give one for all, or one each"
+        raise InputError("", "settings", said)
+    each = own * len(several) if len(own) == 1 else own
+    read = [recording_of(one, arm, held) for one, held in zip(several, each, strict=True)]
     files = [Path(one.found.file).absolute() for one in read if one.found.file and Path(one.found.file).exists()]
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:
@@ -201,7 +231,14 @@ def recordings_of(
     widths = {one.found.q.shape[1] for one in read}
     if len(widths) > 1:
         raise InputError("", "recording", f"are of arms with {' and '.join(map(str, sorted(widths)))} joints")
-    return read[0] if len(read) == 1 else Recording(arm, together([one.found for one in read], arm.model))
+    return read[0] if len(read) == 1 else Recording(arm, together([one.found for one in read], arm.model, units=units))
+
+
+def settings_of(recording: Recording) -> list[Path]:
+    """The settings files that a recording, or each of several, was read with."""
+    found = recording.found
+    own = found.each if isinstance(found, Several) else (found,)
+    return list(dict.fromkeys(Path(each.settings) for each in own if each.settings))
 
 
 def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:

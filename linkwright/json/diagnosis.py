@@ -15,6 +15,7 @@ from diagnose.result import (
     Covered,
     Detectable,
     Diagnosis,
+    Difference,
     Finding,
     FittedParameter,
     LackOfFit,
@@ -78,6 +79,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
         "alternatives_detail": [fields(each, "effect", "at", "likeness", "worse") for each in finding.alternatives],
         "sentence": finding.reading,
+        "recording": finding.recording or None,
     }
 
 
@@ -137,6 +139,11 @@ def _labels(labels: Mislabelled) -> dict[str, Any]:
     }
 
 
+def _difference(found: Difference, recordings: Sequence[OfRecording]) -> dict[str, Any]:
+    values = {own.name: parameter_json(each) for own, each in zip(recordings, found.each, strict=True)}
+    return {**fields(found, "effect", "at", "p_value"), "parameter": found.each[0].parameter, "values": values}
+
+
 def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
     """A row that was set aside; of several recordings with the one whose file it is in."""
     if not isinstance(recording, Several):
@@ -164,6 +171,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
         "recordings": [_recording(each) for each in diagnosis.recordings],
+        "differences": [_difference(each, diagnosis.recordings) for each in diagnosis.differences],
         "rows": recording.size,
         "answer": answer(diagnosis),
         "to_do": list(to_do(diagnosis)),

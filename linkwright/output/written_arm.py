@@ -30,9 +30,9 @@ def _lacks(found: Diagnosis) -> tuple[str, ...]:
     held = {(entry.effect, tuple(entry.at)) for entry in found.corrected.effects}
     regained = found.arm.leave_out - found.corrected.leave_out
     lost = [
-        name_of(each.effect, each.at)
+        name_of(each.effect, each.at, each.recording)
         for each in found.findings
-        if (each.effect, each.at) not in held and each.effect not in regained
+        if each.recording or ((each.effect, each.at) not in held and each.effect not in regained)
     ]
     weightless = [
         str(number)

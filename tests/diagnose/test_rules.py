@@ -42,6 +42,7 @@ NO_RULES = {
     "residual/robust_scale.py": {"_QN", "_SMALL"},
     "search/calibrate.py": {"_CHUNK", "_GONE"},
     "search/subsets.py": {"_GONE", "_RIDGE"},
+    "several/recordings.py": {"_PAUSE"},
     "simulate.py": {"_BETWEEN_READINGS, _BETWEEN_VISITS", "_OUTLIERS", "_BASE_TARGET"},
 }
 

@@ -30,6 +30,7 @@ ENCODER_OFFSET = Effect(
         ),
     ),
     twists=_twists,
+    lasts="a while",
     rank=20,
     linear=True,
 )

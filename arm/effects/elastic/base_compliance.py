@@ -57,6 +57,7 @@ BASE_COMPLIANCE = Effect(
     ),
     enough=(("compliance",), ("compliance_about_z",), ("unit_sag",)),
     twists=_twists,
+    lasts="a while",
     rank=230,
     linear=True,
     flexible=True,

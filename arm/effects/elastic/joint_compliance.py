@@ -89,6 +89,7 @@ JOINT_COMPLIANCE = Effect(
     ),
     twists=_twists,
     kinks=_kinks,
+    lasts="a while",
     rank=10,
     linear=True,
     of_drives=True,

@@ -33,6 +33,7 @@ SERVO_DROOP = Effect(
     ),
     twists=_twists,
     before_encoder=True,
+    lasts="a while",
     rank=320,
     linear=True,
 )

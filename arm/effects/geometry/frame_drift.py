@@ -39,6 +39,7 @@ FRAME_DRIFT = Effect(
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     requires=("time",),
+    lasts="a recording",
     rank=270,
     linear=True,
     of_instrument=True,

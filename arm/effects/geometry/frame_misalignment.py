@@ -47,6 +47,7 @@ FRAME_MISALIGNMENT = Effect(
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
+    lasts="a recording",
     rank=170,
     linear=True,
     of_instrument=True,

@@ -31,6 +31,7 @@ INSTRUMENT_SCALE = Effect(
         ),
     ),
     twists=_twists,
+    lasts="a recording",
     rank=260,
     linear=True,
     of_instrument=True,

@@ -59,6 +59,7 @@ TOOL_OFFSET = Effect(
         _offset("out", "out of that plane (nothing in a planar arm)"),
     ),
     twists=_twists,
+    lasts="a recording",
     rank=100,
     linear=True,
     free_with="tool",

@@ -43,6 +43,7 @@ BASE_TILT = Effect(
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     through_flexibility=True,
+    lasts="a while",
     rank=240,
     linear=True,
 )

@@ -42,6 +42,7 @@ PAYLOAD = Effect(
     ),
     twists=_twists,
     through_flexibility=True,
+    lasts="a recording",
     rank=50,
     linear=True,
     declared=_declared,

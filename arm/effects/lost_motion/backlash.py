@@ -60,6 +60,7 @@ BACKLASH = Effect(
     ),
     play=_play,
     seated=_seated,
+    lasts="a while",
     rank=40,
     linear=True,
 )

@@ -58,6 +58,7 @@ CLEARANCE = Effect(
     ),
     play=_play,
     seated=_seated,
+    lasts="a while",
     rank=160,
     linear=True,
 )

@@ -61,6 +61,7 @@ FRICTION_WINDUP = Effect(
     ),
     play=_play,
     seated=_seated,
+    lasts="a while",
     rank=200,
     linear=True,
 )

@@ -12,7 +12,7 @@ from diagnose.recording import Recording
 from diagnose.result import Diagnosis, Finding, FittedParameter
 from linkwright.results.figures_in_words import figure, mm
 
-from .words import covariate_words, effect_words, listed, portion, value
+from .words import covariate_words, listed, name_words, portion, value
 
 MOST_WORDS = 30
 """A longer answer is not read on a first screen."""
@@ -65,12 +65,12 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.unknown is not None:
         on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
         opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)} of the {mismatch} mismatch"
-        found = "" if largest is None else f"; {effect_words(largest.effect, largest.at)} describes part of the rest"
+        found = "" if largest is None else f"; {name_words(largest)} describes part of the rest"
         return [opening, f"; it depends on {listed(on)}" if on else "", found]
     if largest is None:
         return [diagnosis.sentence]
-    name = effect_words(largest.effect, largest.at)
-    others = [effect_words(each.effect, each.at) for each in largest.alternatives[:1]]
+    name = name_words(largest)
+    others = [name_words(each) for each in largest.alternatives[:1]]
     more = len(largest.alternatives) - 1
     either = f" or {others[0]}{f' or {more} more' if more > 0 else ''}" if others else ""
     size = "" if others or not largest.parameters else f", {_size(chief(largest.parameters))}"
@@ -126,7 +126,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         number = len(diagnosis.next_poses)
         lines.append(f"Record the {number} poses listed below, which tell the names apart, and diagnose again.")
     if diagnosis.unknown is None and diagnosis.findings:
-        promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of this recording)"
+        whose = "these recordings" if diagnosis.recordings else "this recording"
+        promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of {whose})"
         lines.append(f"Use arm.yaml, the arm with what was found in it{promised}, in evaluate, optimize, compensate.")
     return tuple(lines)
 

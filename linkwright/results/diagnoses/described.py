@@ -41,15 +41,15 @@ from .evidence import (
     standards,
     where_it_sits,
 )
-from .recordings import recordings
+from .recordings import differing, recordings
 from .words import (
     alias_sentence,
     covariate_words,
-    effect_words,
     explained_share,
     interval,
     listed,
     main_parameters,
+    name_words,
     parameter_title,
     place_words,
     portion,
@@ -75,6 +75,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         Paragraph(diagnosis.noise_source),
         _broken_promise(diagnosis),
         recordings(diagnosis) if diagnosis.recordings else None,
+        differing(diagnosis) if diagnosis.differences else None,
         _findings(diagnosis) if diagnosis.findings else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
@@ -149,6 +150,11 @@ def _broken_promise(diagnosis: Diagnosis) -> Paragraph | None:
     if written is None or not diagnosis.findings or written.keeps(RULES.answer.promise):
         return None
     lacks = f": the file lacks {listed(written.lacks)}" if written.lacks else ""
+    if diagnosis.differences:
+        return Paragraph(
+            f"arm.yaml holds what is common to the recordings and leaves {mm(written.rms, 3)} RMS of them{lacks}; what "
+            "differs is in diagnosis.json (differences)."
+        )
     return Paragraph(
         f"Warning: arm.yaml, read back and applied to this recording, leaves {mm(written.rms, 3)} RMS where the fit "
         f"promises {mm(written.promised, 3)}{lacks}."
@@ -181,8 +187,8 @@ def _findings(diagnosis: Diagnosis) -> Section:
     )
     alike = [
         (
-            effect_words(each.effect, each.at),
-            effect_words(other.effect, other.at),
+            name_words(each),
+            name_words(other),
             amount(other.likeness),
             amount(round(other.worse, 3), digits=2),
         )
@@ -214,13 +220,13 @@ def _small_words(small: Sequence[Finding]) -> str:
     causes: dict[str, list[str]] = {}
     for each in small:
         cause = EFFECTS[each.effect].cause if each.effect in EFFECTS else "other"
-        causes.setdefault(cause, []).append(f"{effect_words(each.effect, each.at)} {mm(each.rms_explained, 2)}")
+        causes.setdefault(cause, []).append(f"{name_words(each)} {mm(each.rms_explained, 2)}")
     told = "; ".join(f"{cause}: {', '.join(names)}" for cause, names in causes.items())
     return f"Small beside that: {told}."
 
 
 def _finding_rows(finding: Finding) -> list[list[Cell]]:
-    name = effect_words(finding.effect, finding.at)
+    name = name_words(finding)
     rest: list[Cell] = [length(finding.rms_explained, 3), length(finding.rms_without, 3), probability(finding.p_value)]
     if not finding.parameters:
         return [[name, "", "", "", "", *rest]]

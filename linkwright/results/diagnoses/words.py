@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from diagnose.recording import Recording
-from diagnose.result import Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
+from diagnose.result import Alternative, Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
 from diagnose.several.recordings import Several
 from linkwright.results.document import Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
@@ -45,10 +45,15 @@ def place_words(effect: str, at: Sequence[int]) -> str:
     return f"{place}{'s' if len(at) > 1 else ''} {listed([str(number) for number in at])}"
 
 
-def effect_words(effect: str, at: Sequence[int]) -> str:
-    """An effect with its place: `compliance of the drives (joint 2)`."""
-    place = place_words(effect, at)
+def effect_words(effect: str, at: Sequence[int], recording: str = "") -> str:
+    """An effect with its place: `compliance of the drives (joint 2)`; of several recordings, in which alone."""
+    place = ", ".join(each for each in (place_words(effect, at), f"in {recording} alone" if recording else "") if each)
     return f"{effect_title(effect)} ({place})" if place else effect_title(effect)
+
+
+def name_words(found: Finding | Alternative) -> str:
+    """What was found, or what it may as well be, with its place, and of several recordings in which alone."""
+    return effect_words(found.effect, found.at, found.recording)
 
 
 def main_parameters(finding: Finding) -> tuple[tuple[FittedParameter, ...], str]:
@@ -144,11 +149,8 @@ def alias_sentence(finding: Finding) -> str:
     """What the data cannot tell from a finding; empty where there is nothing."""
     if not finding.alternatives:
         return ""
-    others = [
-        f"{effect_words(each.effect, each.at)} (patterns alike to {figure(each.likeness, 4)})"
-        for each in finding.alternatives
-    ]
-    return f"The data cannot tell {effect_words(finding.effect, finding.at)} from {listed(others, 'or')}."
+    others = [f"{name_words(each)} (patterns alike to {figure(each.likeness, 4)})" for each in finding.alternatives]
+    return f"The data cannot tell {name_words(finding)} from {listed(others, 'or')}."
 
 
 def explained_share(diagnosis: Diagnosis) -> float | None:
