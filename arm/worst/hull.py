@@ -10,10 +10,11 @@ derivatives, and so serves where coordinates are too many for `arm.worst.certifi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.errors.lost_motion import sign_vertices
 from sections.numeric import Array
@@ -27,6 +28,13 @@ _OUTWARD = 1e-11
 _MOST_ENUMERATED = 4
 _BLOCK = 400_000
 """Control points worked on at once."""
+_MOST_SHIFTED = 1e4
+"""How many radii a pin's ball is shifted at most."""
+_CLIMBS = 6
+
+Index = NDArray[np.intp]
+CellFilter = Callable[[Array, Array], NDArray[np.bool_]]
+"""(centres (N, n), half widths (N, n)) -> which cells may hold an admissible point."""
 
 
 @dataclass(frozen=True)
@@ -88,13 +96,22 @@ def in_real_basis(coefficients: Coefficients) -> Array:
 
 
 @dataclass(frozen=True)
+class Pins:
+    """Points anywhere within discs of `radii` (m, m of them) across unit vectors: coefficients (m, 3, basis ...)."""
+
+    radii: Array
+    normals: Array
+
+
+@dataclass(frozen=True)
 class PlayedVector:
-    """vector + sum_j s_j interval_j with any -1 <= s_j <= 1: coefficients (3, basis of axis 1, ...) of the vector, and
-    (k, 3, basis of axis 1, ...) of the intervals in the first axes alone."""
+    """vector + sum_j s_j interval_j with any -1 <= s_j <= 1, and pins: coefficients (3, basis of axis 1, ...) of the
+    vector, and (k, 3, basis of axis 1, ...) of the intervals."""
 
     axes: tuple[Axis, ...]
     vector: Array
     intervals: Array
+    pins: Pins
     neglected: float = 0.0
     """What left-out coefficients and rounding may add, m."""
 
@@ -102,6 +119,11 @@ class PlayedVector:
     def points(self) -> int:
         """The control points of a cell."""
         return int(np.prod(self.vector.shape[1:]))
+
+    @property
+    def effort(self) -> int:
+        """The control points of a cell, those of its play too."""
+        return self.points * (1 + len(self.intervals) + len(self.pins.radii))
 
     @property
     def curvature(self) -> Array:
@@ -134,40 +156,41 @@ class PlayedVector:
 
     def _longest(self, centers: Array, half: Array) -> Array:
         matrices = [axis.control(centers[:, j], half[:, j]) for j, axis in enumerate(self.axes)]
-        first = len(self.intervals.shape) - 2
         count = len(centers)
-        vector = _controlled(self.vector, matrices).reshape(count, 3, -1, int(np.prod(self.vector.shape[1 + first :])))
-        plays = len(self.intervals)
-        if not plays:
-            return np.sqrt((vector * vector).sum(axis=1).max(axis=(1, 2))) + self.neglected
-        flat = self.intervals.reshape(3 * plays, *self.intervals.shape[2:])
-        intervals = _controlled(flat, matrices[:first]).reshape(count, plays, 3, -1, 1)
-        return np.sqrt(_farthest(vector, intervals).max(axis=(1, 2))) + self.neglected
+        vector = _controlled(self.vector, matrices).reshape(count, 3, self.points)
+        plays, pins = len(self.intervals), len(self.pins.radii)
+        intervals = _controlled(self.intervals.reshape(3 * plays, *self.vector.shape[1:]), matrices)
+        normals = _controlled(self.pins.normals.reshape(3 * pins, *self.vector.shape[1:]), matrices)
+        discs = _Discs(self.pins.radii, normals.reshape(count, pins, 3, self.points))
+        return _farthest(vector, intervals.reshape(count, plays, 3, self.points), discs) + self.neglected
 
 
-def played_vector(axes: Sequence[Axis], vector: Array, intervals: Array) -> PlayedVector:
-    """A `PlayedVector` of no higher degree than it takes: what no angle turns twice as fast has fewer control points.
-    The intervals' axes are the first."""
-    size = float(np.abs(vector).sum() + np.abs(intervals).sum())
+def played_vector(axes: Sequence[Axis], vector: Array, intervals: Array, pins: Pins | None = None) -> PlayedVector:
+    """A `PlayedVector` of no higher degree than it takes: what no angle turns twice as fast has fewer points."""
+    pins = Pins(np.zeros(0), np.zeros((0, *vector.shape))) if pins is None else pins
+    # Normals count by how far they are shifted at most.
+    reach = pins.radii * _MOST_SHIFTED
+    rows = np.concatenate([vector[None], intervals, reach.reshape(-1, *[1] * vector.ndim) * pins.normals])
+    size = float(np.abs(rows).sum())
     neglected = _OUTWARD * size
-    kept = list(axes)
+    kept, normals = list(axes), pins.normals
     for j, axis in enumerate(axes):
         if not axis.turns or axis.degree != 2:
             continue
-        rests = [np.abs(np.take(vector, (3, 4), axis=j + 1)).sum()]
-        if j + 2 < intervals.ndim:
-            rests.append(np.abs(np.take(intervals, (3, 4), axis=j + 2)).sum())
-        if sum(rests) <= _OUTWARD * size:
-            neglected += float(sum(rests))
+        rest = float(np.abs(np.take(rows, (3, 4), axis=j + 2)).sum())
+        if rest <= _OUTWARD * size:
+            neglected += rest
             kept[j] = replace(axis, degree=1)
-            vector = np.take(vector, (0, 1, 2), axis=j + 1)
-            if len(rests) == 2:
-                intervals = np.take(intervals, (0, 1, 2), axis=j + 2)
-    return PlayedVector(tuple(kept), vector, intervals, neglected)
+            rows, normals = (np.take(each, (0, 1, 2), axis=j + 2) for each in (rows, normals))
+    return PlayedVector(
+        tuple(kept), rows[0], rows[1 : 1 + len(intervals)], Pins(pins.radii, normals), neglected=neglected
+    )
 
 
 def _controlled(tensor: Array, matrices: Sequence[Array]) -> Array:
     """Control points (N, rows, points of axis 1, ...) of functions (rows, basis of axis 1, ...)."""
+    if not len(tensor):
+        return np.zeros((len(matrices[0]), 0, math.prod(matrix.shape[1] for matrix in matrices)))
     out = tensor[None]
     before, rest = len(tensor), list(matrices)
     if len(rest) % 2:
@@ -182,26 +205,100 @@ def _controlled(tensor: Array, matrices: Sequence[Array]) -> Array:
     return out
 
 
-def _farthest(vector: Array, intervals: Array) -> Array:
-    """Upper bounds (N, points, points) on |vector + sum_j s_j interval_j|^2: exact for few intervals."""
+@dataclass(frozen=True)
+class _Discs:
+    """Pins with the control points (N, m, 3, points) of their normals."""
+
+    radii: Array
+    normals: Array
+
+    def shifts(self, vector: Array, at: Index) -> Array:
+        """How far (N, m) each disc's ball is best shifted along its normal where the vector is that of a control point.
+
+        A disc of radius r across n lies in the ball of radius r sqrt(1 + k^2) about -r k n, for every k: that is
+        cos(a - b) <= 1. With k the cotangent of the angle between n and the direction in which the sum is longest, disc
+        and ball reach as far, and to first order they do in all directions near.
+        """
+        rows = np.arange(len(vector))
+        own = vector[rows, :, at]
+        normals = self.normals[rows, :, :, at]
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-300)
+        reached = own
+        for _ in range(_CLIMBS):
+            across = reached[:, None] - np.einsum("nmi,ni->nm", normals, reached)[:, :, None] * normals
+            across /= np.maximum(np.linalg.norm(across, axis=2, keepdims=True), 1e-300)
+            reached = own + np.einsum("m,nmi->ni", self.radii, across)
+        toward = reached / np.maximum(_norm(reached), 1e-300)
+        along = np.einsum("nmi,ni->nm", normals, toward)
+        # Angles differ over a cell; a ball that is shifted farther fits nearer to one, and worse to others.
+        aside = np.sqrt((np.cross(vector, toward[:, :, None], axis=1) ** 2).sum(axis=1).max(axis=1))
+        turned = np.sqrt(((self.normals - normals[:, :, :, None]) ** 2).sum(axis=2).max(axis=2))
+        width = turned + (aside / np.maximum(_norm(reached)[:, 0], 1e-300))[:, None]
+        sine = np.sqrt(np.maximum(1.0 - along * along, 0.0) + width * width)
+        return along / np.maximum(sine, 1.0 / _MOST_SHIFTED)
+
+    def shifted(self, vector: Array, shifts: Array) -> tuple[Array, Array]:
+        """The vector (N, 3, points) to the balls' centre, and their radius (N,) together."""
+        moved = vector - np.einsum("m,nm,nmip->nip", self.radii, shifts, self.normals)
+        return moved, np.sqrt(1.0 + shifts * shifts) @ self.radii
+
+
+def _norm(vectors: Array) -> Array:
+    return np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+
+
+def _farthest(vector: Array, intervals: Array, discs: _Discs) -> Array:
+    """Upper bounds (N,) on |vector + sum_j s_j interval_j| with its pins: exact, but for pins, for few intervals."""
     plays = intervals.shape[1]
-    if plays <= _MOST_ENUMERATED:
-        best = np.zeros_like(vector[:, 0])
-        for signs in sign_vertices(plays):
-            whole = vector + np.einsum("k,nkipq->nipq", signs, intervals)
-            best = np.maximum(best, (whole * whole).sum(axis=1))
-        return best
-    found = (vector * vector).sum(axis=1)
-    for j in range(plays):
-        found = found + 2.0 * np.abs((vector * intervals[:, j]).sum(axis=1))
+    if plays > _MOST_ENUMERATED:
+        among = _among(intervals)
+
+        def squares(whole: Array) -> Array:
+            found = (whole * whole).sum(axis=1) + among
+            for j in range(plays):
+                found += 2.0 * np.abs((whole * intervals[:, j]).sum(axis=1))
+            return found
+
+        return _with_discs(vector, squares, discs, lambda: _pulled(vector, intervals))
+    best = np.zeros(len(vector))
+    for signs in sign_vertices(plays):
+        whole = vector + np.einsum("k,nkip->nip", signs, intervals) if plays else vector
+        best = np.maximum(best, _with_discs(whole, lambda each: (each * each).sum(axis=1), discs))
+    return best
+
+
+def _with_discs(
+    vector: Array, squares: Callable[[Array], Array], discs: _Discs, reaching: Callable[[], Array] | None = None
+) -> Array:
+    """Upper bounds (N,) on a vector's length with its pins, `squares` (N, points) being those of it without them.
+    `reaching` gives the vector with what else adds to it."""
+    found = squares(vector)
+    length = np.sqrt(found.max(axis=1))
+    if not len(discs.radii):
+        return length
+    toward = vector if reaching is None else reaching()
+    moved, radius = discs.shifted(vector, discs.shifts(toward, found.argmax(axis=1)))
+    return np.minimum(length + discs.radii.sum(), np.sqrt(squares(moved).max(axis=1)) + radius)
+
+
+def _among(intervals: Array) -> Array:
+    """sum_jk |interval_j . interval_k| (N, points)."""
+    found = np.zeros((len(intervals), intervals.shape[3]))
+    for j in range(intervals.shape[1]):
         for k in range(j + 1):
             share = 1.0 if k == j else 2.0
-            found = found + share * np.abs((intervals[:, j] * intervals[:, k]).sum(axis=1))
+            found += share * np.abs((intervals[:, j] * intervals[:, k]).sum(axis=1))
     return found
 
 
-def bound(played: PlayedVector, known: float, *, gap: float, most_points: int) -> float:
-    """A length that the vector exceeds nowhere: the longest within a relative `gap` where `most_points` control points
+def _pulled(vector: Array, intervals: Array) -> Array:
+    """The vector with each interval on the side to which it points."""
+    side = np.where(np.einsum("nip,nkip->nkp", vector, intervals) >= 0.0, 1.0, -1.0)
+    return vector + np.einsum("nkp,nkip->nip", side, intervals)
+
+
+def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> float:
+    """A length that the vector exceeds nowhere: the longest within a relative `gap` where `effort` control points
     are enough for that, else the best bound so far. `known` is a length that is reached.
     """
     lower, upper = np.array([axis.lower for axis in played.axes]), np.array([axis.upper for axis in played.axes])
@@ -211,19 +308,19 @@ def bound(played: PlayedVector, known: float, *, gap: float, most_points: int) -
     centers = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(parts))
     half = np.broadcast_to(0.5 * span, centers.shape).copy()
     tops, closed, curvature = played.longest(centers, half), known, played.curvature
-    enough, spent = known * (1.0 + gap), len(centers) * played.points
+    enough, spent = known * (1.0 + gap), len(centers) * played.effort
     while True:
         still = tops > enough
         closed = max(closed, float(tops[~still].max(initial=0.0)))
         centers, half, tops = centers[still], half[still], tops[still]
-        if not len(tops) or spent > most_points:
+        if not len(tops) or spent > effort:
             return max(closed, float(tops.max(initial=0.0)))
         order = np.argsort(-tops, kind="stable")
         chosen, rest = order[: played.block], order[played.block :]
         halved, smaller = _halves(centers[chosen], half[chosen], curvature)
         # A part is no worse than the whole, whatever rounding says.
         found = np.minimum(played.longest(halved, smaller), np.repeat(tops[chosen], 2))
-        spent += len(halved) * played.points
+        spent += len(halved) * played.effort
         centers, half = np.concatenate([centers[rest], halved]), np.concatenate([half[rest], smaller])
         tops = np.concatenate([tops[rest], found])
 

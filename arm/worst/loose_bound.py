@@ -1,32 +1,30 @@
 """A bound on the worst error where no certificate to a small gap can be had: too many joints, or pins in space.
 
-The error with its play is one vector: backlash adds intervals, and a pin that may lie anywhere in its bore adds a point
-on a circle, whose angle is one more coordinate. `arm.worst.hull` bounds its length, as far as a fixed effort goes.
+The error with its play is one vector: backlash adds intervals, a pin that may lie anywhere in its bore a disc.
+`arm.worst.hull` bounds its length, as far as a fixed effort goes.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm, FloatVector
+from arm.chain.chain import Arm
 from arm.chain.kinematics import place
-from arm.chain.vectors import Vector, cross, rotate, unit
+from arm.chain.vectors import Vector
 from arm.errors.model import CaseModel
 from sections.numeric import Array
 
 from .dependence import all_round, joints_that_matter
-from .hull import Axis, PlayedVector, bound, in_real_basis, played_vector
+from .hull import Axis, Pins, PlayedVector, bound, in_real_basis, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
 
-QUICK, THOROUGH = 2_000_000, 10_000_000
-"""Efforts, in control points looked at for a load case: some tenths of a second, and some five times as much."""
+QUICK, THOROUGH = 4_000_000, 100_000_000
+"""Efforts, in control points looked at for a load case: some tenths of a second, and a few
+seconds."""
 _MOST_OF_A_CELL = 20_000
-_ENOUGH = 1e-3
-"""Relative gap that bounds without the pins' angles are worked out to: what these would take off is more."""
 _FRAMES = 4
 """Frames of joints, from the base on, in which the error may be looked at."""
 _ALONGSIDE = 1e-9
@@ -39,33 +37,14 @@ def loose_bound(
     """An error (m) that no pose within the joints' ranges exceeds wherever the play stands, within a relative `gap` of
     the error `known` to be reached where the `effort` allows; None where the error is no polynomial of few joints.
     """
-    total = float(case.radii.sum())
-
-    def least(pins: Sequence[_Pin], gap: float) -> float:
-        radius = total - sum(pin.radius for pin in pins)
-        played = _played(case, p, coordinates, matter, pins)
-        return radius + bound(played, max(known - radius, 0.0), gap=gap, most_points=effort)
-
     matter = _matter(case, p, coordinates)
     try:
-        pins = [] if planar else _pins(case, p, coordinates, matter)
-        found = least(pins, gap)
-        if pins and found > known * (1.0 + _ENOUGH):
-            # Without their angles pins add up whatever their axes: looser, and far less effort.
-            found = min(found, least((), _ENOUGH))
+        played = _played(case, p, coordinates, matter, pins=not planar)
     except NotPolynomial:
         return None
-    return found
-
-
-@dataclass(frozen=True)
-class _Pin:
-    """Pins whose axes stay parallel: they add up to one, of `radius` (m). `across` are unit vectors across its axis, in
-    the frame of joint `joint`."""
-
-    joint: int
-    radius: float
-    across: tuple[FloatVector, FloatVector]
+    # In the plane pins add up, whatever the pose.
+    radius = float(case.radii.sum()) if planar else 0.0
+    return radius + bound(played, max(known - radius, 0.0), gap=gap, effort=effort)
 
 
 def _matter(case: CaseModel, p: Array, coordinates: Coordinates) -> tuple[int, ...]:
@@ -80,56 +59,48 @@ def _matter(case: CaseModel, p: Array, coordinates: Coordinates) -> tuple[int, .
     return joints_that_matter(vectors, count, case.state.arm, coordinates) or (0,)
 
 
-def _pins(case: CaseModel, p: Array, coordinates: Coordinates, matter: Sequence[int]) -> list[_Pin]:
-    """The case's pins, parallel ones together, the largest first, as many as an effort allows; only those that sit in a
-    joint, across its axis."""
-    arm, q = case.state.arm, all_round(coordinates, seed=5)
-    normals = case.arrays(q, p).normals
-    frames = place(arm, [q[:, j] for j in range(arm.size)]).joints
-    found: list[tuple[Array, _Pin]] = []
-    for index, disc in enumerate(case.error.discs):
-        own, axis = normals[:, index], arm.joints[disc.joint].axis
-        if np.abs(own - _rows(rotate(frames[disc.joint].frame, axis), len(q))).max() > _ALONGSIDE:
-            continue
-        for k, (normal, pin) in enumerate(found):
+def _merged(radii: Array, normals: Array) -> tuple[Array, list[int]]:
+    """Discs whose normals (N, d, 3) are parallel at every pose add up to one: radii, and a disc that has its normal."""
+    found: list[int] = []
+    sums: list[float] = []
+    for index, radius in enumerate(radii.tolist()):
+        for k, other in enumerate(found):
+            own, normal = normals[:, index], normals[:, other]
             if min(np.abs(own - normal).max(), np.abs(own + normal).max()) <= _ALONGSIDE:
-                found[k] = (normal, replace(pin, radius=pin.radius + disc.radius))
+                sums[k] += radius
                 break
         else:
-            hint = (1.0, 0.0, 0.0) if abs(axis[0]) < 0.6 else (0.0, 1.0, 0.0)
-            first = unit(cross(axis, hint))
-            found.append((own, _Pin(disc.joint, disc.radius, (first, cross(axis, first)))))
-    largest = sorted((pin for _, pin in found), key=lambda pin: -pin.radius)
-    most = math.log(_MOST_OF_A_CELL / 5.0 ** len(matter)) / math.log(3.0)
-    return largest[: max(0, math.floor(most))]
+            found.append(index)
+            sums.append(radius)
+    return np.array(sums), found
 
 
 def _rows(vector: Vector, count: int) -> Array:
     return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in vector], axis=1)
 
 
-def _played(
-    case: CaseModel, p: Array, coordinates: Coordinates, matter: Sequence[int], pins: Sequence[_Pin]
-) -> PlayedVector:
-    """The error with its play, in the frame where it curves least; raises `NotPolynomial`."""
-    arm = case.state.arm
-
-    def error(q: Array) -> Array:
-        arrays = case.arrays(q, p)
-        return np.concatenate([arrays.vector, arrays.intervals.reshape(len(q), -1)], axis=1)
-
-    def sides(q: Array) -> Array:
-        joints = place(arm, [q[:, j] for j in range(arm.size)]).joints
-        rows = [_rows(rotate(joints[pin.joint].frame, side), len(q)) for pin in pins for side in pin.across]
-        return np.concatenate([np.zeros((len(q), 0)), *rows], axis=1)
-
+def _played(case: CaseModel, p: Array, coordinates: Coordinates, matter: Sequence[int], *, pins: bool) -> PlayedVector:
+    """The error with its play, its `pins` too, in the frame where it curves least; raises `NotPolynomial`."""
     if 5 ** len(matter) > _MOST_OF_A_CELL:
         raise NotPolynomial("the error depends on too many joints")
+    radii, kept = np.zeros(0), list[int]()
+    if pins and len(case.radii):
+        radii, kept = _merged(case.radii, case.arrays(all_round(coordinates, seed=5), p).normals)
+
+    def columns(q: Array) -> Array:
+        arrays = case.arrays(q, p)
+        normals = arrays.normals[:, kept]
+        if arrays.projection is not None:
+            normals = normals @ arrays.projection
+        return np.concatenate(
+            [arrays.vector, arrays.intervals.reshape(len(q), -1), normals.reshape(len(q), -1)], axis=1
+        )
+
     found: list[PlayedVector] = []
-    for frame in range(min(arm.size, _FRAMES)):
-        turned = _Turned(arm, frame)
+    for frame in range(min(case.state.arm.size, _FRAMES)):
+        turned = _Turned(case.state.arm, frame)
         try:
-            found.append(_in_frame(turned, error, sides, coordinates, matter, pins))
+            found.append(_in_frame(turned, columns, coordinates, matter, radii))
         except NotPolynomial:
             if frame == 0:
                 raise
@@ -154,31 +125,17 @@ class _Turned:
 
 
 def _in_frame(
-    turned: _Turned,
-    error: Callable[[Array], Array],
-    sides: Callable[[Array], Array],
-    coordinates: Coordinates,
-    matter: Sequence[int],
-    pins: Sequence[_Pin],
+    turned: _Turned, columns: Callable[[Array], Array], coordinates: Coordinates, matter: Sequence[int], radii: Array
 ) -> PlayedVector:
     own = coordinates.of(matter)
 
-    def columns(reduced: Array) -> Array:
+    def seen(reduced: Array) -> Array:
         q = coordinates.placed(matter, reduced)
-        return turned(np.concatenate([error(q), sides(q)], axis=1), q)
+        return turned(columns(q), q)
 
-    vectors = in_real_basis(fit(columns, own))
-    plays = len(vectors) // 3 - 1 - 2 * len(pins)
+    vectors = in_real_basis(fit(seen, own))
+    vectors = vectors.reshape(-1, 3, *vectors.shape[1:])
     ends = own.scaled(np.array(own.ranges).T)
     axes = [Axis(turns, 2, float(low), float(high)) for turns, (low, high) in zip(own.revolute, ends.T, strict=True)]
-    whole = np.zeros((*vectors[:3].shape, *[3] * len(pins)))
-    middle = (slice(None),) * vectors.ndim
-    whole[(*middle, *[0] * len(pins))] = vectors[:3]
-    for k, pin in enumerate(pins):
-        for side in range(2):
-            at = [1 + side if other == k else 0 for other in range(len(pins))]
-            first = 3 + 3 * plays + 6 * k + 3 * side
-            whole[(*middle, *at)] = pin.radius * vectors[first : first + 3]
-    axes += [Axis(True, 1, -math.pi, math.pi)] * len(pins)
-    intervals = vectors[3 : 3 + 3 * plays].reshape(plays, 3, *vectors.shape[1:])
-    return played_vector(axes, whole, intervals)
+    pins = len(vectors) - len(radii)
+    return played_vector(axes, vectors[0], vectors[1:pins], Pins(radii, vectors[pins:]))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import Arm, Joint, LoadCase
-from arm.worst.hull import Axis, PlayedVector, bound, in_real_basis, played_vector
+from arm.worst.hull import Axis, Pins, PlayedVector, bound, in_real_basis, played_vector
 from arm.worst.loose_bound import THOROUGH, loose_bound
 from arm.worst.polynomial import Coordinates, fit
 from sections.numeric import Array
@@ -42,14 +42,14 @@ def test_functions_are_means_of_their_control_points(turns: bool, degree: int, h
 def random_vector(seed: int, plays: int) -> PlayedVector:
     axes = (Axis(True, 2, -2.0, 3.1), Axis(False, 2, -1.0, 1.0), Axis(True, 1, -np.pi, np.pi))
     generator = np.random.default_rng(seed)
-    return played_vector(axes, generator.normal(size=(3, 5, 3, 3)), 0.2 * generator.normal(size=(plays, 3, 5, 3)))
+    return played_vector(axes, generator.normal(size=(3, 5, 3, 3)), 0.2 * generator.normal(size=(plays, 3, 5, 3, 3)))
 
 
 def lengths(played: PlayedVector, x: Array) -> Array:
     """The length at points (N, n) with the play where it makes it longest, by trying all ways."""
     each = [basis(axis, x[:, j]) for j, axis in enumerate(played.axes)]
     vector = np.einsum("iabc,na,nb,nc->ni", played.vector, *each)
-    intervals = np.einsum("kiab,na,nb->nki", played.intervals, *each[:2])
+    intervals = np.einsum("kiabc,na,nb,nc->nki", played.intervals, *each)
     plays = len(played.intervals)
     signs = 2.0 * ((np.arange(2**plays)[:, None] >> np.arange(plays)) & 1) - 1.0
     whole = vector[:, None] + np.einsum("sk,nki->nsi", signs, intervals)
@@ -80,9 +80,51 @@ def test_bound_over_a_box_closes_in_on_the_longest(plays: int) -> None:
     near = x[np.argsort(-found)[:20]]
     x = np.clip(np.repeat(near, 2000, axis=0) + 0.05 * generator.normal(size=(40_000, 3)), lower, upper)
     known = float(lengths(played, x).max())
-    bounds = [bound(played, known, gap=1e-4, most_points=points) for points in (1_000, 100_000, 3_000_000)]
+    bounds = [bound(played, known, gap=1e-4, effort=points) for points in (1_000, 100_000, 10_000_000)]
     assert bounds[0] >= bounds[1] >= bounds[2] >= known
     assert bounds[2] <= known * 1.001
+
+
+def turning_pins(seed: int, plays: int) -> PlayedVector:
+    """Two pins of 0.7 and 0.4 on axes that turn with the first coordinate and with the second, beside some play."""
+    axes = (Axis(True, 2, -2.0, 3.1), Axis(True, 1, -1.0, 1.0))
+    generator = np.random.default_rng(seed)
+    normals = np.zeros((2, 3, 5, 3))
+    normals[0, 0, 1, 0] = normals[0, 1, 2, 0] = 1.0  # (cos x, sin x, 0)
+    normals[1, 2, 0, 1] = normals[1, 0, 0, 2] = 1.0  # (sin y, 0, cos y)
+    pins = Pins(np.array([0.7, 0.4]), normals)
+    return played_vector(axes, generator.normal(size=(3, 5, 3)), 0.2 * generator.normal(size=(plays, 3, 5, 3)), pins)
+
+
+@pytest.mark.parametrize("plays", [0, 2, 6])
+@pytest.mark.parametrize("half", [0.4, 0.05, 0.002])
+def test_pins_reach_no_farther_than_the_bound_of_a_cell(plays: int, half: float) -> None:
+    """Against the play and the pins' places drawn, all on the rims of their bores, and climbed to from the drawn."""
+    played = turning_pins(plays, plays)
+    generator = np.random.default_rng(9)
+    centers = np.stack([generator.uniform(-1.9, 3.0, 20), generator.uniform(-0.9, 0.9, 20)], axis=1)
+    tops = played.longest(centers, np.full((20, 2), half))
+    x = (centers[:, None] + half * generator.uniform(-1.0, 1.0, (20, 200, 2))).reshape(-1, 2)
+    first, second = (basis(axis, x[:, j]) for j, axis in enumerate(played.axes))
+    vector = np.einsum("iab,na,nb->ni", played.vector, first, second)
+    intervals = np.einsum("kiab,na,nb->nki", played.intervals, first, second)
+    one = np.stack([np.cos(x[:, 0]), np.sin(x[:, 0]), 0.0 * x[:, 0]], axis=1)
+    other = np.stack([np.sin(x[:, 1]), 0.0 * x[:, 1], np.cos(x[:, 1])], axis=1)
+    reached = np.zeros(len(x))
+    for start in generator.normal(size=(12, 3)):
+        toward = np.tile(start, (len(x), 1))
+        for _ in range(30):
+            sides = np.where(np.einsum("nki,ni->nk", intervals, toward) >= 0.0, 1.0, -1.0)
+            found = vector + np.einsum("nk,nki->ni", sides, intervals)
+            for radius, normal in ((0.7, one), (0.4, other)):
+                across = toward - (toward * normal).sum(axis=1, keepdims=True) * normal
+                found = found + radius * across / np.linalg.norm(across, axis=1, keepdims=True)
+            toward = found
+        reached = np.maximum(reached, np.linalg.norm(toward, axis=1))
+    reached = reached.reshape(20, 200).max(axis=1)
+    assert np.all(tops >= reached * (1.0 - 1e-12))
+    if half == 0.002 and plays < 6:
+        assert tops == pytest.approx(reached, rel=0.01)
 
 
 def test_real_coefficients_of_a_polynomial() -> None:
@@ -112,9 +154,9 @@ def leaning(joints: int, clearance: float = 0.0, backlash: float = 0.0) -> Arm:
     ("arm", "gap"),
     [
         (leaning(5), 1.01e-4),
-        (leaning(6), 0.2),
+        (leaning(6), 1.01e-4),
         (leaning(3, clearance=5e-5), 1.01e-4),
-        (leaning(3, clearance=1e-4, backlash=3e-4), 2e-2),
+        (leaning(4, clearance=5e-3, backlash=3e-3), 1.01e-4),
     ],
     ids=["five joints", "six joints", "clearance in space", "clearance and backlash"],
 )
