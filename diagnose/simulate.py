@@ -16,6 +16,7 @@ from scipy.stats import qmc
 
 from arm.chain.arrays import columns, matrices
 from arm.chain.chain import Arm
+from arm.chain.following import completed
 from arm.chain.statics import PoseState, solve
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, seen, seen_of_model
@@ -128,7 +129,7 @@ def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     low = np.array([joint.range[0] for joint in arm.joints])
     span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
     unit = sobol.random_base2(max(1, math.ceil(math.log2(plan.poses))))[: plan.poses]
-    poses = _written(low + span * unit, arm)
+    poses = completed(arm, _written(low + span * unit, arm))
     payloads = plan.payloads or (None,)
     q, sides, mass = [], [], []
     for payload in payloads:

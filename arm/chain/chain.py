@@ -7,7 +7,7 @@ space.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import Counterbalance, PointMass
+from .following import Following, coordinates
 from .vectors import IDENTITY, ZERO, Rotation
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ class Joint:
     the catalogue's entry that the drive was named by: its rated torque and cost count with it. `zones` are those of a
     drive that is stiffer under more load, each the load (N*m) at which it ends and its stiffness; `stiffness` is then
     that of the softest. None: the same under any load. `counterbalance` takes load off the drive, `motor_on_base` (kg)
-    is the mass of a motor of the joint that stands on the base.
+    is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
+    it.
     """
 
     type: JointType = "revolute"
@@ -65,6 +67,12 @@ class Joint:
     zones: Zones = ()
     counterbalance: Counterbalance | None = None
     motor_on_base: float = 0.0
+    follows: Following | None = None
+
+    @property
+    def driven(self) -> bool:
+        """Whether the joint has a coordinate of its own; one that only follows has none."""
+        return self.follows is None or self.follows.driven
 
     @property
     def revolute(self) -> bool:
@@ -208,6 +216,10 @@ class Arm:
         """The masses beside links and payload, kg: joints, motors wherever they stand, and what hangs on links."""
         hung = sum(each.mass for link in self.links for each in link.masses)
         return hung + sum(joint.mass + joint.motor_on_base for joint in self.joints)
+
+    def whole_pose(self, q: Sequence[float]) -> tuple[float, ...]:
+        """A pose with the coordinates of joints that only follow others as they are."""
+        return tuple(float(each) for each in coordinates(self, q))
 
     def with_links(self, links: tuple[Link, ...]) -> Arm:
         """The same arm with other links."""

@@ -31,6 +31,12 @@ def jacobian(arm: Arm, q: Array) -> Array:
         arms[:, index] = tip - here
         here = here + columns(link.vector)
         found[:, index] = np.cross(axes[:, index], arms[:, index]) if arm.joints[index].revolute else axes[:, index]
+    for follower, joint in enumerate(arm.joints):
+        if joint.follows is not None:
+            for tie in joint.follows.ties:
+                found[:, tie.joint] += tie.weight * found[:, follower]
+            if not joint.driven:
+                found[:, follower] = 0.0
     if arm.angles == "absolute":
         # Such a drive turns its own link alone and carries the rest along unturned.
         for index in range(arm.size):

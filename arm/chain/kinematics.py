@@ -15,6 +15,7 @@ import numpy as np
 from sections.numeric import cos, sin
 
 from .chain import Arm, FloatVector, Joint, Link
+from .following import turns
 from .vectors import (
     IDENTITY,
     ZERO,
@@ -130,7 +131,7 @@ def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None
     state = Orientation(IDENTITY, (0.0, 0.0, 1.0), 0.0)
     joints: list[JointFrame] = []
     links: list[LinkFrame] = []
-    for joint, link, coordinate, span in zip(arm.joints, arm.links, q, spans, strict=True):
+    for joint, link, coordinate, span in zip(arm.joints, arm.links, turns(arm, q), spans, strict=True):
         lead = rotate(state.matrix(), joint.origin_translation) if any(joint.origin_translation) else ZERO
         state = state.turned(joint.origin_rotation)
         moved = plus(coordinate, joint.zero)

@@ -64,7 +64,8 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         first.append(len(owner))
         owner += [index] * count
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
-        joints += [replace(joint, spans=count), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
+        follows = None if joint.follows is None else joint.follows.moved(dict(enumerate(first)))
+        joints += [replace(joint, spans=count, follows=follows), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
         piece = replace(link, length=link.length / count, end_rotation=IDENTITY, height_direction=height)
         parts = [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
         links += [

@@ -15,6 +15,7 @@ from .balance import End, PointMass
 from .beam import Beam
 from .chain import Arm, LoadCase, Zones
 from .conditions import Conditions
+from .following import coordinates, ties_to, turns
 from .kinematics import Frames, LinkFrame, place
 from .vectors import Scalar, Vector, add, cross, dot, is_zero, plus, scale, subtract, times
 
@@ -125,8 +126,10 @@ def solve(
     joints: list[JointState] = []
     links: list[LinkState] = []
     ends: dict[int, Vector] = {}
+    couplings, own_turns, own_coordinates = _Couplings(arm, placed), turns(arm, q), coordinates(arm, q)
     for index in range(arm.size - 1, -1, -1):
         beam, frame, joint = beams[index], placed.links[index], arm.joints[index]
+        moment = couplings.taken_on(index, moment)
         if point_forces is not None:
             force = add(force, point_forces[index])
         ends[index] = moment
@@ -160,6 +163,8 @@ def solve(
         )
         base_force, base_moment = _hung(own, "joint", frame, pull, base_force, base_moment)
         axis = placed.joints[index].axis
+        past = couplings.given_back(index, base_moment)
+        couplings.carried(index, dot(axis, past) if joint.revolute else dot(axis, base_force))
         if not joint.revolute:
             # A slide's mass rides on it, so its drive holds that too.
             drive_load = dot(axis, add(base_force, scale(joint.mass, pull)))
@@ -168,8 +173,9 @@ def solve(
             drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))
         else:
             drive_load = dot(axis, base_moment)
+        drive_load = plus(drive_load, couplings.across(index))
         if joint.counterbalance is not None:
-            drive_load = plus(drive_load, joint.counterbalance.turning(q[index]))
+            drive_load = plus(drive_load, joint.counterbalance.turning(own_turns[index]))
         joints.append(
             JointState(
                 joint.revolute,
@@ -181,14 +187,14 @@ def solve(
                 joint.clearance,
                 joint.backlash,
                 joint.mass,
-                q[index],
+                own_coordinates[index],
                 joint.spans,
                 joint.zones,
             )
         )
         force = add(base_force, scale(joint.mass, pull))
         lead = placed.joints[index].lead
-        moment = base_moment if is_zero(lead) else add(base_moment, cross(lead, force))
+        moment = past if is_zero(lead) else add(past, cross(lead, force))
     return PoseState(
         tuple(reversed(joints)),
         tuple(reversed(links)),
@@ -204,6 +210,42 @@ def solve(
         carried,
         pushed,
     )
+
+
+class _Couplings:
+    """What the loads of joints that follow others come to on the way to the base (see `arm.chain.following`)."""
+
+    def __init__(self, arm: Arm, placed: Frames) -> None:
+        self.ties, self.placed = ties_to(arm), placed
+        self.loads: dict[int, Scalar] = {}
+        self.last = {index + arm.joints[index].spans - 1: index for index in self.ties}
+
+    def carried(self, joint: int, load: Scalar) -> None:
+        """Note the load on a joint's axis, all that lies beyond it counted as if nothing were coupled."""
+        self.loads[joint] = load
+
+    def _coupled(self, joint: int, along: bool) -> Scalar:
+        total: Scalar = 0.0
+        for follower, tie in self.ties.get(joint, ()):
+            if tie.along == along:
+                total = plus(total, times(tie.weight, self.loads[follower]))
+        return total
+
+    def across(self, joint: int) -> Scalar:
+        """What the drive of a joint holds for followers that no rod along its link couples to it."""
+        return self._coupled(joint, along=False)
+
+    def taken_on(self, link: int, moment: Vector) -> Vector:
+        """The moment at a link's far end, less what rods along it carry; the links of one body share them."""
+        return moment if link not in self.last else self._with(self.last[link], 1.0, moment)
+
+    def given_back(self, joint: int, moment: Vector) -> Vector:
+        """The moment that a joint hands on to what is before it, rods along its link included."""
+        return moment if joint not in self.ties else self._with(joint, -1.0, moment)
+
+    def _with(self, joint: int, sign: float, moment: Vector) -> Vector:
+        coupled = self._coupled(joint, along=True)
+        return add(moment, scale(times(sign, coupled), self.placed.joints[joint].axis))
 
 
 def _hung(

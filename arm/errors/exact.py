@@ -190,8 +190,11 @@ class _Chain:
             axis = _vector(_turned(orientation, columns(joint.axis, rows)))
             place = place + _turned(orientation, self.leads[index])
             shift = moved.get(("joint", index), np.zeros((rows, 3)))
+            followed = self._followed(index, columns(axis, rows), joints, moved, turned, bend)
+            if not self.state.joints[index].revolute:
+                shift, followed = shift + followed, np.zeros((rows, 3))
             place, lead = place + shift, lead + shift
-            orientation = _after(orientation, turned.get(("joint", index)))
+            orientation = _after(_after(orientation, turned.get(("joint", index))), followed)
             joints.append(JointFrame(_vector(lead), axis, before))
             start, root = place, orientation
             own = self.pieces.of(index)
@@ -222,6 +225,27 @@ class _Chain:
             place - self.nominal,
             Rotation.from_matrix(orientation).as_rotvec(),
         )
+
+    def _followed(
+        self,
+        joint: int,
+        axis: Array,
+        before: Sequence[JointFrame],
+        moved: dict[Node, Array],
+        turned: dict[Node, Array],
+        bend: Sequence[Array],
+    ) -> Array:
+        """What moves a joint along its axis because it moves those that it follows (`arm.errors.tip`)."""
+        total = np.zeros(self.rows)
+        follows = self.state.arm.joints[joint].follows
+        for tie in () if follows is None else follows.ties:
+            there = turned if self.state.joints[tie.joint].revolute else moved
+            amount = there.get(("joint", tie.joint), 0.0) + np.zeros((self.rows, 3))
+            if tie.along:
+                amount = amount + turned.get(("link", tie.joint), 0.0)
+                amount = amount + sum(bend[piece] for piece in self.pieces.of(tie.joint))
+            total += tie.weight * np.sum(amount * columns(before[tie.joint].axis, self.rows), axis=1)
+        return total[:, None] * axis
 
     def _piece(self, link: int, length: Scalar, count: int) -> Array:
         """A piece's vector as it lies in the undeformed arm, with what the link has been made longer."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 from arm.chain.chain import Arm, Zones
 from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Scalar, Vector, add, cross
+from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, plus, scale, times
 from arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
 
 
@@ -115,7 +116,8 @@ def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vecto
     walked: list[tuple[Vector, Vector]] = []
     for index, link in enumerate(state.links):
         shift = add(shift, cross(turn, state.leads[index]))
-        translation, rotation = at_joint[index]
+        own, followed = at_joint[index], _followed(state, index, at_joint, at_link)
+        translation, rotation = add(own[0], followed[0]), add(own[1], followed[1])
         shift, turn = add(shift, translation), add(turn, rotation)
         shift = add(shift, cross(turn, link.vector))
         translation, rotation = at_link[index]
@@ -124,6 +126,30 @@ def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vecto
     shift = add(shift, cross(turn, state.tool))
     walked.append((add(shift, at_tip[0]), add(turn, at_tip[1])))
     return walked
+
+
+def _followed(
+    state: PoseState,
+    index: int,
+    at_joint: Sequence[tuple[Vector, Vector]],
+    at_link: Sequence[tuple[Vector, Vector]],
+) -> tuple[Vector, Vector]:
+    """The shift and turn of a joint by what moves those that it follows beside their coordinates."""
+    follows = state.arm.joints[index].follows
+    if follows is None:
+        return ZERO, ZERO
+    axis, amount = state.joints[index].axis, cast(Scalar, 0.0)
+    for tie in follows.ties:
+        other, turns = state.joints[tie.joint], state.joints[tie.joint].revolute
+        moved = at_joint[tie.joint][1 if turns else 0]
+        if tie.along:
+            for link in range(tie.joint, tie.joint + other.spans):
+                moved = add(moved, at_link[link][1])
+            for piece in range(tie.joint + 1, tie.joint + other.spans):
+                moved = add(moved, at_joint[piece][1])
+        amount = plus(amount, times(tie.weight, dot(other.axis, moved)))
+    moved = scale(amount, axis)
+    return (ZERO, moved) if state.joints[index].revolute else (moved, ZERO)
 
 
 def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:

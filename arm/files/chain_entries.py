@@ -20,6 +20,7 @@ from units.reading import Mapping
 
 from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
+from .following import read_following
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -88,10 +89,13 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
         kind = cast(JointType, mapping.choice("type", ("revolute", "prismatic"), "revolute"))
         turns = kind == "revolute"
         motion = "angle" if turns else "length"
+        follows = read_following(mapping, size, turns=turns)
         if mapping.has("range"):
             limits = mapping.range("range", motion)
         elif turns:
             limits = (-math.pi, math.pi)
+        elif follows is not None:
+            limits = (0.0, 0.0)
         else:
             raise mapping.error("range", "is missing; a slide needs its range, e.g. [0 mm, 500 mm]")
         stiffness = mapping.optional_quantity("stiffness", "torsional_stiffness" if turns else "linear_stiffness")
@@ -114,6 +118,7 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             zones=zones,
             counterbalance=read_counterbalance(mapping) if _balanced(mapping, turns) else None,
             motor_on_base=0.0 if motor is None or motor.on else motor.mass,
+            follows=follows,
         )
         return joint, motor
 

@@ -15,6 +15,7 @@ from units.reading import Mapping, load_yaml, nearest
 from units.temperature import REFERENCE_TEMPERATURE
 
 from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
+from .following import tied
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
@@ -62,7 +63,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             tool=tool,
         )
     _check_absolute(mapping, arm)
-    return arm
+    return tied(mapping, arm)
 
 
 def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:

@@ -16,6 +16,7 @@ from sections.section import Section
 from units.files import write_whole
 from units.quantities import format_quantity
 
+from .following import following_text
 from .read import acts_on_slides
 
 _COUNTERBALANCES = MappingProxyType(
@@ -43,6 +44,8 @@ def arm_to_yaml(arm: Arm) -> str:
     motors = {each.motor_of: (each.mass, number) for number, link in enumerate(arm.links, 1) for each in link.masses}
     for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True), start=1):
         own = _joint(joint)
+        if (follows := following_text(number - 1, joint)) is not None:
+            own["follows"] = follows
         mass, on = motors.get(number, (joint.motor_on_base, "base"))
         if mass:
             own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
@@ -100,7 +103,8 @@ def _joint(joint: Joint) -> dict[str, Any]:
     out: dict[str, Any] = {"type": joint.type}
     if joint.axis != ((0.0, 0.0, 1.0) if joint.revolute else (1.0, 0.0, 0.0)):
         out["axis"] = list(joint.axis)
-    out["range"] = [_neatest(value, motion) for value in joint.range]
+    if joint.driven:
+        out["range"] = [_neatest(value, motion) for value in joint.range]
     if joint.clearance:
         out["clearance"] = format_quantity(joint.clearance, "length")
     # Beside an actuator only what differs from its own figures is written, be it a zero.

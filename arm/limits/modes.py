@@ -62,7 +62,9 @@ def segmented(arm: Arm) -> SegmentedArm:
         kinds += own
         height, _ = section_directions(link, joint)
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
-        joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None))
+        starts = {link: owner.index(link) for link in range(index)}
+        follows = None if joint.follows is None else joint.follows.moved(starts)
+        joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None, follows=follows))
         joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
         piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height, masses=())
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]

@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from arm.chain.chain import Arm
+from arm.chain.following import turns_by_coordinates
 from arm.chain.kinematics import place, tip_position
 from arm.chain.vectors import norm
 from sections.numeric import Array
@@ -69,7 +70,7 @@ def ring_of(lengths: Sequence[float], center: tuple[float, float] = (0.0, 0.0)) 
 
 def free_ring(arm: Arm) -> Ring | None:
     """The ring that an arm reaches, exactly; None unless it is planar and all its joints turn full circle."""
-    flat = arm.planar() and all(joint.revolute for joint in arm.joints)
+    flat = arm.planar() and all(joint.revolute and joint.follows is None for joint in arm.joints)
     if not flat or any(high - low < 2.0 * math.pi - 1e-12 for low, high in (joint.range for joint in arm.joints)):
         return None
     frames = place(arm, [0.0] * arm.size)
@@ -128,7 +129,9 @@ class Reach:
             if not arm.joints[first].revolute or (i == j and not arm.joints[i].revolute):
                 continue
             square += (beyond[later] if arm.joints[later].revolute else 1.0) ** 2
-        return math.sqrt(square)
+        # Where joints follow others, second derivatives in the coordinates are those in the joints' turns, H, as
+        # C' H C.
+        return math.sqrt(square) * float(np.linalg.norm(turns_by_coordinates(arm), 2)) ** 2
 
     def _beyond(self) -> list[float]:
         """For each joint, the most that can lie between its axis' origin and the tip, m."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain.following import completed
 from arm.errors.lost_motion import PlayedError, played
 from arm.errors.model import BEAM_FIELDS, ErrorModel
 from sections.numeric import Array
@@ -171,10 +172,10 @@ class WorstSearch:
 
     def worst_poses_at(self, q: Array, p: Array, case: int) -> list[WorstPose]:
         """The poses q (N, n) with their errors in a load case."""
-        result = self.errors(q, p, case)
+        result, shown = self.errors(q, p, case), completed(self.arm, q)
         return [
             WorstPose(
-                tuple(q[k].tolist()),
+                tuple(shown[k].tolist()),
                 case,
                 float(result.error[k]),
                 _triple(result.vector[k]),

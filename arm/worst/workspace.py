@@ -84,12 +84,15 @@ def _goes_on(a: FloatVector, b: FloatVector, c: FloatVector) -> bool:
 
 
 def joint_box(arm: Arm, workspace: Workspace) -> tuple[Array, Array]:
-    """Lower and upper joint coordinates; a revolute range beyond a full circle is cut to one turn."""
+    """Lower and upper joint coordinates; a revolute range beyond a full circle is cut to one turn, and joints that
+    only follow others have no width."""
     ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
     lower = np.array([low for low, _ in ranges])
     upper = np.array([high for _, high in ranges])
     for index, joint in enumerate(arm.joints):
-        if joint.revolute and upper[index] - lower[index] > 2.0 * math.pi:
+        if not joint.driven:
+            lower[index] = upper[index] = 0.5 * (lower[index] + upper[index])
+        elif joint.revolute and upper[index] - lower[index] > 2.0 * math.pi:
             upper[index] = lower[index] + 2.0 * math.pi
     return lower, upper
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from arm.chain.following import completed
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import nuisances
 from diagnose.patterns.library import columns_of
@@ -106,7 +107,7 @@ def _tried(observed: Observed, seed: int) -> Observed:
     arm, recording = observed.arm_given, observed.recording
     low = np.array([joint.range[0] for joint in arm.joints])
     high = np.array([joint.range[1] for joint in arm.joints])
-    q = np.round(rng.uniform(low, high, (count, arm.size)), 4)
+    q = completed(arm, np.round(rng.uniform(low, high, (count, arm.size)), 4))
     payload = arm.payload.mass if recording.payload_mass is None else float(recording.payload_mass.max())
     loads = np.array([0.0, payload if payload > 0.0 else 5.0])
     sides = rng.choice([-1.0, 1.0], count)

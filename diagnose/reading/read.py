@@ -24,6 +24,7 @@ from units.reading import nearest
 
 from .assemble import ReadColumn, assembled
 from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of, otherwise_spelled
+from .followers import with_followers
 from .formula import Formula, read_condition, read_formula
 from .settings import ReadingSettings, find_settings, read_settings
 from .table import Table, read_table
@@ -57,6 +58,7 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
     warnings += sentence
     columns, strangers, said = _columns(table, held, arm)
     warnings += said
+    columns = with_followers(columns, table, arm, rules.residual)
     _require(columns, table, arm, held)
     columns, rejected, said = _faults(columns, table, rules.reading.mostly_blank)
     warnings += said

@@ -72,7 +72,9 @@ def _table(arm: Arm, found: tuple[InversePose, ...]) -> Any:
     for pose in found:
         words = ["singular"] if pose.singular else []
         words += [f"joint {index + 1} at its limit" for index in at_limit(arm, pose)]
-        shown.add_row(*(_coordinate(arm, index, value) for index, value in enumerate(pose.q)), ", ".join(words))
+        shown.add_row(
+            *(_coordinate(arm, index, value) for index, value in enumerate(arm.whole_pose(pose.q))), ", ".join(words)
+        )
     return shown
 
 

@@ -31,6 +31,10 @@ _LENGTH_DIGITS = 7
 
 def coordinates(arm: Arm, q: Sequence[float]) -> dict[str, list[float | None]]:
     """A pose: `q_deg` for joints that turn, `q_mm` for those that slide; null where a joint is of the other kind."""
+    return _by_kind(arm, arm.whole_pose(q))
+
+
+def _by_kind(arm: Arm, q: Sequence[float]) -> dict[str, list[float | None]]:
     turning = [joint.revolute for joint in arm.joints]
     shown: dict[str, list[float | None]] = {}
     if any(turning):
@@ -45,7 +49,7 @@ def _workspace(arm: Arm, workspace: Workspace) -> dict[str, Any]:
     points = in_mm([point[:used] for point in workspace.points])
     ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
     lowest, highest = ([pair[end] for pair in ranges] for end in (0, 1))
-    spans = {"lower": coordinates(arm, lowest), "upper": coordinates(arm, highest)}
+    spans = {"lower": _by_kind(arm, lowest), "upper": _by_kind(arm, highest)}
     return {"kind": workspace.kind, "points_mm": points, "joints": spans, "error": workspace.error}
 
 

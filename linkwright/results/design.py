@@ -18,6 +18,7 @@ from optimize.worse import MUCH_LESS, Worse, softened_links
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
 from .figures_in_words import (
     calibrated_words,
+    coordinate,
     effect_title,
     figure,
     load_case_words,
@@ -189,8 +190,8 @@ def joints(evaluation: Evaluation) -> Table:
     arm = evaluation.arm
     rows: list[list[Cell]] = []
     for index, joint in enumerate(arm.joints):
-        low, high = pose(arm, [joint.range[0]] * arm.size), pose(arm, [joint.range[1]] * arm.size)
-        span = f"{low.split(', ')[index]} to {high.split(', ')[index]}"
+        low, high = (coordinate(arm, index, end) for end in joint.range)
+        span = f"{low} to {high}"
         angle = joint.revolute
         backlash = amount(math.degrees(joint.backlash) * 60.0, "arcmin") if angle else length(joint.backlash)
         unit = "kN·m/rad" if angle else "kN/m"

@@ -58,7 +58,7 @@ def coordinate(arm: Arm, index: int, value: float) -> str:
 
 def pose(arm: Arm, q: Sequence[float]) -> str:
     """A pose as its joint coordinates, from the base out."""
-    return ", ".join(coordinate(arm, index, value) for index, value in enumerate(q))
+    return ", ".join(coordinate(arm, index, value) for index, value in enumerate(arm.whole_pose(q)))
 
 
 def shape_words(shape: str | None, dimensions: Mapping[str, float]) -> str:
