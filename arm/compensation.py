@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from arm.chain.chain import Arm
+from arm.chain.following import completed
 from arm.chain.jacobian import jacobian
 from arm.chain.kinematics import tip_position
 from arm.chain.statics import solve
@@ -110,8 +111,11 @@ def default_grid(joints: int, payloads: int = 1) -> int:
 
 
 def grid_axes(arm: Arm, points: int) -> tuple[Array, ...]:
-    """Evenly spaced coordinates over each joint's range (rad, m)."""
-    return tuple(np.linspace(*joint.range, points) for joint in arm.joints)
+    """Evenly spaced coordinates over each joint's range (rad, m); one of a joint that only follows others."""
+    return tuple(
+        np.linspace(*joint.range, points) if joint.driven else np.array([sum(joint.range) / 2.0])
+        for joint in arm.joints
+    )
 
 
 def table_at(arm: Arm, q: Array, payloads: tuple[float, ...]) -> Table:
@@ -133,21 +137,22 @@ def table_over(arm: Arm, points: int, payloads: tuple[float, ...]) -> Table:
     """The table over a grid of so many points for each joint, checked between them."""
     axes = grid_axes(arm, points)
     q = np.stack([each.reshape(-1) for each in np.meshgrid(*axes, indexing="ij")], axis=1)
-    table = table_at(arm, q, payloads)
+    table = table_at(arm, completed(arm, q), payloads)
     return replace(table, axes=axes, check=_checked(table, axes, len(q), payloads))
 
 
 def _checked(table: Table, axes: tuple[Array, ...], size: int, payloads: tuple[float, ...]) -> Check:
     arm = table.arm
     lower, upper = (np.array([axis[end] for axis in axes]) for end in (0, -1))
-    q = spread(lower, upper, _CHECKED)
-    shape = tuple(len(axis) for axis in axes)
+    q = completed(arm, spread(lower, upper, _CHECKED))
+    varied = [index for index, joint in enumerate(arm.joints) if joint.driven]
+    grid, shape = tuple(axes[index] for index in varied), tuple(len(axes[index]) for index in varied)
     found: list[tuple[Array, Array, Array]] = []
     for number, mass in enumerate(payloads):
         part = slice(number * size, (number + 1) * size)
         error = model_error(arm, q, mass)
-        told = RegularGridInterpolator(axes, table.error[part].reshape(*shape, 3))(q)
-        moved = RegularGridInterpolator(axes, table.correction[part].reshape(*shape, arm.size))(q)
+        told = RegularGridInterpolator(grid, table.error[part].reshape(*shape, 3))(q[:, varied])
+        moved = RegularGridInterpolator(grid, table.correction[part].reshape(*shape, arm.size))(q[:, varied])
         lengths = [np.linalg.norm(each, axis=1) for each in (error, error - told)]
         found.append((lengths[0], lengths[1], remaining(arm, q, moved, mass)))
     without, subtracted, corrected = (np.concatenate([each[k] for each in found]) for k in range(3))

@@ -241,6 +241,7 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
     of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
     of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
+    of_joints("that joints follow others", [joint.follows is not None for joint in arm.joints])
     if any(arm.payload.force) or any(arm.payload.moment):
         found.append("the force and moment at the tip")
     found += [

@@ -160,7 +160,7 @@ def inverse(
         InversePose(
             tuple(found[index].tolist()),
             float(residual[index]),
-            isolated=int((values > _RANK * size).sum()) == arm.size,
+            isolated=int((values > _RANK * size).sum()) == sum(joint.driven for joint in arm.joints),
             singular=usual > 0 and bool(values[usual - 1] < _SINGULAR * values[0]),
         )
         for index, values in zip(kept, here, strict=True)

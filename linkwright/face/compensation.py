@@ -103,7 +103,7 @@ def compensate(
         raise InputError("", "payload", "names the same mass twice")
     if poses is not None:
         return Compensation(given, table_at(given.model, np.array([pose_of(given.model, q) for q in poses]), masses))
-    points = default_grid(given.model.size, len(masses)) if grid is None else grid
+    points = default_grid(sum(joint.driven for joint in given.model.joints), len(masses)) if grid is None else grid
     rows = points**given.model.size * len(masses)
     if rows > _MOST_ROWS:
         raise InputError("", "grid", f"makes {rows} rows; take fewer, {_MOST_ROWS} at most")

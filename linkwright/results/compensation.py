@@ -36,6 +36,7 @@ def describe(found: Compensation) -> Description:
         steps = [
             f"joint {index + 1} every {coordinate(arm, index, float(axis[1] - axis[0]))}"
             for index, axis in enumerate(found.axes)
+            if len(axis) > 1
         ]
         items.append(Paragraph(f"grid: {', '.join(steps)}"))
     items.append(table(("error of the tip", "RMS", "largest"), rows))

@@ -13,6 +13,7 @@ from arm.chain.chain import Arm
 from arm.chain.jacobian import jacobian
 from arm.chain.kinematics import tip_position
 from arm.chain.statics import solve
+from arm.compensation import table_over
 from arm.errors.first_order import beyond_first_order
 from arm.errors.model import beams_of
 from arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
@@ -20,6 +21,7 @@ from arm.evaluation import compliance_at
 from arm.files.read import read_arm
 from arm.files.write import arm_to_yaml
 from arm.limits.modes import compliance_matrices, segmented
+from arm.worst.inverse import inverse
 from diagnose.reading.read import read_recording
 from diagnose.simulate import Plan, simulate
 from sections.numeric import Array
@@ -174,6 +176,19 @@ def test_worst_poses_of_coupled_arms_are_certified(tmp_path: Path) -> None:
         assert 0.99 * worst.error <= brute <= worst.error * (1.0 + 1e-9) <= worst.upper_bound * (1.0 + 2e-9)
         for pose in worst.poses:
             assert pose.q == pytest.approx(arm.whole_pose([*pose.q[:2], 7.0]), abs=1e-12)
+
+
+def test_points_have_single_poses_and_tables_no_column_of_their_own(tmp_path: Path) -> None:
+    """In the plane two drives meet a point in one way each; a table for a controller spans what it can command."""
+    arm = palletiser(tmp_path, TUBE)
+    found = inverse(arm, (0.9, 0.3))
+    assert [pose.isolated for pose in found] == [True]
+    table = table_over(arm, 4, (20.0,))
+    assert len(table.q) == 16
+    assert table.q[:, 2] == pytest.approx(-table.q[:, 0] - table.q[:, 1], abs=1e-12)
+    assert table.correction[:, 2] == pytest.approx(0.0, abs=1e-15)
+    assert table.check is not None
+    assert table.check.rms_corrected < 0.1 * table.check.rms_without
 
 
 def test_what_joints_follow_is_written_as_it_is_read(tmp_path: Path) -> None:
