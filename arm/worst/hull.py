@@ -30,7 +30,9 @@ _BLOCK = 400_000
 """Control points worked on at once."""
 _MOST_SHIFTED = 1e4
 """How many radii a pin's ball is shifted at most."""
-_CLIMBS = 6
+_CLIMBS = 30
+_BESIDE = 2000
+"""What a cell takes beside its control points, in control points."""
 
 Index = NDArray[np.intp]
 CellFilter = Callable[[Array, Array], NDArray[np.bool_]]
@@ -122,8 +124,8 @@ class PlayedVector:
 
     @property
     def effort(self) -> int:
-        """The control points of a cell, those of its play too."""
-        return self.points * (1 + len(self.intervals) + len(self.pins.radii))
+        """The control points of a cell, those of its play too, and what takes as long beside them."""
+        return _BESIDE + self.points * (1 + len(self.intervals) + len(self.pins.radii))
 
     @property
     def curvature(self) -> Array:
