@@ -39,7 +39,7 @@ _LEAST = 1e-24
 
 
 @dataclass(frozen=True)
-class _Prepared:
+class PreparedStiffness:
     """The compliance, and the numbers of the problem's limits on it: each has a group of poses of its own."""
 
     compliance: TipCompliance
@@ -58,16 +58,16 @@ class Stiffness(PoseFamily):
         planar = all(problem.arm.planar(load) for load in problem.load_cases)
         return tip_compliance(problem.arm, planar=planar)
 
-    def prepare(self, problem: Asked) -> _Prepared:
+    def prepare(self, problem: Asked) -> PreparedStiffness:
         """The compliance, and the numbers of the limits on it."""
         numbers = tuple(k for k, limit in enumerate(problem.limits) if limit.name == self.limited)
-        return _Prepared(self.compliance(problem), numbers)
+        return PreparedStiffness(self.compliance(problem), numbers)
 
     def groups(self, problem: Asked) -> int:
         """One for each limit, as each may have poses of its own."""
         return sum(limit.name == self.limited for limit in problem.limits)
 
-    def more(self, prepared: _Prepared) -> int:
+    def more(self, prepared: PreparedStiffness) -> int:
         """The direction of the force."""
         return prepared.compliance.size
 
@@ -77,7 +77,7 @@ class Stiffness(PoseFamily):
         return 0
 
     def rows(
-        self, prepared: _Prepared, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+        self, prepared: PreparedStiffness, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
     ) -> Iterator[tuple[int, Any]]:
         """The compliance over what is allowed, in its logarithm."""
         q, force = pose
@@ -86,7 +86,9 @@ class Stiffness(PoseFamily):
         moved = ca.mtimes(columns, force) * held.limits[number].value
         yield number, 0.5 * ca.log(ca.dot(moved, moved) + _LEAST) - held.slack[number]
 
-    def worst(self, prepared: _Prepared, problem: Asked, search: WorstSearch, arm: Arm, p: Array) -> list[Worst]:
+    def worst(
+        self, prepared: PreparedStiffness, problem: Asked, search: WorstSearch, arm: Arm, p: Array
+    ) -> list[Worst]:
         """The softest pose of the workspace, or each of the poses that a limit names."""
         del arm
         found: list[Worst] = []
@@ -101,12 +103,12 @@ class Stiffness(PoseFamily):
             found += [Worst(self.limited, value, cut, number) for value, cut in cuts]
         return found
 
-    def at_pose(self, prepared: _Prepared, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+    def at_pose(self, prepared: PreparedStiffness, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
         """The stiffness of each design at its pose."""
         del group
         return {self.limited: stiffnesses(prepared.compliance.matrices(q, designs.p))}
 
-    def exactly(self, prepared: _Prepared, limit: Limit, designs: Designs) -> Array | None:
+    def exactly(self, prepared: PreparedStiffness, limit: Limit, designs: Designs) -> Array | None:
         """The least stiffness of each design at the poses that the limit names."""
         if limit.poses is None:
             return None

@@ -60,6 +60,18 @@ class Judge(RoundSearch):
                 if family.bounds_many and family.more(prepared) == 0:
                     self.pool = self.pool.with_cuts(family.name, [Cut(tuple(row.tolist()), case)])
 
+    def _search(self, pick: tuple[int, ...]) -> None:
+        """As it is; what a design shows of figures whose poses say more than where joints stand joins the rows."""
+        super()._search(pick)
+        families = [each for each in self.context.families if each[0].bounds_many and each[0].more(each[1]) > 0]
+        if not families or (self.best is not None and self.best[0] == pick):
+            return
+        arm = self.table.arm_of(pick)
+        p = self.table.figures(np.array([pick])).p[0]
+        for family, prepared in families:
+            found = family.worst(prepared, self.problem, self.context.search, arm, p)
+            self.pool = self.pool.with_cuts(family.name, [each.cut for each in found])
+
     def cuts(self) -> Pool:
         """All poses that told, those of families that look at designs one by one among them."""
         for name, cuts in self._cuts.items():

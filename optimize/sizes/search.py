@@ -41,7 +41,7 @@ _MOST_COMPARED = 300_000
 """So many combinations of a part are compared one by one."""
 _TRIED = 40_000
 """Combinations of the options that cost least, tried to find a good design."""
-_MOST_IN_ALL = 20_000_000
+_MOST_IN_ALL = 5_000_000
 """So many in all."""
 _OFFERED = 512
 """Designs searched over their workspaces before rows are made of the poses that turned up."""

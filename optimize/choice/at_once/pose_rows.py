@@ -1,7 +1,7 @@
 """The rows of the finite problem as sums of products of what links bring: objective, binding poses and limits.
 
 Only rows that are such sums are here, and each is one that every design of every combination keeps: what they bound
-from below is bounded for all. Limits that are not here (a tip's stiffness, a torque) could only raise the bound.
+from below is bounded for all. Limits that are not here (a torque) could only raise the bound.
 """
 
 from __future__ import annotations
@@ -14,18 +14,23 @@ from typing import Any
 import numpy as np
 
 from arm.chain.chain import Arm
-from arm.errors.model import beams_of
+from arm.errors.model import BEAM_FIELDS, beams_of
 from arm.limits.strength import STATIONS
-from optimize.choice.pose_products import compression_products, error_vectors, inertia_products, stress_products
+from optimize.choice.pose_products import SOFT, compression_products, error_vectors, inertia_products, stress_products
 from optimize.choice.products import Power, Products
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.exchange import Context
 from optimize.exchange.program import carried_mass, drives_cost, fixed_error
 from optimize.limits import Cut
+from optimize.limits.tip_stiffness import PreparedStiffness
 from optimize.problem import Problem
 from sections.numeric import Array
 
 from .cells import COLUMNS, EXPANSION, PRICE
+
+_RIGID = 1e300
+_CLOSE = 1e-6
+"""How well the parts that links give must add up to the whole, relative."""
 
 
 @dataclass(frozen=True)
@@ -136,6 +141,8 @@ def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm,
     size = arm.size
     if name == "strengths":
         return [_scalar(each, size) for each in _strength(problem, prepared[cut.group], cut, p)]
+    if isinstance(prepared, PreparedStiffness):
+        return _stiffness(problem, prepared, cut, p)
     if name != "modes":
         return []
     beams = beams_of(arm, problem.load_cases)
@@ -146,6 +153,29 @@ def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm,
             if sums is not None:
                 found.append(_scalar(sums[0].scaled(1.0 / sums[1]), size))
     return found
+
+
+def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array) -> list[PoseRow]:
+    """How far a unit force moves the tip at a pose, over what is allowed, less one: each link gives by itself."""
+    size = len(p) // len(BEAM_FIELDS)
+    own = p.reshape(size, -1)
+    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
+    bare = own.copy()
+    for place in soft:
+        bare[place] = np.copysign(_RIGID, own[place])
+    designs = np.repeat(bare[None], len(soft) + 2, axis=0)
+    for row, place in zip(designs[1:], soft, strict=False):
+        row[place] = own[place]
+    designs[-1] = own
+    moved = prepared.compliance.matrices(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1))
+    moved = moved @ np.array(cut.more)
+    if not np.linalg.norm(moved[0] + (moved[1:-1] - moved[0]).sum(axis=0) - moved[-1]) <= _CLOSE * np.abs(moved).max():
+        return []
+    limit = problem.limits[prepared.limits[cut.group]].value
+    terms: dict[Power, Array] = {(): limit * moved[0]}
+    for (link, k), value in zip(soft, moved[1:-1], strict=True):
+        terms[((link, SOFT[k]),)] = limit * (value - moved[0]) * abs(own[link, k])
+    return [row_of(terms, size, objective=False, scale=1.0, shift=-1.0)]
 
 
 def _scalar(products: Products, size: int) -> PoseRow:

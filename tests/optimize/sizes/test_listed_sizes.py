@@ -94,6 +94,9 @@ def test_best_is_that_of_every_combination_evaluated(
         "safety_factor": f"'>= {0.8 * middle.strength.least_safety_factor:.4f}'",
         "first_frequency": f"'>= {0.97 * middle.frequency.value:.4f} Hz'",
     }
+    if minimize == "mass":
+        assert middle.stiffness is not None
+        limits["tip_stiffness"] = f"'>= {0.97e-3 * middle.stiffness.value:.4f} N/mm'"
     del limits[minimize]
     told = ", ".join(f"{name}: {limit}" for name, limit in limits.items())
     problem = problem_of(tmp_path, arm, f"{text}subject_to: {{{told}}}\n")
