@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 Relation = Literal["<=", "==", ">="]
 
 _LONGEST = 100
+_LONGEST_KEY, _LONGEST_MESSAGE = 400, 1600
 _LEAST = 1e-30
 """Less than this, in SI, is nothing of an arm, and its powers are nought."""
 _NUMBER = r"[+-]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?"
@@ -45,6 +46,10 @@ _SYMBOLS = (("°C", "degC"), ("°F", "degF"), ("°", "deg"), ("€", "EUR"))
 _ARITHMETIC = Context(prec=34)
 
 
+def _bounded(text: str, longest: int) -> str:
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
 class InputError(Exception):
     """The input is wrong: the one exception of the project for that (exit status 2).
 
@@ -54,8 +59,8 @@ class InputError(Exception):
 
     def __init__(self, file: object, key: str, message: str) -> None:
         self.file = str(file)
-        self.key = key
-        self.message = " ".join(message.split())
+        self.key = _bounded(key, _LONGEST_KEY)
+        self.message = _bounded(" ".join(message.split()), _LONGEST_MESSAGE)
         super().__init__(": ".join(part for part in (self.file, " ".join(key.split()), self.message) if part))
 
     def __reduce__(self) -> tuple[object, ...]:

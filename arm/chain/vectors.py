@@ -113,7 +113,9 @@ def norm(a: tuple[float, float, float]) -> float:
 
 def unit(a: tuple[float, float, float]) -> tuple[float, float, float]:
     """The unit vector along a vector of floats, snapped; ValueError where it has no length."""
-    length = norm(a)
+    length, largest = norm(a), max(abs(each) for each in a)
+    if 0.0 < largest < math.inf and not 0.0 < length < math.inf:  # its square is no number, its direction is one
+        return unit((a[0] / largest, a[1] / largest, a[2] / largest))
     if not length > 0.0 or not math.isfinite(length):
         raise ValueError("a direction needs a length other than zero")
     return snap_vector((a[0] / length, a[1] / length, a[2] / length))

@@ -33,6 +33,7 @@ SAID_OF_ARMS = [
     ("mass: 2 kg", "mass: 1e200 kg", "payload.mass"),
     ("50 kN*m/rad", "1e-200 N*m/rad", "chain[2].joint.stiffness"),
     ("3 arcmin", "1e200 arcmin", "chain[1].joint.backlash"),
+    ("type: revolute", "b" * 1000 + ": 1", "unknown key"),
     ("bench <arm> & co", '"a \\e[31mred\\e[0m arm"', "control character"),
 ]
 
@@ -45,6 +46,15 @@ def test_a_figure_of_no_arm_names_its_key(linkwright, bench, old, new, named):
     assert err.startswith("arm.yaml: ")
     assert named in err
     assert "\x1b" not in err
+    assert len(err) < 2200
+
+
+@pytest.mark.parametrize("axis", ["[0, 0, 1e200]", "[0, 0, 1e-150]", "[0, 0, 1e-320]"])
+def test_an_axis_is_a_direction_however_long(linkwright, bench, axis):
+    """Whose square no float holds; below the least of floats it has none."""
+    (bench / "arm.yaml").write_text(ARM.replace("type: revolute", f"type: revolute, axis: {axis}"))
+    status, _, err = linkwright("inverse", "arm.yaml", "500 mm", "200 mm")
+    assert (status, err) == (0, "") if axis != "[0, 0, 1e-320]" else status == 2
 
 
 @pytest.mark.parametrize(("old", "new"), [("diameter: 60 mm", "diameter: 1e-6 mm"), ("50 kN*m/rad", "1e-9 N*m/rad")])
