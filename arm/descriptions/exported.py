@@ -230,6 +230,14 @@ def _floats(vector: Array) -> FloatVector:
     return (x, y, z)
 
 
+def mimicked(joint: Joint) -> tuple[int, float, float] | None:
+    """The one joint (from 0) that a joint without a drive of its own follows, by what multiplier and offset."""
+    follows = joint.follows
+    if follows is None or follows.driven or len(follows.ties) != 1:
+        return None
+    return follows.ties[0].joint, follows.ties[0].weight, follows.constant
+
+
 def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     """What the pieces do not hold of an arm."""
     found: list[str] = []
@@ -241,7 +249,8 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
     of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
     of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
-    of_joints("that joints follow others", [joint.follows is not None for joint in arm.joints])
+    told = [joint.follows is not None and (springs or mimicked(joint) is None) for joint in arm.joints]
+    of_joints("that joints follow others", told)
     if any(arm.payload.force) or any(arm.payload.moment):
         found.append("the force and moment at the tip")
     found += [

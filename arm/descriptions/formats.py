@@ -18,7 +18,7 @@ from arm.errors.model import beams_of
 from units.quantities import InputError, format_quantity, shown
 
 from .bodies import Mass, ball
-from .exported import Piece, Structure, structure
+from .exported import Piece, Structure, mimicked, structure
 from .urdf import Frame
 
 DAMPING_TIME = 1e-3
@@ -137,6 +137,9 @@ def _urdf(arm: Arm) -> Exported:
         if driven.actuator is not None:
             limits["effort"] = _numbers([driven.actuator.rated_torque])
         SubElement(joint, "limit", limits)
+        if (tie := mimicked(driven)) is not None:
+            of = {"multiplier": _numbers([tie[1]]), "offset": _numbers([tie[2]])}
+            SubElement(joint, "mimic", {"joint": f"joint{tie[0] + 1}", **of})
         before = piece.name
     tip = SubElement(root, "link", {"name": "tip"})
     if arm.payload.mass:
@@ -189,6 +192,10 @@ def _sdf(arm: Arm) -> Exported:
         limit = SubElement(axis, "limit")
         for tag, value in zip(("lower", "upper"), driven.range, strict=True):
             SubElement(limit, tag).text = _numbers([value])
+        if (tie := mimicked(driven)) is not None:
+            mimic = SubElement(axis, "mimic", {"joint": f"joint{tie[0] + 1}"})
+            for tag, value in (("multiplier", tie[1]), ("offset", tie[2]), ("reference", 0.0)):
+                SubElement(mimic, tag).text = _numbers([value])
         link = SubElement(model, "link", {"name": piece.name})
         link.append(_sdf_pose((IDENTITY, ZERO), name))
         _sdf_inertial(link, piece.mass)

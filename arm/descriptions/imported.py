@@ -8,6 +8,7 @@ from pathlib import Path
 
 from arm.chain.balance import PointMass
 from arm.chain.chain import Arm, FloatVector, Joint, Link
+from arm.chain.following import Following, Tie
 from arm.chain.kinematics import section_directions
 from arm.chain.vectors import (
     IDENTITY,
@@ -27,7 +28,7 @@ from arm.files.write import arm_to_yaml
 from units.quantities import InputError, shown
 from units.reading import nearest
 
-from .urdf import NO_STEP, Frame, Robot, UrdfJoint, read_urdf
+from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint, read_urdf
 
 _STANDARD = 9.81
 _TURN = (-math.pi, math.pi)
@@ -180,7 +181,10 @@ class _Import:
             raise InputError(self.robot.file, "tip", message)
         joints, links = [], []
         for index, body in enumerate(bodies):
-            joints.append(_joint(body, first=index == 0))
+            joint = _joint(body, first=index == 0)
+            if body.joint.mimic is not None:
+                joint = self._following(body.joint, body.joint.mimic, joint, bodies[:index], joints)
+            joints.append(joint)
             last = index + 1 == len(bodies)
             links.append(_link(body, joints[-1], body.flange or body.end if last else bodies[index + 1].origin, last))
         tool = ZERO
@@ -209,6 +213,27 @@ class _Import:
             tuple(self.notes),
             self._lacking(bodies),
         )
+
+    def _following(
+        self, urdf: UrdfJoint, mimic: Mimic, joint: Joint, bodies: list[_Body], joints: list[Joint]
+    ) -> Joint:
+        """A joint that mimics one nearer the base; of one that itself mimics, what that follows."""
+        leader = next((k for k, body in enumerate(bodies) if body.joint.name == mimic.joint), None)
+        if leader is None:
+            would_do = "take the mimic out, or name a --base and a --tip with both on the way"
+            message = f"mimics {shown(mimic.joint)}, which does not lead to it from the base"
+            raise urdf.element.error(f"{message}; {would_do}")
+        if joints[leader].revolute != joint.revolute:
+            raise urdf.element.error(f"mimics {shown(mimic.joint)}, but one of them turns and the other slides")
+        if mimic.multiplier == 0.0:
+            raise urdf.element.error("mimics with a multiplier of 0; make it fixed")
+        tie, constant = Tie(leader, mimic.multiplier), mimic.offset
+        if (above := joints[leader].follows) is not None:
+            tie = Tie(above.ties[0].joint, mimic.multiplier * above.ties[0].weight)
+            constant = mimic.offset + mimic.multiplier * above.constant
+        ends = sorted(tie.weight * end + constant for end in joints[tie.joint].range)
+        self.notes.append(f"Joint {urdf.name} mimics {mimic.joint} and has no drive of its own")
+        return replace(joint, follows=Following((tie,), constant), range=(ends[0], ends[1]))
 
     def _bodies(self) -> list[_Body]:
         found: list[_Body] = []
@@ -241,8 +266,7 @@ class _Import:
         if not joint.moves:
             raise joint.element.error(f"is {joint.kind}; an arm has revolute, continuous and prismatic joints")
         if joint.mimic is not None:
-            would_do = "it has no coordinate of its own; take the mimic out, or name a --tip before it"
-            raise joint.element.error(f"mimics {shown(joint.mimic.joint)}: {would_do}")
+            return None
         if joint.limits is not None and joint.kind != "continuous" and joint.limits.lower == joint.limits.upper:
             self.notes.append(f"Joint {joint.name} has lower = upper and is held there")
             return joint.limits.lower

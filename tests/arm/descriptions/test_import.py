@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from arm.chain.kinematics import place, tip_position
 from arm.chain.statics import solve
+from arm.descriptions.formats import export_arm
 from arm.descriptions.imported import import_urdf
 from arm.errors.model import beams_of
 from arm.files.read import read_arm
@@ -140,7 +141,7 @@ def joined(kind, inside=""):
         (joined("revolute", LIMIT + '<axis xyz="0 nan 1"/>'), "xyz is '0 nan 1'"),
         (joined("revolute", LIMIT + '<axis xyz="${a}"/>'), "a macro; expand it"),
         (joined("revolute", LIMIT + '<mimic joint="k"/>'), "'k', which is no joint"),
-        (joined("revolute", LIMIT + '<mimic joint="j"/>'), "no coordinate of its own"),
+        (joined("revolute", LIMIT + '<mimic joint="j"/>'), "mimics 'j', which does not lead to it"),
         (joined("prismatic", '<limit lower="-inf" upper="inf"/>'), "no finite limits"),
         (
             joined("fixed").replace("</robot>", JOINED.format("fixed", "").replace('"j"', '"k"') + "</robot>"),
@@ -161,6 +162,36 @@ def test_what_is_wrong_is_one_line(tmp_path, text, words):
         import_urdf(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_mimic_follows(tmp_path):
+    """A parallelogram: the third joint turns back by what the second turned, a fourth by half of that and 0.1 rad; by
+    the product of matrices with their coordinates filled in."""
+    lines = ['<robot name="parallel"><link name="l0"/>']
+    mimics = {3: '<mimic joint="j2" multiplier="-1"/>', 4: '<mimic joint="j3" multiplier="0.5" offset="0.1"/>'}
+    for number in (1, 2, 3, 4):
+        weight = f'<inertial><origin xyz="0.1 0 0"/><mass value="{number}"/></inertial>'
+        lines.append(f'<link name="l{number}">{weight}</link><joint name="j{number}" type="revolute">')
+        lines.append(f'<origin xyz="0.3 0 0.1"/><parent link="l{number - 1}"/><child link="l{number}"/>')
+        lines.append(f'<axis xyz="0 1 0"/><limit lower="-1" upper="1.2"/>{mimics.get(number, "")}</joint>')
+    path = tmp_path / "parallel.urdf"
+    path.write_text("".join([*lines, "</robot>"]), encoding="utf-8")
+    found = import_urdf(path, tip="l4")
+    (tmp_path / "arm.yaml").write_text(found.to_yaml(), encoding="utf-8")
+    arm = read_arm(tmp_path / "arm.yaml")
+    assert [joint.driven for joint in arm.joints] == [True, True, False, False]
+    draw = np.random.default_rng(4)
+    for first, second in draw.uniform(-1.0, 1.2, (5, 2)):
+        named = {"j1": first, "j2": second, "j3": -second, "j4": 0.1 - 0.5 * second}
+        pose = tip_pose(path.read_text(encoding="utf-8"), "l0", "l4", named)
+        assert tip_position(arm, [first, second, 0.0, 0.0])[0] == pytest.approx(pose[:3, 3], abs=1e-9)
+    exported = export_arm(arm, "urdf")
+    assert not any("follow" in each for each in exported.lost)
+    assert any("follow" in each for each in export_arm(arm, "mjcf").lost)
+    assert export_arm(arm, "sdf").text.count("<mimic ") == 2
+    (tmp_path / "again.urdf").write_text(exported.text, encoding="utf-8")
+    again = import_urdf(tmp_path / "again.urdf").arm
+    assert tip_position(again, [0.3, 0.7, 0.0, 0.0]) == pytest.approx(tip_position(arm, [0.3, 0.7, 0.0, 0.0]), abs=1e-9)
 
 
 def test_several_ends_are_listed():
