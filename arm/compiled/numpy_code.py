@@ -20,8 +20,9 @@ from sections.numeric import Array
 
 from .tape import Tape, literal, with_half_angles
 
-BLOCK_BYTES = 3 << 18
-"""Registers, inputs and outputs of one block share about this much memory: a level-2 cache, with room."""
+BLOCK_BYTES = 3 << 20
+"""Registers, inputs and outputs of one block share about this much memory: in smaller blocks, which a level-2 cache
+would hold, the calls cost more than the cache saves, and the more so the longer the arm."""
 
 UFUNCS = MappingProxyType({
     "add": "add", "sub": "subtract", "mul": "multiply", "div": "divide", "neg": "negative",
