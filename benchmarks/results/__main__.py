@@ -43,7 +43,8 @@ nothing else is said; ratios are of sides run one after the other in one run, th
 def page(found: dict[str, list[Row]], *, quick: bool) -> str:
     """The page in Markdown."""
     cores, versions = os.cpu_count(), f"NumPy {np.__version__}, SciPy {scipy.__version__}, CasADi {casadi.__version__}"
-    lines = [OPENING, f"{cores} cores, Python {platform.python_version()}, {versions}{', fewest rounds' * quick}.", ""]
+    left_out = ", fewest rounds, slow rivals left out" if quick else ""
+    lines = [OPENING, f"{cores} cores, Python {platform.python_version()}, {versions}{left_out}.", ""]
     missed = [row for rows in found.values() for row in rows if row.met is False]
     lines += [f"Targets missed: {'; '.join(f'{row.what} ({row.figure})' for row in missed) or 'none'}.", ""]
     for key, rows in found.items():
