@@ -301,7 +301,7 @@ def _pulled(vector: Array, intervals: Array) -> Array:
 
 def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> float:
     """A length that the vector exceeds nowhere: the longest within a relative `gap` where `effort` control points
-    are enough for that, else the best bound so far. `known` is a length that is reached.
+    beyond the first cells' are enough for that, else the best bound so far. `known` is a length that is reached.
     """
     lower, upper = np.array([axis.lower for axis in played.axes]), np.array([axis.upper for axis in played.axes])
     parts = [max(1, math.ceil((axis.upper - axis.lower) / (2.0 * _WIDEST))) for axis in played.axes]
@@ -310,7 +310,7 @@ def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> flo
     centers = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(parts))
     half = np.broadcast_to(0.5 * span, centers.shape).copy()
     tops, closed, curvature = played.longest(centers, half), known, played.curvature
-    enough, spent = known * (1.0 + gap), len(centers) * played.effort
+    enough, spent = known * (1.0 + gap), 0
     while True:
         still = tops > enough
         closed = max(closed, float(tops[~still].max(initial=0.0)))
