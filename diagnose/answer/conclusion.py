@@ -182,7 +182,8 @@ class Conclusion(Confirmed):
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components
         found: list[Finding] = []
-        p_values = self.p_values
+        # Where neighbours tell as much as one, so does the likelihood that a p-value stands for.
+        p_values = [p ** (1.0 / self.prepared.together) for p in self.p_values]
         whole = [*self.members, *self.outside]
         for place, member in enumerate(self.members):
             candidate = self.prepared.pool.groups[member].candidate
@@ -294,7 +295,7 @@ class Conclusion(Confirmed):
             findings,
             unknown,
             (rms_before, rms_after),
-            self.noise.rms_m,
+            None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered())),
             p_value,
             self._causes(),
             scatter=self._scatter(),
@@ -314,6 +315,20 @@ class Conclusion(Confirmed):
         found: list[str] = []
         if self.observed.recording.orientation is not None and self.observed.recording.seat == "unused":
             found.append("Orientations are left alone; `orientation: free` in recording.yaml has them fitted too.")
+        if self.observed.wander > 0.0:
+            timed = self.observed.recording.time is not None
+            scale = rms_length(self.observed.scale[None, : self.observed.components])
+            speed = mm(scale * float(np.sqrt(self.observed.wander * (60.0 if timed else 1.0))))
+            found.append(
+                f"The instrument wanders: a random walk of {speed} {'a minute' if timed else 'a reading'}, "
+                f"{mm(self._wandered())} RMS over the recording, which is no physics of the arm and was allowed for."
+            )
+        if self.prepared.together > 1:
+            found.append(
+                f"What is left goes with time as well as with the arm's path, {self.prepared.together} visits at a "
+                "time: no pose far from the one before, and none come back to, tells a wandering instrument from the "
+                "arm. p-values allow for that; come back to some poses during the recording."
+            )
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")

@@ -140,6 +140,7 @@ class Confirmed:
             rows,
             scale=near.scale,
             correlation=near.correlation,
+            wander=near.wander,
             about=near.about,
             rules=self.rules,
             loud=near.loud,
@@ -155,7 +156,8 @@ class Confirmed:
         if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
             return False
         rules = self.rules.answer
-        remainder = remaining(self.prepared, self.fitted)[:, : self.observed.components]
+        width = self.observed.components
+        remainder = self.observed.still(remaining(self.prepared, self.fitted)[:, :width])
         left = rms_length(remainder)
         floor = self.noise.rms_m * looks_quieter(self.observed)
         limit = (self.rules.fitting.far_above if self.members else rules.farther) * floor
@@ -168,7 +170,7 @@ class Confirmed:
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
             local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
             # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
-            whole = rms_length(remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components])
+            whole = rms_length(self.observed.still(remaining(self.prepared, fit(self.prepared, ()))[:, :width]))
             unexplained = bool(self.members) and left**2 - floor**2 > rules.most_left * (whole**2 - floor**2)
             lasting = local or unexplained or predictable(self.namer, self.found, folds) > rules.lasting
         self.scattered = not lasting
@@ -183,7 +185,7 @@ class Confirmed:
         forms = sum(self.prepared.columns[m].shape[2] for m in self.outside)
         return refuted_by(
             self.observed,
-            self._after(),
+            self.observed.still(self._after()),
             hardest(self.held_out),
             self.prepared.pool.nuisance.shape[1] + shapes + sizes + forms,
             seed=self.options.seed,
@@ -204,7 +206,8 @@ class Confirmed:
         if self.named is None or self.named.left is None or self.noise.rms_m is None:
             return False
         by_chance = min(test.p_value for test in self.named.left) > self.rules.search.false_alarm
-        return not by_chance and rms_length(self._after()) > rules.farther * self.noise.rms_m
+        left = rms_length(self.observed.still(self._after()))
+        return not by_chance and left > rules.farther * self.noise.rms_m
 
     def _only_scatter(self) -> bool:
         """Whether what is left beside the findings, more than readings of a visit differ by, is what visits differ by:
@@ -227,8 +230,13 @@ class Confirmed:
         model that could be found; else None."""
         if self.named is None or self.noise.rms_m is None or self.outside or self.left_over:
             return None
-        times = rms_length(self._after()) / (self.noise.rms_m * looks_quieter(self.observed))
+        times = rms_length(self.observed.still(self._after())) / (self.noise.rms_m * looks_quieter(self.observed))
         return times if self.scattered or (not self.members and self._does_not_fit()) else None
+
+    def _wandered(self) -> float:
+        """The RMS length (m) of what wanders with the instrument."""
+        left = self._after()
+        return float(np.sqrt(max(rms_length(left) ** 2 - rms_length(self.observed.still(left)) ** 2, 0.0)))
 
     def _after(self) -> Array:
         """What is left of the tip (N, D), m."""

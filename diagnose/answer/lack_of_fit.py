@@ -128,6 +128,10 @@ def refuted_by(
     noise = np.zeros((observed.rows, observed.residual.shape[1], rules.held_out_draws))
     noise[:, : left.shape[1]] = reading[:, None] * remembering(rng, shape, memory)
     noise[:, : left.shape[1]] += (apart[:, None] * rng.standard_normal((visit[-1] + 1, *shape[1:])))[visit]
+    if observed.wander > 0.0:
+        steps = np.sqrt(np.concatenate([[0.0], observed.wanders]))[:, None, None]
+        walk = np.cumsum(steps * rng.standard_normal(shape), axis=0)
+        noise[:, : left.shape[1]] += observed.scale[: left.shape[1], None] * walk
     drawn = held_out.rms_of(noise)
     return LackOfFit(
         ratio=ratio.value,

@@ -20,13 +20,30 @@ from diagnose.patterns.forms import forms
 from diagnose.patterns.library import Candidate, candidates, parameter_of
 from diagnose.patterns.pool import Pool, make_pool
 from diagnose.recording import RejectedRow
-from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, rms_length
+from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, poses, rms_length
 from diagnose.residual.orientation import tool_turns
+from diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
+from diagnose.residual.wander import clock, remembered, still, wander_in
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from diagnose.search.subsets import Criterion, criterion_for, gains, products
 from diagnose.several.nuisances import of_each
 from sections.numeric import Array
+
+_IN_TIME = frozenset(
+    {
+        "smooth_in_time",
+        "trend_in_time",
+        "force_in_time",
+        "step_in_time",
+        "periodic_in_time",
+        "joint_step_in_time",
+        "joint_periodic_in_time",
+    }
+)
+"""Forms that go with time alone."""
+_WANDERS = frozenset({"smooth_in_time", "trend_in_time"})
+"""Those of them that a random walk may look like anywhere."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +52,8 @@ class Prepared:
     group's displacements (N, C, d) in m and rad, `beside` the nuisances' (N, C, b). `rejected` are rows set aside.
 
     `independent` is the share of observations that tell something each: readings of one visit share how exactly the arm
-    came there."""
+    came there. `together` neighbouring visits tell as much as one where what is left goes with time as well as with
+    pose: p-values are those of so many fewer."""
 
     observed: Observed
     vector: Array
@@ -45,6 +63,7 @@ class Prepared:
     beside_names: tuple[str, ...]
     rejected: tuple[RejectedRow, ...]
     independent: float = 1.0
+    together: int = 1
 
     @property
     def criterion(self) -> Criterion:
@@ -187,6 +206,10 @@ def _with_memory(
     Where noise remembers much, a rough model that took readings for independent has taken some of it for physics; so
     the model is made again with the memory found, until that no longer grows.
     """
+    wandering, together = _wandering(observed, patterns)
+    if wandering is not None:
+        prepared = set_up(wandering, patterns, rejected)
+        return replace(prepared, independent=_independent(wandering, left, noise_floor))
     memory = _memory(observed.scaled(left), observed)
     prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
     rules = observed.rules.fitting
@@ -198,7 +221,45 @@ def _with_memory(
         if found <= prepared.observed.correlation + rules.memory_grows:
             break
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
-    return replace(prepared, independent=_independent(prepared.observed, left, noise_floor))
+    return replace(prepared, independent=_independent(prepared.observed, left, noise_floor), together=together)
+
+
+def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None, int]:
+    """The recording with a random walk below the tip's noise, where that says as much of what goes with time as drift,
+    a step, a trend or a period does; None where nothing wanders, and where time and pose go together: what goes with
+    the arm's path goes with time as well. There, how many neighbouring visits share what may be either."""
+    rules, width = observed.rules.fitting, observed.components
+    _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
+    visit = visit.reshape(-1)
+    if len(first) < rules.least_pairs or observed.which is not None:
+        return None, 1  # several instruments wander each in its own way
+    told_by = told_apart(observed.recording, observed.arm, poses(observed), first, rules=rules)
+    judged_by = told_by or Told(np.arange(len(first)), None)
+    count = np.bincount(visit)
+
+    def means(values: Array) -> Array:
+        return np.stack([np.bincount(visit, weights=column) / count for column in values.T], axis=1)
+
+    time = means(clock(observed.recording)[:, None])[judged_by.visit, 0]
+    rough = _rough_model(set_up(observed, patterns), ("force_in_time",))
+    beside = (rough.left + rough.in_time) / observed.scale
+    values = judged_by.of(means(beside[:, :width]))
+    found = wander_in(values, time, rules=rules)
+    told = still(judged_by.of(means((rough.left / observed.scale)[:, :width]))).likelihood - rough.price
+    rather = rules.rather_a_drift if rough.drifts else rules.rather_a_form
+    excused = told > found.likelihood + rather and not (told_by is None and rough.wanders)
+    if found.rate <= 0.0 or excused:
+        return None, 1
+    if told_by is None:
+        return None, min(remembered(values), max(1, len(first) // observed.rules.search.least_visits))
+    if told_by.back is None and not rather_with_time(
+        values, places(observed.recording.q[first], observed.arm), rules=rules
+    ):
+        return None, 1
+    size = float(np.mean(count))
+    scale = observed.scale.copy()
+    scale[:width] *= found.scatter * np.sqrt(size)
+    return replace(observed, scale=scale, wander=found.rate / size, correlation=0.0), 1
 
 
 def _independent(observed: Observed, left: Array, noise_floor: float | None) -> float:
@@ -206,7 +267,7 @@ def _independent(observed: Observed, left: Array, noise_floor: float | None) -> 
     model leaves (N, C) far more than repeats of a pose differ by; else 1."""
     if noise_floor is None:
         return 1.0
-    floor, remains = noise_floor * looks_quieter(observed), rms_length(left[:, : observed.components])
+    floor, remains = noise_floor * looks_quieter(observed), rms_length(observed.still(left[:, : observed.components]))
     if remains <= observed.rules.fitting.far_above * floor:
         return 1.0
     if not _comes_anew(observed):
@@ -233,22 +294,50 @@ def _first_scale(observed: Observed) -> Array:
     return scale
 
 
+def _with_time_alone(candidate: Candidate) -> bool:
+    """Whether a pattern goes with time alone: a form that does, or an instrument's drift."""
+    if candidate.outside:
+        return candidate.effect in _IN_TIME
+    effect = EFFECTS[candidate.effect]
+    return effect.of_instrument and "time" in effect.requires
+
+
+@dataclass(frozen=True)
+class _Rough:
+    """A rough model: what it leaves (N, C), m and rad, what of that goes with time alone and was taken off (N, C), and
+    the price of the patterns that did."""
+
+    left: Array
+    in_time: Array
+    price: float
+    drifts: bool
+    """Whether that is an even drift alone, which the library has."""
+    wanders: bool
+    """Whether that is a smooth course alone, which a walk has too."""
+
+
 def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array:
-    """What the few patterns that explain most, one after the other and forms included, leave: (N, C) in m and rad, by
-    least squares with bad rows weighed down."""
-    pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
-    rules = observed.rules.fitting
-    given, members = products(pool, prepared.vector), list[int]()
+    """What a rough model leaves, (N, C) in m and rad."""
+    observed = prepared.observed
     # Noise with a memory wanders too: what merely wanders with time must not be taken off before memory is looked for,
     # unless it is far above what repeats differ by, which no memory makes it. A force that wanders at will takes memory
     # in any case.
     mismatch = rms_length(observed.tip_residual())
-    may_wander = noise_floor is not None and mismatch > rules.far_above * noise_floor
+    may_wander = noise_floor is not None and mismatch > observed.rules.fitting.far_above * noise_floor
     names = ("force_in_time",) if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
-    wanders = np.array([group.candidate.effect in names for group in pool.groups], dtype=bool)
+    return _rough_model(prepared, names).left
+
+
+def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
+    """The few patterns that explain most, one after the other and forms included but for some, by least squares with
+    bad rows weighed down."""
+    pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
+    rules = observed.rules.fitting
+    given, members = products(pool, prepared.vector), list[int]()
+    barred = np.array([group.candidate.effect in besides for group in pool.groups], dtype=bool)
     for _ in range(rules.rough if pool.groups else 0):
         gained = gains(pool, given)
-        left = np.where(wanders, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
+        left = np.where(barred, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
         left = np.maximum(left, 1e-300)
         best = int(np.argmin(criterion.count * np.log(np.maximum(left, 1e-300)) + criterion.price))
         if criterion(float(left[best]), [*members, best]) >= criterion(given.rss, members):
@@ -259,7 +348,7 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     stacked = np.concatenate(columns, axis=2)
     design, target = observed.scaled(stacked), observed.scaled(observed.residual)
     if design.shape[2] == 0:
-        return observed.residual
+        return _Rough(observed.residual, np.zeros(observed.residual.shape), 0.0, drifts=False, wanders=False)
     weight = np.ones(len(target))
     values = np.zeros(design.shape[2])
     for _ in range(6):
@@ -272,7 +361,16 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
         weight = np.minimum(1.0, rules.weighed_down * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
-    return observed.residual - stacked @ values
+    at = np.cumsum([part.shape[2] for part in columns])
+    in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, set[str]()
+    for member, end in zip(members, at[1:].tolist(), strict=True):
+        if _with_time_alone(pool.groups[member].candidate):
+            part = prepared.columns[member]
+            in_time += part @ values[end - part.shape[2] : end]
+            price += float(criterion.price[member])
+            kinds.add(pool.groups[member].candidate.effect)
+    drifts, wanders = bool(kinds) and kinds <= EFFECTS.keys(), bool(kinds) and kinds <= _WANDERS
+    return _Rough(observed.residual - stacked @ values, in_time, price, drifts=drifts, wanders=wanders)
 
 
 def loudness(left: Array, observed: Observed) -> Array | None:

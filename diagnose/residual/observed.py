@@ -31,6 +31,7 @@ from diagnose.several.states import joined
 from .alignment import Alignment, aligned
 from .orientation import has_orientation, turn_left
 from .recorded_conditions import conditions_of
+from .wander import clock, without_wander
 
 Array = NDArray[np.float64]
 
@@ -43,8 +44,10 @@ class Observed:
     """N readings against the model. `residual` (N, C) holds measured less modelled, m and rad, the tip's D components
     first; `scale` (C,) what each column is divided by; `block` (N,) numbers visits: consecutive readings at one pose.
 
-    `correlation` is that of each reading's noise with the one before, taken out by `whitened`. `about` is what was
-    found so large that first order is taken about it: the residual is less by what that moves beyond first order.
+    `correlation` is that of each reading's noise with the one before, taken out by `whitened`, and so is `wander`: how
+    fast the variance of a random walk below the tip's noise grows, per unit of `clock`, of `scale` squared. `about` is
+    what was found so large that first order is taken about it: the residual is less by what that moves beyond first
+    order.
     `nominal` is the arm undeformed, `state` as its model and `about` deform it: patterns are those about that shape.
     `rules` are those of the whole diagnosis.
 
@@ -66,6 +69,7 @@ class Observed:
     about: tuple[EffectEntry, ...] = ()
     rules: Rules = RULES
     loud: Array | None = None
+    wander: float = 0.0
 
     @property
     def which(self) -> NDArray[np.int64] | None:
@@ -118,6 +122,9 @@ class Observed:
         """Columns (N, C) or (N, C, d) as (N * C) or (N * C, d) of unit scatter, without the correlation of neighbouring
         rows (the transformation of S. J. Prais & C. B. Winsten, 1954)."""
         scaled = self.without_memory(self.scaled(columns))
+        if self.wander > 0.0:
+            tip, others = scaled[:, : self.components], scaled[:, self.components :]
+            scaled = np.concatenate([without_wander(tip, self.wanders), others], axis=1)
         return scaled.reshape(scaled.shape[0] * scaled.shape[1], *columns.shape[2:])
 
     def scaled(self, columns: Array) -> Array:
@@ -137,6 +144,16 @@ class Observed:
         if which is None or rho == 0.0:
             return without_memory(columns, rho)
         return np.concatenate([without_memory(columns[which == one], rho) for one in np.unique(which).tolist()])
+
+    @property
+    def wanders(self) -> Array:
+        """By how much the variance of what wanders grows from each reading to the next (N - 1,), of `scale` squared."""
+        return self.wander * np.maximum(np.diff(clock(self.recording)), 0.0)
+
+    def still(self, left: Array) -> Array:
+        """What is left of the tip (N, D), m, without what wanders: each reading less what those before foretell."""
+        scale = self.scale[: self.components]
+        return left if self.wander <= 0.0 else without_wander(left / scale, self.wanders) * scale
 
     @property
     def softening(self) -> tuple[EffectEntry, ...]:
@@ -182,6 +199,7 @@ def observe(
     *,
     scale: Array | None = None,
     correlation: float = 0.0,
+    wander: float = 0.0,
     about: Sequence[EffectEntry] = (),
     rules: Rules = RULES,
     loud: Array | None = None,
@@ -245,6 +263,7 @@ def observe(
         correlation,
         tuple(about),
         rules,
+        wander=wander,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .rule import JUDGED, PROOF, rule
+from .rule import JUDGED, PROOF, TIME, rule
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,43 @@ class FittingRules:
     )
     no_more_of_memory: float = rule(
         3.0, "scatters", "A reading further off says no more of the noise's memory than one that far off.", JUDGED
+    )
+    least_wander: float = rule(
+        0.02, "scatters from one visit to the next", "The slowest random walk that is looked for.", JUDGED
+    )
+    most_wander: float = rule(
+        2.0, "scatters from one visit to the next", "The fastest: beyond that each visit is off anew.", JUDGED
+    )
+    wanders_tried: int = rule(15, "rates", "Between the two, evenly in proportion.", TIME)
+    wander_beyond: float = rule(
+        12.0, "twice the logarithm of a likelihood", "By so much a random walk must say more than none.", "odds"
+    )
+    rather_a_drift: float = rule(
+        6.0, "twice the logarithm of a likelihood", "By so much an even drift must say more than a random walk.", "odds"
+    )
+    rather_a_form: float = rule(
+        12.0,
+        "twice the logarithm of a likelihood",
+        "The same of a step, a trend or a period, picked from many: one walk in twenty looks like one at 6.",
+        "odds",
+    )
+    shuffled: float = rule(
+        0.6,
+        "times the usual distance of poses",
+        "Neighbouring visits must be as far apart for time and the arm's path to be two things.",
+        JUDGED,
+    )
+    poses_come_back_to: int = rule(
+        5,
+        "poses",
+        "Come back to so many, and a wander can be told by them where each pose is near the one before.",
+        JUDGED,
+    )
+    far_in_time: int = rule(
+        10,
+        "parts of the recording",
+        "Visits of one place that lie a part apart are far from each other in time.",
+        JUDGED,
     )
     moved_anew: float = rule(
         0.5,

@@ -48,7 +48,7 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     again = set_up(observed, [*kept, *loads], prepared.rejected)
     invisible = [candidate for candidate in prepared.pool.invisible if not through_flexibility(candidate)]
     pool = replace(again.pool, invisible=(*invisible, *again.pool.invisible))
-    return replace(again, pool=pool, independent=prepared.independent)
+    return replace(again, pool=pool, independent=prepared.independent, together=prepared.together)
 
 
 def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]) -> Namer:

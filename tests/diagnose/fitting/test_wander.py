@@ -1,0 +1,128 @@
+"""A tracker that wanders is no physics, and what goes with time otherwise is found as before."""
+
+import numpy as np
+import pytest
+
+from diagnose.diagnosis import diagnose
+from diagnose.residual.told_apart import rather_with_time
+from diagnose.residual.wander import remembered, wander_in, without_wander
+from diagnose.rules.rules import RULES
+from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
+
+
+def test_whitening_is_that_of_the_whole_covariance():
+    """Against Cholesky's factor of the dense covariance of noise and random walk."""
+    rng = np.random.default_rng(1)
+    grows = rng.uniform(0.0, 0.3, 11)
+    walked = np.concatenate([[0.0], np.cumsum(grows)])
+    covariance = np.eye(12) + np.minimum.outer(walked, walked)
+    values = rng.standard_normal((12, 2, 3))
+    dense = np.linalg.solve(np.linalg.cholesky(covariance), values.reshape(12, -1)).reshape(values.shape)
+    assert without_wander(values, grows) == pytest.approx(dense, abs=1e-12)
+
+
+def test_a_walk_is_found_as_fast_as_it_is_and_none_in_white_noise():
+    rng = np.random.default_rng(2)
+    white = rng.standard_normal((20, 300, 2))
+    time = 5.0 * np.arange(300)
+    assert [wander_in(each, time, rules=RULES.fitting).rate for each in white] == [0.0] * 20
+    walks = white + np.cumsum(0.2 * rng.standard_normal(white.shape), axis=1)
+    rates = np.array([wander_in(each, time, rules=RULES.fitting).rate for each in walks])
+    assert np.sqrt(5.0 * np.median(rates)) == pytest.approx(0.2, rel=0.35)  # the grid's step
+
+
+def read(seed, moved, softer=0.0):
+    q = np.repeat(poses(seed, 50), 3, axis=0)
+    time = 8.0 * np.arange(len(q))
+    tip = tips(q, gives=GIVES + np.array([0.0, softer, 0.0]))
+    return recording(q, tip + noise(seed, len(q)) + moved(time, np.random.default_rng(seed)))
+
+
+def walk(time, rng):
+    return np.cumsum(0.15 * SIGMA * rng.standard_normal((len(time), 2)), axis=0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tracker_that_wanders_is_no_physics(seed):
+    """0.15 of the noise a reading: 0.03 mm at the end, which had physics named at p = 1e-14."""
+    found = diagnose(file(), read(seed, walk))
+    assert found.verdict == "none"
+    assert any(note.startswith("The instrument wanders") for note in found.notes)
+
+
+def test_a_drive_is_found_beside_a_tracker_that_wanders():
+    found = diagnose(file(), read(1, walk, softer=4e-6))
+    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
+    size = found.findings[0].parameters[0]
+    assert size.interval[0] < 4e-6 < size.interval[1]
+    assert found.unknown is None
+
+
+def test_what_else_goes_with_time_is_no_walk():
+    """A frame that drifts evenly, and something that slipped."""
+    along = np.array([1.0, 0.5])
+    drift = diagnose(file(), read(5, lambda time, _: 5e-8 * time[:, None] * along))
+    assert [each.effect for each in drift.findings] == ["frame_drift"]
+    slipped = diagnose(file(), read(6, lambda time, _: 6e-5 * (time > 500.0)[:, None] * along))
+    assert slipped.verdict == "unknown"
+    assert slipped.unknown.since == pytest.approx(504.0, abs=16.0)
+
+
+def _raster(rounds):
+    """Three joints through a grid of poses, each next to the one before, so many times over."""
+    steps = np.linspace(-1.2, 1.2, 7)
+    there = np.array([(a, b) for i, a in enumerate(steps) for b in (steps if i % 2 == 0 else steps[::-1])])
+    once = np.concatenate([there, 0.5 * there[:, :1]], axis=1)
+    return np.tile(once, (rounds, 1))
+
+
+def _gone_along(q, moved):
+    tip = tips(q)
+    return recording(q, tip + noise(7, len(q)) + moved(8.0 * np.arange(len(q)), np.random.default_rng(3)))
+
+
+@pytest.mark.parametrize("rounds", [1, 4])
+def test_physics_along_a_raster_is_no_wander(rounds):
+    """Poses and time go together in one round; in four, what the arm does comes back with the pose."""
+    q = _raster(rounds)
+    bends = recording(q, tips(q, gives=GIVES + np.array([0.0, 6e-6, 0.0])) + noise(7, len(q)))
+    found = diagnose(file(), bends)
+    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
+    assert not any(note.startswith("The instrument wanders") for note in found.notes)
+
+
+def test_a_wander_shows_where_poses_are_come_back_to():
+    """Along a raster each pose is near the one before; four rounds of it tell what stays from what wanders."""
+    read_again = _gone_along(_raster(4), lambda time, rng: 3.0 * walk(time, rng))
+    found = diagnose(file(), read_again)
+    assert found.findings == ()
+    assert any(note.startswith("The instrument wanders") for note in found.notes)
+
+
+def test_along_one_round_p_values_allow_for_a_wander():
+    """0.3 of the noise a reading: nothing tells it from the arm there, which was named at p = 1e-14."""
+    q = np.repeat(_raster(1), 3, axis=0)
+    walked = np.cumsum(0.3 * SIGMA * np.random.default_rng(1).standard_normal((len(q), 2)), axis=0)
+    found = diagnose(file(), recording(q, tips(q) + noise(1, len(q)) + walked))
+    assert any(note.startswith("What is left goes with time as well as") for note in found.notes)
+    assert all(each.p_value > 1e-4 for each in found.findings)
+
+
+def test_neighbours_that_remember_count_as_fewer():
+    """An autoregression of 0.8: its integrated autocorrelation time is (1 + 0.8)/(1 - 0.8) = 9."""
+    rng = np.random.default_rng(5)
+    values = np.zeros((20000, 1))
+    for k in range(1, len(values)):
+        values[k] = 0.8 * values[k - 1] + rng.standard_normal(1)
+    assert remembered(values) == pytest.approx(9, abs=1)
+    assert remembered(rng.standard_normal((20000, 1))) <= 2
+
+
+def test_time_and_pose_are_told_apart():
+    """Values of the time at poses at random go with time, values of the pose do not."""
+    rng = np.random.default_rng(4)
+    at = rng.uniform(-1.0, 1.0, (200, 2))
+    in_time = np.sin(np.arange(200) / 15.0)[:, None] + 0.3 * rng.standard_normal((200, 1))
+    in_pose = np.sin(2.0 * at[:, :1]) + 0.3 * rng.standard_normal((200, 1))
+    assert rather_with_time(in_time, at, rules=RULES.fitting)
+    assert not rather_with_time(in_pose, at, rules=RULES.fitting)
