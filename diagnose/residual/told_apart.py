@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from arm.chain.chain import Arm
 from diagnose.recording import Recording
@@ -75,7 +75,7 @@ def rather_with_time(values: Array, at: Array, *, rules: FittingRules) -> bool:
     values = values - values.mean(axis=0)
     in_time = float(np.mean(np.sum(values[1:] * values[:-1], axis=1)[far]))
     later = max(1, len(at) // rules.far_in_time)
-    distance, near = cKDTree(at).query(at, k=min(len(at), 2 * later + 2))
+    distance, near = map(np.asarray, KDTree(at).query(at, k=min(len(at), 2 * later + 2)))
     number = np.arange(len(at))
     allowed = np.abs(near - number[:, None]) > later
     found = allowed.any(axis=1)
