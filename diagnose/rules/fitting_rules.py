@@ -91,6 +91,7 @@ class FittingRules:
         "poses",
         "Come back to so many, and a wander can be told by them where each pose is near the one before.",
         JUDGED,
+        rows="A walk below fewer series, each less its mean, is mixed with what just one pose does.",
     )
     far_in_time: int = rule(
         10,
