@@ -227,7 +227,7 @@ def _fan() -> Array:
     up, turn = 1.0 - step / 96.0, np.pi * (1.0 + np.sqrt(5.0)) * step
     level = np.sqrt(1.0 - up * up)
     spiral = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
-    return np.vstack([cube / np.linalg.norm(cube, axis=1)[:, None], spiral])
+    return np.vstack([cube / np.linalg.norm(cube, axis=1)[:, None], spiral]).astype(np.float64)
 
 
 def _across(arrays: PoseArrays) -> Array:

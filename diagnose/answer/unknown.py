@@ -114,6 +114,8 @@ def _shape(
     share *= total / max(total - noise, rules.form_leads * total)
     if share >= rules.form_leads:
         return words
+    if share < rules.form_tells:
+        return "nothing simple"
     return f"nothing simple (nearest comes: {words}; it tells {100.0 * share:.0f} % of it)"
 
 
