@@ -105,9 +105,15 @@ def test_predict_command(dia, tmp_path, capsys):
     assert dia.found.written.keeps(0.02)
 
 
-def test_a_list_is_no_recording(arm):
-    """Several recordings are not taken for one."""
+def test_a_list_is_no_recording_where_one_is_asked(arm):
+    """Several recordings are not taken for one; an empty list is none, and one is not several units."""
     with pytest.raises(lw.InputError, match="one recording"):
-        lw.diagnose(arm, [BACKLASH / "recording.csv"])
+        lw.predict(arm, [BACKLASH / "recording.csv"])
+    with pytest.raises(lw.InputError, match="empty list"):
+        lw.diagnose(arm, [])
+    with pytest.raises(lw.InputError, match="several arms"):
+        lw.diagnose(arm, [BACKLASH / "recording.csv"], units=True)
+    with pytest.raises(lw.InputError, match="2 for 1 recordings"):
+        lw.diagnose(arm, [BACKLASH / "recording.csv"], settings=["a.yaml", "b.yaml"])
     with pytest.raises(lw.InputError, match="did you mean 'backlash'"):
         lw.diagnose(arm, BACKLASH / "recording.csv", without=["backlsh"])
