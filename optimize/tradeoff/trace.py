@@ -16,7 +16,7 @@ from .front import Figures
 from .journal import Journal, Record, design_of
 from .point import Design, Search
 from .question import Axis, Question
-from .refinement import Refined, Stretch, refine, undominated
+from .refinement import Refined, Stretch, refine
 
 _STEP = 0.2
 """First distance of the points, in the logarithm of x."""
@@ -141,7 +141,8 @@ class Tracer:
             right = self.solve(asked.x_limit, best, [right]) or right
             right = replace(right, level=asked.x.badness(right.x))
         if right.level <= left.level * (1.0 + 1e-6):
-            self.nodes = undominated(self._axes, [left, right])
+            # The ends are one in x: where they are two in y, the better one is best in both.
+            self.nodes = [min((left, right), key=lambda node: asked.y.badness(node.y))]
             return True
         self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))

@@ -92,7 +92,10 @@ def test_front(dask: Dask, tmp_path: Path):
     with joined(dask) as cluster:
         spread = trade_off(asked, accuracy=0.01, executor=cluster, told=kill)
     assert told
-    assert points(spread) == points(together)
+    # A search keeps what it knows from design to design, and which worker solves which is chance: rounding differs.
+    assert [made for _, _, made, _ in points(spread)] == [made for _, _, made, _ in points(together)]
+    assert [of for _, _, _, of in points(spread)] == [of for _, _, _, of in points(together)]
+    assert [(x, y) for x, y, *_ in points(spread)] == [pytest.approx(pair[:2], rel=1e-7) for pair in points(together)]
 
 
 def test_interrupt_leaves_the_points_that_are_done(tmp_path: Path):
