@@ -11,6 +11,7 @@ from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, splits
 from diagnose.fitting.prepare import Prepared, set_up
 from diagnose.fitting.refit import Refit, impossible_term, refit, tether
+from diagnose.fitting.unnamed import Unnamed, unnamed
 from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
@@ -61,6 +62,9 @@ class Confirmed:
             self.alternatives, self.p_values = _less(self.alternatives, place), _less(self.p_values, place)
             if reason is not None or self.forms or not self._form_instead(whole):
                 self._fit()
+        if self.members:
+            # What is said of sizes leaves room for what is not named; what is kept was judged without it.
+            self.refit = refit(self.prepared, self.members, self.outside, self.fitted, self._unnamed())
         self.scattered = False
         self.lack_of_fit = self._lack_of_fit()
         self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
@@ -99,6 +103,14 @@ class Confirmed:
         self.fitted: Fit = fit(self.prepared, [*self.members, *self.outside])
         self.refit: Refit = refit(self.prepared, self.members, self.outside, self.fitted)
         self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
+
+    def _unnamed(self) -> Unnamed:
+        """What the recording leaves room for beside what is named."""
+        rivals = [rival.member for others in self.alternatives for rival in others]
+        width, number = self.observed.residual.shape[1], {int(r): k for k, r in enumerate(self.observed.recording.row)}
+        readings = np.array([number[int(row)] for row in self.search.observed.recording.row], dtype=np.int64)
+        rows = (readings[:, None] * width + np.arange(width)).reshape(-1)
+        return unnamed(self.search, [*self.found, *self.forms], rivals, rows)
 
     def _cannot_be(self) -> tuple[int, str] | None:
         """The place of the finding, if any, whose size in the joint fit cannot be, and why: sizes that the search found

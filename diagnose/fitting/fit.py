@@ -127,6 +127,8 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
             return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
         if value > high + rules.beyond_bounds * error or value > high + width:
             return "only a size beyond what is possible would fit"
+        if value > _most_on_a_link(candidate, name, prepared):
+            return "only more than hangs on a link of that mass would fit"
         if _far_fetched(candidate, name, value, error, rules):
             return "only a size far beyond the usual would fit, balanced against others"
     return None
@@ -155,6 +157,19 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
         # Added to what the arm file gives the drive, the whole may not become negative.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), parameter.upper
+
+
+def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> float:
+    """The most that may hang on a link beyond what the arm file says it weighs, kg: a usual extra and as much again as
+    the link; infinite where the file leaves its mass open, and for sizes that are no link's mass."""
+    effect = EFFECTS[candidate.effect]
+    if candidate.share or effect.place != "link" or effect.declared is None:
+        return np.inf
+    parameter = parameter_of(effect, name)
+    if parameter.kind != "mass":
+        return np.inf
+    own = _in_the_file(candidate, name, prepared.observed)
+    return parameter.typical[1] + prepared.observed.rules.fitting.heavier * own
 
 
 def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:

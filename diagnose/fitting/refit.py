@@ -45,6 +45,7 @@ from .under_weights import (
     steps_of,
     under_one_set_of_weights,
 )
+from .unnamed import Unnamed
 
 _SWEEPS = 2
 _SCAN = 14
@@ -71,8 +72,15 @@ class Refit:
     weights: tuple[Weight, ...] = ()
 
 
-def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fitted: Fit) -> Refit:
-    """Fit the groups `members` of a linear fit together, from its sizes on, forms `outside` the library beside them."""
+def refit(
+    prepared: Prepared,
+    members: Sequence[int],
+    outside: Sequence[int],
+    fitted: Fit,
+    unnamed: Unnamed | None = None,
+) -> Refit:
+    """Fit the groups `members` of a linear fit together, from its sizes on, forms `outside` the library beside them;
+    intervals leave room for what is `unnamed` (None: nothing is)."""
     if outside:
         further = np.concatenate([prepared.beside, *(prepared.columns[m] for m in outside)], axis=2)
         prepared = replace(prepared, beside=further)
@@ -88,17 +96,17 @@ def refit(prepared: Prepared, members: Sequence[int], outside: Sequence[int], fi
     given = prepared
     prepared, terms = _solved(given, terms, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
-    errors, told = _errors(prepared, terms, rss / max(freedom, 1))
-    doubtful = not_under_known_loads(prepared, terms, errors, told, freedom)
+    spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
+    doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
     if doubtful:
         prepared, terms = _solved(
             given, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
         )
         residual, rss, freedom = _left(prepared, terms)
-        errors, told = _errors(prepared, terms, rss / max(freedom, 1))
+        spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     parameters = tuple(
-        _parameters(prepared, terms, place, error, sure, freedom, rss / max(freedom, 1))
-        for place, (error, sure) in enumerate(zip(errors, told, strict=True))
+        _parameters(prepared, terms, place, spread, freedom, rss / max(freedom, 1), unnamed)
+        for place in range(len(terms))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
 
@@ -342,10 +350,22 @@ def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Te
     return terms
 
 
-def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple[list[Array], list[NDArray[np.bool_]]]:
-    """Standard errors of every term's sizes, and whether the data tell each of them from the others."""
+@dataclass(frozen=True)
+class _Spread:
+    """Standard errors of every term's sizes, those by `noise` alone, whether the data tell each from the others,
+    and for each of its shapes how many times as far as noise alone would have it lie."""
+
+    errors: tuple[Array, ...]
+    noise: tuple[Array, ...]
+    told: tuple[NDArray[np.bool_], ...]
+    shapes: tuple[Mapping[str, float], ...]
+
+
+def _spread(prepared: Prepared, terms: Sequence[Term], variance: float, unnamed: Unnamed | None) -> _Spread:
+    """How well sizes and shapes are known: least squares of noise of that variance, beside what is unnamed."""
     design, spans = _design(prepared, terms, through=True)
     further: list[Array] = []
+    shaped: list[tuple[int, str]] = []
     for place, term in enumerate(terms):
         for name in term.candidate.free_shapes:
             shapes = dict(term.candidate.shapes)
@@ -354,6 +374,7 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
             if other is not None:
                 change = (other @ term.sizes - terms[place].columns @ term.sizes) / 1e-3
                 further.append(prepared.observed.whitened(change))
+                shaped.append((place, name))
     unit = float(np.sqrt(variance))
     rows, _ = _tethers(prepared, terms, unit)
     together = steps_of(terms, spans, design.shape[1])
@@ -365,37 +386,52 @@ def _errors(prepared: Prepared, terms: Sequence[Term], variance: float) -> tuple
     full = np.vstack([full, np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])])
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
+    u, singular, vt = np.linalg.svd(full / size, full_matrices=False)
     good = singular > 1e-9 * singular[0]
-    covariance = (vt[good].T / singular[good] ** 2) @ vt[good] * variance
-    covariance = (covariance / size / size[:, None])[: slopes.shape[1], : slopes.shape[1]]
-    error = np.sqrt(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))
-    blurred = np.diag(vt[good].T @ vt[good])[: slopes.shape[1]] <= 1.0 - 1e-6
+    inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
+    plain = covariance = inverse * variance
+    if unnamed is not None:
+        operator = ((vt[good].T / singular[good]) @ u[:, good].T / size[:, None])[:, : len(design)]
+        covariance = inverse * unnamed.variance + unnamed.beside(operator)
+    count = slopes.shape[1]
+    error, noise = (
+        np.sqrt(np.einsum("ij,jk,ik->i", slopes, each[:count, :count], slopes)) for each in (covariance, plain)
+    )
+    blurred = np.diag(vt[good].T @ vt[good])[:count] <= 1.0 - 1e-6
     sure = ~((slopes != 0.0) @ blurred.astype(float) > 0.0)
-    return [error[span] for span in spans], [sure[span] for span in spans]
+    times = [dict[str, float]() for _ in terms]
+    for k, (place, name) in enumerate(shaped, start=count):
+        times[place][name] = float(np.sqrt(covariance[k, k] / plain[k, k])) if plain[k, k] > 0.0 else 1.0
+    return _Spread(
+        tuple(error[span] for span in spans),
+        tuple(noise[span] for span in spans),
+        tuple(sure[span] for span in spans),
+        tuple(times),
+    )
 
 
 def _parameters(
     prepared: Prepared,
     terms: Sequence[Term],
     place: int,
-    errors: Array,
-    told: NDArray[np.bool_],
+    spread: _Spread,
     freedom: int,
     variance: float,
+    unnamed: Unnamed | None,
 ) -> tuple[FittedParameter, ...]:
     arm, term, rules = prepared.observed.arm, terms[place], prepared.observed.rules.fitting
+    errors, told, times = spread.errors[place], spread.told[place], spread.shapes[place]
     candidate = term.candidate
     factor = t_quantile(freedom)
     at = candidate.numbers
     ending = f"_{at[0]}" if len(at) == 1 else ""
     if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
-        known = known_load(term, kind, errors, told, factor, at, rules.telling)
-        return (sag(prepared, term, factor, variance, at), *known)
+        known = known_load(term, kind, errors, spread.noise[place], told, factor, at, rules.telling)
+        return (sag(prepared, term, factor, variance, at, unnamed), *known)
     found: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
-    held = tether(term, 1.0, rules=rules) * errors > rules.held
+    held = tether(term, 1.0, rules=rules) * spread.noise[place] > rules.held
     seen = ~held if (~held).any() and len(held) <= rules.few_sizes else np.ones(len(held), dtype=bool)
     fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
     for name, value, error, sure, shown in fitted:
@@ -409,7 +445,7 @@ def _parameters(
     for name in candidate.free_shapes:
         kind = kind_of(arm, candidate, name)
         value = candidate.shapes[name]
-        interval = _profile(prepared, terms, place, name, factor, freedom, variance)
+        interval = _profile(prepared, terms, place, name, factor * times.get(name, 1.0), freedom, variance)
         found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
     for name, value in candidate.shapes.items():
         if name in candidate.whole_shapes:

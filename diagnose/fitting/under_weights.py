@@ -32,6 +32,7 @@ from .fit import solved, t_quantile
 from .prepare import Prepared
 from .shared_weights import Steps, factors, steps
 from .terms import Term
+from .unnamed import Unnamed
 
 
 def under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
@@ -120,19 +121,28 @@ def entries_of(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
 
 
 def known_load(
-    term: Term, kind: str, errors: Array, told: NDArray[np.bool_], factor: float, at: tuple[int, ...], telling: float
+    term: Term,
+    kind: str,
+    errors: Array,
+    noise: Array,
+    told: NDArray[np.bool_],
+    factor: float,
+    at: tuple[int, ...],
+    telling: float,
 ) -> tuple[FittedParameter, ...]:
     """The compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
     its own column, the last, tells it. Nothing where the data hardly do."""
     value, error = float(term.sizes[-1]), float(errors[-1])
-    if not told[-1] or factor * error > telling * abs(value):
+    if not told[-1] or factor * float(noise[-1]) > telling * abs(value):
         return ()
     interval = (value - factor * error, value + factor * error)
     name = term.candidate.sizes[0]
     return (FittedParameter("_".join([name, *map(str, at)]), name, at, kind, value, interval),)
 
 
-def sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...]) -> FittedParameter:
+def sag(
+    prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...], unnamed: Unnamed | None
+) -> FittedParameter:
     """Where the links' masses are unknown, a compliance cannot be had by itself: the most that something sags under
     their weight over the recording stands for it, with the relative error of the whole displacement."""
     observed, candidate = prepared.observed, term.candidate
@@ -146,7 +156,10 @@ def sag(prepared: Prepared, term: Term, factor: float, variance: float, at: tupl
         turn = turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), term.sizes[:-1])
         value = float(np.max(np.linalg.norm(turn, axis=1)))
     shown = prepared.pool.projected(observed.whitened(term.moved))
-    error = abs(value) * float(np.sqrt(variance / max(float(shown @ shown), 1e-300)))
+    length = max(float(shown @ shown), 1e-300)
+    if unnamed is not None:
+        variance = unnamed.variance + float(unnamed.beside(shown[None, :])[0, 0]) / length
+    error = abs(value) * float(np.sqrt(variance / length))
     interval = (value - factor * error, value + factor * error)
     return FittedParameter(
         "_".join(["sag", *map(str, at)]), "sag", at, "length" if slides else "angle", value, interval

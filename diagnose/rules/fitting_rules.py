@@ -179,3 +179,15 @@ class FittingRules:
     whole: float = rule(
         0.25, "share", "Physics that was left out comes back where its fitted share is within this of 1.", JUDGED
     )
+    heavier: float = rule(
+        1.0,
+        "times its own mass",
+        "More than this and a usual extra mass does not hang on a link whose mass the arm file tells.",
+        JUDGED,
+    )
+    largest_unnamed: float = rule(
+        0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF
+    )
+    nothing_unnamed: float = rule(
+        0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"
+    )

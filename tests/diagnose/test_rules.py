@@ -24,6 +24,7 @@ DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
 NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
+    "fitting/unnamed.py": {"_STEPS", "_TINY"},
     "fitting/refit.py": {"_DIFFERENCE", "_NEWTON", "_ROUNDING", "_SCAN", "_SETTLED", "_SHARES", "_SWEEPS", "_TOGETHER"},
     "mistakes/conventions.py": {"_QUARTER"},
     "mistakes/row_lists.py": {"_MOST"},

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from diagnose.fitting.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical
+from diagnose.fitting.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical, why_impossible
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.residual.observed import observe
@@ -101,3 +101,12 @@ def test_a_true_effect_is_found_at_its_size():
     fitted = fit(prepared, [group_of(prepared, "encoder_offset", (1,))])
     assert abs(fitted.sizes[0][0] - 1e-4) <= 4.0 * fitted.errors[0][0]
     assert fitted.unit == pytest.approx(1.0, abs=0.25)
+
+
+def test_no_more_hangs_on_a_link_than_its_mass_allows(null):
+    """A link of known mass carries a usual extra (5 kg) and as much again as it weighs, however badly that shows."""
+    candidate = null.pool.groups[group_of(null, "link_mass", (1,))].candidate
+    own = float(null.observed.state.links[1].beam.mass)
+    for mass, possible in ((5.0 + 0.9 * own, True), (5.0 + 1.1 * own, False)):
+        reason = why_impossible(null, candidate, np.array([mass]), np.array([mass]), 0.0)
+        assert (reason is None) is possible

@@ -1,0 +1,95 @@
+"""How much physics that is not named may be in a recording, and how far that may move what is.
+
+A machine has more causes than are found: those too small to be named stay in what is left, and move the sizes of those
+that are by whatever part of their patterns is alike. Beside what is named, every other candidate of the library is
+taken to move the tip by a random amount of one variance, which the restricted likelihood of what is left sets against
+the noise's (H. D. Patterson & R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545). Where nothing
+predicts what is left it is next to nought, and intervals are those of least squares.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sections.numeric import Array
+
+from .prepare import Prepared
+
+_TINY = 1e-9
+_STEPS = 121
+"""Standard deviations at which the likelihood is looked at."""
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """What is not named: whitened patterns (n, M) of which each family of candidates moves one standard deviation in
+    all, over the rows `rows` of the whitened observations that are fitted, and the noise's own `variance`."""
+
+    patterns: Array
+    variance: float
+    rows: NDArray[np.int64]
+
+    def beside(self, operator: Array) -> Array:
+        """How far unnamed physics may move some estimates: covariance (k, k) of what an operator (k, n) on all that is
+        fitted makes of it, of which the rows searched are a fair sample."""
+        moved = operator[:, self.rows] @ self.patterns * (operator.shape[1] / len(self.rows))
+        return moved @ moved.T
+
+
+def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int], rows: NDArray[np.int64]) -> Unnamed:
+    """What the remainder of a fit of some groups leaves room for; `rivals` are declared to be other names for them, and
+    are no causes beside them. `rows` says where the observations stand among those that are fitted."""
+    pool, rules = prepared.pool, prepared.observed.rules.fitting
+    taken = {pool.groups[m].candidate.family for m in (*members, *rivals)}
+    others = [k for k, g in enumerate(pool.groups) if not g.candidate.outside and g.candidate.family not in taken]
+    variants = Counter(pool.groups[k].candidate.family for k in others)
+    ranks = [pool.groups[k].rank for k in others]
+    each = [1.0 / np.sqrt(r * variants[pool.groups[k].candidate.family]) for k, r in zip(others, ranks, strict=True)]
+    weight, at, own = np.repeat(each, ranks), pool.columns(others), pool.columns(members)
+    mixed = pool.gram[np.ix_(at, own)] * weight[:, None]
+    inverse = np.linalg.pinv(pool.gram[np.ix_(own, own)], rcond=_TINY, hermitian=True)
+    named = pool.basis[:, own].T @ prepared.vector
+    gram = pool.gram[np.ix_(at, at)] * np.outer(weight, weight) - mixed @ inverse @ mixed.T
+    along = (pool.basis[:, at].T @ prepared.vector) * weight - mixed @ inverse @ named
+    left = float(prepared.vector @ prepared.vector - named @ inverse @ named)
+    freedom = len(prepared.vector) - pool.nuisance.shape[1] - len(own)
+    ratio, variance = variances(
+        gram, along, left, freedom, len(prepared.vector), rules.largest_unnamed, rules.nothing_unnamed
+    )
+    return Unnamed(pool.basis[:, at] * (weight * np.sqrt(ratio * variance)), variance, rows)
+
+
+def variances(
+    gram: Array, along: Array, left: float, freedom: int, count: int, largest: float, nothing: float
+) -> tuple[float, float]:
+    """The variance of each family's sum of squares over the noise's, and the noise's own, which the remainder tells.
+
+    `gram` (M, M) are the families' patterns beside what is named, `along` (M,) their products with what is left, whose
+    sum of squares is `left`, of so many degrees of freedom. The ratio is its mean given the recording; beforehand there
+    is a chance `nothing` that nothing else is there, and else every standard deviation up to `largest` times the
+    noise's RMS over `count` observations is as likely as another.
+    """
+    if not len(along) or freedom <= 0 or left <= 0.0:
+        return 0.0, max(left, 0.0) / max(freedom, 1)
+    values, vectors = np.linalg.eigh(gram)
+    good = values > _TINY * values[-1]
+    values, squares = values[good], (vectors[:, good].T @ along) ** 2 / values[good]
+    rest = max(left - float(squares.sum()), _TINY * left)
+
+    def noise(ratio: float) -> float:
+        return (rest + float(np.sum(squares / (1.0 + ratio * values)))) / freedom
+
+    def unlikely(ratio: float) -> float:
+        return freedom * float(np.log(noise(ratio))) + float(np.sum(np.log1p(ratio * values)))
+
+    steps = np.linspace(0.0, largest, _STEPS)
+    fit = np.array([unlikely(count * step**2) for step in steps])
+    weight = np.exp(-0.5 * (fit - fit.min()))
+    weight /= weight.sum() + weight[0] * len(steps) * nothing / (1.0 - nothing)
+    mean = count * float(weight @ steps**2)
+    return mean, noise(mean)

@@ -1,0 +1,86 @@
+"""What is not named widens what is: intervals beside small causes, and as they were where there are none."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from diagnose.fitting.fit import fit
+from diagnose.fitting.refit import refit
+from diagnose.fitting.unnamed import unnamed, variances
+from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
+from tests.diagnose.fitting.test_fit import within
+
+
+def half_widths(prepared, members, room):
+    return [
+        (p.interval[1] - p.interval[0]) / 2.0
+        for parameters in refit(prepared, members, (), fit(prepared, members), room).parameters
+        for p in parameters
+    ]
+
+
+def room_of(prepared, members):
+    return unnamed(prepared, members, (), np.arange(len(prepared.vector)))
+
+
+def test_the_variances_are_those_of_the_dense_likelihood():
+    """Against the likelihood of the whole covariance matrix, its mean over a grid of its own."""
+    rng = np.random.default_rng(3)
+    patterns = rng.normal(size=(30, 12)) / np.sqrt(30.0)
+    left = patterns @ rng.normal(scale=3.0, size=12) + rng.normal(size=30)
+    found, noise = variances(patterns.T @ patterns, patterns.T @ left, float(left @ left), 30, 30, 4.0, 0.25)
+
+    def likelihood(deviation):
+        whole = np.eye(30) + 30.0 * deviation**2 * patterns @ patterns.T
+        scale = left @ np.linalg.solve(whole, left) / 30.0
+        return multivariate_normal(np.zeros(30), scale * whole).logpdf(left)
+
+    deviations = np.linspace(0.0, 4.0, 400)
+    weight = np.exp([likelihood(each) for each in deviations])
+    everything = 0.25 * weight[0] + 0.75 * weight.mean()
+    assert found == pytest.approx(30.0 * 0.75 * float(np.mean(weight * deviations**2)) / everything, rel=0.02)
+    whole = np.eye(30) + found * patterns @ patterns.T
+    assert noise == pytest.approx(float(left @ np.linalg.solve(whole, left)) / 30.0)
+
+
+def test_intervals_cover_beside_small_causes_that_nobody_names():
+    """A dozen causes of a third of the noise each: least squares by itself would be sure of the wrong size."""
+    null = prepared_null()
+    member = group_of(null, "joint_compliance", (2,))
+    rng, trials = np.random.default_rng(21), 60
+    own = null.pool.groups[member].candidate.family
+    others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
+    plain, wide = 0, 0
+    for _ in range(trials):
+        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
+        for k in rng.choice(others, 12, replace=False).tolist():
+            group = null.pool.groups[k]
+            way = rng.normal(size=group.rank)
+            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
+            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
+        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        for room in (None, room_of(prepared, [member])):
+            low, high = refit(prepared, [member], (), fit(prepared, [member]), room).parameters[0][0].interval
+            plain, wide = (plain + (low <= 0.0 <= high), wide) if room is None else (plain, wide + (low <= 0.0 <= high))
+    assert plain < 0.75 * trials
+    assert within(wide, trials=trials)
+
+
+def test_intervals_stay_as_they_were_where_nothing_else_is():
+    null = prepared_null()
+    members = [group_of(null, "encoder_offset", (1,)), group_of(null, "joint_compliance", (2,))]
+    rng = np.random.default_rng(22)
+    times = []
+    for _ in range(40):
+        prepared = with_residual(null, noise_of(null, rng))
+        wide, plain = half_widths(prepared, members, room_of(prepared, members)), half_widths(prepared, members, None)
+        times += [a / b for a, b in zip(wide, plain, strict=True)]
+    assert 0.98 < np.median(times) < 1.15
+
+
+def test_declared_rivals_are_no_causes_beside_the_name():
+    null = prepared_null()
+    member, rival = group_of(null, "joint_compliance", (2,)), group_of(null, "servo_droop", (2,))
+    with_it = unnamed(null, [member], (), np.arange(len(null.vector))).patterns.shape[1]
+    without = unnamed(null, [member], (rival,), np.arange(len(null.vector))).patterns.shape[1]
+    assert without < with_it
