@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from arm.errors.lost_motion import sign_vertices
 from sections.numeric import Array
 
-from .polynomial import Coefficients, ComplexArray
-
 _WIDEST = 1.1
 """Half width of the first cells of an angle, rad: below a quarter of a turn."""
 _OUTWARD = 1e-11
@@ -80,21 +78,6 @@ def _about_zero(degree: int, half: Array) -> tuple[list[Array], list[Array]]:
     even = [[c, near, 3.0 * c / middle, near, c], [2 * c * c - 1.0, o + 1.0, 3.0 / middle, o + 1.0, 2 * c * c - 1.0]]
     odd = [[-s, -0.5 * s, o, 0.5 * s, s], [-2.0 * s * c, -s / c, o, s / c, 2.0 * s * c]]
     return [np.stack(row, axis=1) for row in even], [np.stack(row, axis=1) for row in odd]
-
-
-def in_real_basis(coefficients: Coefficients) -> Array:
-    """The coefficients (functions, basis of joint 1, ...) of 1, cos q, sin q, cos 2q, sin 2q, or 1, x, x^2."""
-    tensor: Array | ComplexArray = coefficients.tensor
-    degree = coefficients.degree
-    for j, turns in enumerate(coefficients.coordinates.revolute):
-        if turns:
-            matrix = np.zeros((2 * degree + 1, 2 * degree + 1), dtype=complex)
-            matrix[0, degree] = 1.0
-            for k in range(1, degree + 1):
-                matrix[2 * k - 1, [degree - k, degree + k]] = 1.0
-                matrix[2 * k, [degree - k, degree + k]] = (-1j, 1j)
-            tensor = np.moveaxis(np.tensordot(matrix, tensor, axes=(1, j + 1)), 0, j + 1)
-    return np.ascontiguousarray(np.real(tensor))
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from arm.errors.model import CaseModel
 from sections.numeric import Array
 
 from .dependence import all_round, joints_that_matter
-from .hull import Axis, Pins, PlayedVector, bound, in_real_basis, played_vector
+from .hull import Axis, Pins, PlayedVector, bound, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
 
 QUICK, THOROUGH = 4_000_000, 100_000_000
@@ -133,7 +133,7 @@ def _in_frame(
         q = coordinates.placed(matter, reduced)
         return turned(columns(q), q)
 
-    vectors = in_real_basis(fit(seen, own))
+    vectors = fit(seen, own).in_reals
     vectors = vectors.reshape(-1, 3, *vectors.shape[1:])
     ends = own.scaled(np.array(own.ranges).T)
     axes = [Axis(turns, 2, float(low), float(high)) for turns, (low, high) in zip(own.revolute, ends.T, strict=True)]

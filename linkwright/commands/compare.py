@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.output.files import check_target, write_markdown, write_result
+from linkwright.output.files import check_target, write_result
 
 from .diagnose import RecordingYaml, Thorough, Without, known_effects, steps
-from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, tell
 
 HELP = """What changed between two recordings of one arm: parameters with intervals, noise, figures of the standards.
 
@@ -32,8 +32,7 @@ def compare(
 ) -> None:
     """Run the command."""
     from linkwright.results.diagnoses.comparison import describe
-    from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
+    from linkwright.screen.console import waiting
 
     for target in (json, markdown):
         check_target(target, arm, first, second, recording_yaml, catalogue)
@@ -44,10 +43,4 @@ def compare(
     with asked_of(arm), steps() as told:
         found = lw.compare(given, before, after, thorough=thorough, without=without, progress=told)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in (json, markdown):
-        if path is not None:
-            screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found), markdown, json)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
-from linkwright.output.files import check_target, write_markdown, write_result
+from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 from units.reading import read_text
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of
+from .options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,8 +50,7 @@ def compensate(
 ) -> None:
     """Run the command."""
     from linkwright.results.compensation import describe
-    from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
+    from linkwright.screen.console import waiting
 
     for target in (out, json, markdown):
         check_target(target, arm, poses, catalogue)
@@ -64,13 +63,7 @@ def compensate(
     if out is not None:
         found.save(out)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in (out, json, markdown):
-        if path is not None:
-            screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found), markdown, out, json)
 
 
 def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
-from linkwright.output.files import check_target, write_markdown, write_result
+from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 from units.reading import nearest
 
@@ -27,6 +27,7 @@ from .options import (
     asked_of,
     crew_of,
     files_of,
+    tell,
 )
 
 if TYPE_CHECKING:
@@ -86,8 +87,7 @@ def diagnose(
     from linkwright.face.diagnosis import recordings_of, settings_of
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
     from linkwright.results.diagnoses.described import describe
-    from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
+    from linkwright.screen.console import waiting
 
     for target in (json, markdown):
         check_target(target, arm, *recording, *(recording_yaml or ()), problem, catalogue)
@@ -111,12 +111,7 @@ def diagnose(
         )
         found.save(out, made_from=files, author=author, comment=comment)
         written = [*(out / name for name in FILES if (out / name).exists()), *written]
-    screen = console()
-    described = describe(found.found, None if found.redesign is None else found.redesign.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in written + ([] if markdown is None else [markdown]):
-        screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found, None if found.redesign is None else found.redesign.found), markdown, *written)
 
 
 def known_effects(names: Sequence[str]) -> frozenset[str]:

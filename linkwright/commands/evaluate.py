@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
-from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_markdown, write_result
+from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_result
 from units.quantities import InputError
 
-from .options import Author, CatalogueFile, Comment, JsonFile, MarkdownFile, OutFolder, asked_of, files_of
+from .options import Author, CatalogueFile, Comment, JsonFile, MarkdownFile, OutFolder, asked_of, files_of, tell
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -46,8 +46,7 @@ def evaluate(
 ) -> None:
     """Run the command."""
     from linkwright.results.evaluation import describe
-    from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
+    from linkwright.screen.console import waiting
 
     for target in (json, markdown):
         check_target(target, arm, problem, catalogue)
@@ -61,14 +60,8 @@ def evaluate(
             if out is not None:
                 found.save(out, made_from=files_of(arm, problem, catalogue), author=author, comment=comment)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found, found.robust)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in ([out / REPORT, out / RESULT] if out is not None else []) + [
-        path for path in (json, markdown) if path is not None
-    ]:
-        screen.print(f"written: {path}", soft_wrap=True)
+    report = [] if out is None else [out / REPORT, out / RESULT]
+    tell(describe(found.found, found.robust), markdown, *report, json)
 
 
 def read_pose(text: str, arm: Arm) -> tuple[float, ...]:

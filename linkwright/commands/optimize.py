@@ -32,6 +32,7 @@ from .options import (
     asked_of,
     crew_of,
     files_of,
+    tell,
 )
 
 if TYPE_CHECKING:
@@ -99,14 +100,9 @@ def optimize(
     if out is not None:
         read = files_of(problem, asked.arm_file, catalogue)
         result.save(out, made_from=read, author=author, comment=comment)
-    screen = console()
-    described = describe(result.found)
-    write_markdown(markdown, described)
-    screen.print()
-    show(screen, described)
+    console().print()
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
-    for path in written + [path for path in (json, markdown) if path is not None]:
-        screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(result.found), markdown, *written, json)
     if result.interrupted:
         _stopped("this is the best design so far")
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""Options and arguments that several commands share, and how a command reads its inputs."""
+"""Options and arguments that several commands share, how a command reads its inputs, and how it tells its result."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from units.quantities import InputError
 
 if TYPE_CHECKING:
     from executors import Executor
+    from linkwright.results.document import Description
 
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines; - for standard output.")
@@ -44,6 +45,19 @@ Dask = Annotated[
 def files_of(*given: Path | None) -> list[Path]:
     """The files among what may have been given."""
     return [path for path in given if path is not None]
+
+
+def tell(described: Description, markdown: Path | None, *written: Path | None) -> None:
+    """Write a described result where `--markdown` names a file, show it, and list the files that were `written`."""
+    from linkwright.output.files import write_markdown
+    from linkwright.screen.console import console
+    from linkwright.screen.described import show
+
+    screen = console()
+    write_markdown(markdown, described)
+    show(screen, described)
+    for path in files_of(*written, markdown):
+        screen.print(f"written: {path}", soft_wrap=True)
 
 
 @contextmanager

@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.output.files import check_target, write_markdown, write_result
+from linkwright.output.files import check_target, write_result
 
 from .diagnose import RecordingYaml
-from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, tell
 
 HELP = """How far an arm's model is from a recording: nothing is fitted but frame and tool, and those only where free.
 
@@ -29,8 +29,7 @@ def predict(
 ) -> None:
     """Run the command."""
     from linkwright.results.prediction import describe
-    from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
+    from linkwright.screen.console import waiting
 
     for target in (json, markdown):
         check_target(target, arm, recording, recording_yaml, catalogue)
@@ -38,10 +37,4 @@ def predict(
         given = lw.read_arm(arm, catalogue=catalogue)
         found = lw.predict(given, lw.read_recording(recording, given, settings=recording_yaml))
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in (json, markdown):
-        if path is not None:
-            screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found), markdown, json)

@@ -15,12 +15,23 @@ from linkwright.output.files import (
     made_folder,
     refuse_strangers,
     write_file,
-    write_markdown,
     write_result,
 )
 from units.quantities import InputError
 
-from .options import Author, CatalogueFile, Comment, Dask, JsonFile, MarkdownFile, Workers, asked_of, crew_of, files_of
+from .options import (
+    Author,
+    CatalogueFile,
+    Comment,
+    Dask,
+    JsonFile,
+    MarkdownFile,
+    Workers,
+    asked_of,
+    crew_of,
+    files_of,
+    tell,
+)
 
 if TYPE_CHECKING:
     from executors import Executor
@@ -87,7 +98,6 @@ def tradeoff(
     from linkwright.report.origin import origin_of
     from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console, waiting
-    from linkwright.screen.described import show
 
     for target in (json, csv, markdown):
         check_target(target, problem, catalogue)
@@ -106,13 +116,8 @@ def tradeoff(
         result = _traced(given, asked, accuracy, journal, out, crew)
         origin = origin_of(files_of(problem, given.arm_file, catalogue), author=author, comment=comment)
         written = _write(result, out, json, csv, origin)
-    screen = console()
-    described = describe(result.found)
-    write_markdown(markdown, described)
-    screen.print()
-    show(screen, described)
-    for path in written + ([markdown] if markdown is not None else []):
-        screen.print(f"written: {path}", soft_wrap=True)
+    console().print()
+    tell(describe(result.found), markdown, *written)
 
 
 def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool) -> Journal:

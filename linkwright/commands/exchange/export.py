@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of
-from linkwright.output.files import check_target, write_markdown, write_result
+from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 
 HELP = """The arm for other programs: URDF, MJCF (with all that gives), SDF, DXF (links and sections to scale), parts.
@@ -35,8 +35,6 @@ def export(
     """Run the command."""
     from linkwright.face.exchange.exported import SUFFIXES
     from linkwright.results.exported import describe
-    from linkwright.screen.console import console
-    from linkwright.screen.described import show
 
     target = Path(arm.stem + SUFFIXES.get(to, "")) if out is None else out
     if out is None and target.exists() and to in SUFFIXES:
@@ -48,10 +46,4 @@ def export(
         check_target(each, arm, catalogue)
     found.save(target)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in (target, json, markdown):
-        if path is not None:
-            screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found), markdown, target, json)

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import JsonFile, MarkdownFile, as_options
-from linkwright.output.files import DESIGN, check_target, write_markdown, write_result
+from linkwright.commands.options import JsonFile, MarkdownFile, as_options, tell
+from linkwright.output.files import DESIGN, check_target, write_result
 from units.quantities import InputError
 
 HELP = """An arm file from a URDF: frames, limits and weights; with a list of what it does not say.
@@ -34,8 +34,6 @@ def import_(
 ) -> None:
     """Run the command."""
     from linkwright.results.imported import describe
-    from linkwright.screen.console import console
-    from linkwright.screen.described import show
 
     target = Path(DESIGN) if out is None else out
     if out is None and target.exists():
@@ -46,10 +44,4 @@ def import_(
         found = lw.import_arm(file, tip=tip, base=base)
     found.save(target)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in (target, json, markdown):
-        if path is not None:
-            screen.print(f"written: {path}", soft_wrap=True)
+    tell(describe(found.found), markdown, target, json)

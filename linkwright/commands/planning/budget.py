@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of
-from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_markdown, write_result
+from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of, tell
+from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_result
 
 HELP = """The error to expect, by cause, from data sheets and tolerances; and which part to buy better first.
 
@@ -34,8 +34,6 @@ def budget(
 ) -> None:
     """Run the command."""
     from linkwright.results.budget import describe
-    from linkwright.screen.console import console
-    from linkwright.screen.described import show
 
     for target in (json, markdown):
         check_target(target, arm, sheet, problem, catalogue)
@@ -48,11 +46,5 @@ def budget(
     if out is not None:
         found.save(out)
     write_result(json, found.to_json())
-    screen = console()
-    described = describe(found.found)
-    write_markdown(markdown, described)
-    show(screen, described)
-    for path in ([out / REPORT, out / RESULT] if out is not None else []) + [
-        path for path in (json, markdown) if path is not None
-    ]:
-        screen.print(f"written: {path}", soft_wrap=True)
+    report = [] if out is None else [out / REPORT, out / RESULT]
+    tell(describe(found.found), markdown, *report, json)

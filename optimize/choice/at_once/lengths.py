@@ -23,7 +23,7 @@ from optimize.exchange.program import carried_mass, drives_cost, fixed_error
 from sections.numeric import Array
 
 from .cells import LENGTH, PRICE
-from .pose_rows import PoseRow, row_of
+from .pose_rows import PoseRow, error_rows, sums_rows
 
 _DEGREE = 4
 """Forces of weights (one power) bend (three more)."""
@@ -60,30 +60,14 @@ class LengthRows:
         own = {"mass": mass, "total_mass": mass, "cost": cost, "reach": reach}
         carried = rigid + carried_mass(problem)
         rest = {"mass": rigid, "total_mass": carried, "cost": drives_cost(problem), "reach": stays}
-        found: list[PoseRow] = []
-        if problem.minimize in own:
-            terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
-            found.append(row_of(terms, size, objective=True, scale=worth))
-        for limit in problem.limits:
-            if limit.name not in own:
-                continue
-            terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
-            if limit.relation != ">=":
-                found.append(row_of(terms, size, objective=False, scale=limit.value))
-            if limit.relation != "<=":
-                terms = {power: -c for power, c in terms.items()}
-                found.append(row_of(terms, size, objective=False, scale=limit.value))
-        least = min((each.value for each in problem.limit("max_error")), default=math.inf)
+        found = sums_rows(problem, own, rest, size, worth)
         for cut in dict.fromkeys(pool.errors):
             if cut not in self._known:
                 self._known[cut] = self._terms(cut, p)
             terms = self._known[cut]
             if terms is None:
                 return None
-            if problem.minimize == "max_error":
-                found.append(row_of(terms, size, objective=True, scale=worth, shift=fixed))
-            if math.isfinite(least):
-                found.append(row_of(terms, size, objective=False, scale=least, shift=fixed - least))
+            found += error_rows(problem, terms, size, worth, fixed)
         return found
 
     def _terms(self, cut: ErrorCut, p: Array) -> dict[Power, Array] | None:

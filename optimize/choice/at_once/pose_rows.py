@@ -7,7 +7,7 @@ from below is bounded for all. Limits that are not here (a torque) could only ra
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,11 +97,29 @@ def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> l
     fixed = fixed_error(context.model)
     found: list[PoseRow] = []
     own, rest = _own(problem, arm)
+    if problem.minimize not in own and problem.minimize != "max_error":
+        return None
+    found += sums_rows(problem, own, rest, size, worth)
+    for cut in dict.fromkeys(pool.errors):
+        vectors = error_vectors(context.model, cut, p)
+        if vectors is None:
+            return None
+        found += error_rows(problem, dict(vectors.terms), size, worth, fixed)
+    for family, prepared in context.families:
+        for cut in pool.of(family.name):
+            found += _family_rows(problem, family.name, prepared, cut, arm, p)
+    return found
+
+
+def sums_rows(
+    problem: Problem, own: Mapping[str, dict[Power, Array]], rest: Mapping[str, float], size: int, worth: float
+) -> list[PoseRow]:
+    """The rows of the figures that are sums over links whatever the pose (`own`; `rest` is what no choice changes): of
+    the one to be least, over `worth`, and of every limit on one, over its value."""
+    found: list[PoseRow] = []
     if problem.minimize in own:
         terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
         found.append(row_of(terms, size, objective=True, scale=worth))
-    elif problem.minimize != "max_error":
-        return None
     for limit in problem.limits:
         if limit.name not in own:
             continue
@@ -111,20 +129,17 @@ def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> l
         if limit.relation != "<=":
             terms = {power: -c for power, c in terms.items()}
             found.append(row_of(terms, size, objective=False, scale=limit.value))
-    least = min((each.value for each in problem.limit("max_error")), default=math.inf)
-    for cut in dict.fromkeys(pool.errors):
-        vectors = error_vectors(context.model, cut, p)
-        if vectors is None:
-            return None
-        terms = dict(vectors.terms)
-        if problem.minimize == "max_error":
-            found.append(row_of(terms, size, objective=True, scale=worth, shift=fixed))
-        if math.isfinite(least):
-            found.append(row_of(terms, size, objective=False, scale=least, shift=fixed - least))
-    for family, prepared in context.families:
-        for cut in pool.of(family.name):
-            found += _family_rows(problem, family.name, prepared, cut, arm, p)
     return found
+
+
+def error_rows(problem: Problem, terms: dict[Power, Array], size: int, worth: float, fixed: float) -> Iterator[PoseRow]:
+    """The rows of the error at a pose: to be least, over `worth`, and within its tightest limit; `fixed` (m) adds to
+    either."""
+    least = min((each.value for each in problem.limit("max_error")), default=math.inf)
+    if problem.minimize == "max_error":
+        yield row_of(terms, size, objective=True, scale=worth, shift=fixed)
+    if math.isfinite(least):
+        yield row_of(terms, size, objective=False, scale=least, shift=fixed - least)
 
 
 def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dict[str, float]]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import Arm, Joint, LoadCase
-from arm.worst.hull import Axis, Pins, PlayedVector, bound, in_real_basis, played_vector
+from arm.worst.hull import Axis, Pins, PlayedVector, bound, played_vector
 from arm.worst.loose_bound import THOROUGH, loose_bound
 from arm.worst.polynomial import Coordinates, fit
 from sections.numeric import Array
@@ -136,7 +136,7 @@ def test_real_coefficients_of_a_polynomial() -> None:
 
     expected = np.zeros((1, 5, 3))
     expected[0, 3, 1], expected[0, 2, 2], expected[0, 0, 0] = 1.0, -3.0, 0.5
-    assert in_real_basis(fit(function, coordinates)) == pytest.approx(expected, abs=1e-12)
+    assert fit(function, coordinates).in_reals == pytest.approx(expected, abs=1e-12)
 
 
 def leaning(joints: int, clearance: float = 0.0, backlash: float = 0.0) -> Arm:
