@@ -1,0 +1,59 @@
+"""The reference of `import linkwright as lw`, for mkdocstrings to fill from the docstrings."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator
+from importlib import import_module
+
+import linkwright as lw
+from linkwright.face.result import Reported, Result
+
+
+def homes() -> dict[str, list[str]]:
+    """The public names by the module where each stands."""
+    found: dict[str, list[str]] = {}
+    for name in lw.__all__:
+        home = next(module for module, names in lw._HOMES.items() if name in names)
+        found.setdefault(home, []).append(name)
+    return dict(sorted(found.items(), key=lambda each: each[1][0].lower()))
+
+
+def results(home: str) -> Iterator[str]:
+    """The results that what stands there gives."""
+    module = import_module(home)
+    for name, value in vars(module).items():
+        if inspect.isclass(value) and issubclass(value, Result) and value.__module__ == home:
+            yield name
+
+
+def python_pages() -> dict[str, str]:
+    """A page for each home, by its place on the site, and one that lists all names."""
+    pages: dict[str, str] = {}
+    rows: list[str] = []
+    for home, names in homes().items():
+        page = f"{names[0].lower()}.md"
+        given = list(results(home))
+        parts = [f"# {', '.join(f'lw.{name}' for name in names)}", ""]
+        for name in [*names, *(name for name in given if name not in names)]:
+            parts += [f"::: {home}.{name}", ""]
+        pages[f"python/{page}"] = "\n".join(parts)
+        rows += [f"| [`lw.{name}`]({page}) | {first_sentence(getattr(lw, name))} |" for name in names]
+    common = [f"::: {each.__module__}.{each.__name__}" for each in (Result, Reported)]
+    pages["python/results.md"] = "\n\n".join(["# What results have in common", *common, ""])
+    start = [
+        "# The Python face",
+        "",
+        "Written from the code. [From Python](../python.md) shows it at work; [results](results.md) are alike.",
+        "",
+    ]
+    return {
+        "python/index.md": "\n".join([*start, "| name | |", "|---|---|", *sorted(rows, key=str.lower), ""]),
+        **pages,
+    }
+
+
+def first_sentence(value: object) -> str:
+    """What its documentation begins with."""
+    paragraph = (inspect.getdoc(value) or "").split("\n\n")[0]
+    return " ".join(paragraph.split()).replace("|", "\\|")
