@@ -1,4 +1,4 @@
-"""Tables of comma-separated values, for spreadsheets: a row an entry, read whole or refused with the line."""
+"""Tables for and from spreadsheets, as text or a workbook: a row an entry, read whole or refused with the line."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TypeVar
 from units.quantities import InputError
 from units.reading import nearest, read_text
 from units.spreadsheet import defused, fused
+from units.workbook import is_workbook, workbook_text
 
 T = TypeVar("T")
 
@@ -31,7 +32,8 @@ def read_rows(
 
     Columns may be in any order and missing, but for those `needed`, which every row must fill. Raises `InputError`.
     """
-    reader = csv.DictReader(io.StringIO(read_text(path), newline=""), strict=True)
+    text = workbook_text(path) if is_workbook(path) else read_text(path)
+    reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     found: list[T] = []
     try:
         headings = list(reader.fieldnames or ())

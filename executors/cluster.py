@@ -63,10 +63,13 @@ class Cluster(Executor):
     def _connected(self, patience: float) -> Client:
         try:
             from distributed import Client
+            from distributed.comm.addressing import get_address_host
         except ImportError:
             message = "a cluster needs dask, which is not installed: pip install 'linkwright[cluster]'"
             raise InputError("", "--dask", message) from None
         try:
+            # A client of an address that cannot be read says so, and once more in a traceback when it is collected.
+            get_address_host(self.address)
             return Client(self.address, timeout=patience, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             reason = " ".join(str(error).split()) or type(error).__name__

@@ -38,7 +38,7 @@ _LARGEST = 1e12
 
 
 def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, rules: Rules = RULES) -> Recording:
-    """The recording that a CSV or parquet file holds, checked against the arm.
+    """The recording that a CSV, .xlsx or parquet file holds, checked against the arm.
 
     `settings` is its recording.yaml; without one, a YAML file of the recording's name or recording.yaml in its folder
     counts. Rows that cannot be used are in `rejected` with the reason, everything else worth saying in `warnings`.

@@ -180,4 +180,4 @@ def _layout(mapping: Mapping) -> Layout:
     for name in names:
         if names.count(name) > 1:
             raise mapping.error("names", f"holds {shown(name)} twice")
-    return Layout(separator, decimal, comment, skip, encoding, names)
+    return Layout(separator, decimal, comment, skip, encoding, names, mapping.text("sheet", ""))

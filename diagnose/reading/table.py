@@ -1,4 +1,6 @@
-"""A recording's file as a table of named columns, whatever its separator: text cells from CSV, values from parquet."""
+"""A recording's file as a table of named columns, whatever its separator.
+
+Text cells from CSV and Excel workbooks, values from parquet."""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ import io
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -19,6 +21,7 @@ from diagnose.recording import RejectedRow
 from sections.numeric import Array
 from units.files import read_bytes
 from units.quantities import InputError, shown
+from units.workbook import is_workbook, workbook_text
 
 from .columns import looks_like_ours, otherwise_spelled
 
@@ -39,7 +42,7 @@ _THOUSANDS = MappingProxyType(
 )
 _BINARY = MappingProxyType(
     {
-        b"PK\x03\x04": "an Excel workbook or a zip file",
+        b"PK\x03\x04": "a zip file or an Excel workbook by another name (call it .xlsx)",
         b"\xd0\xcf\x11\xe0": "an old Excel workbook",
         b"\x1f\x8b": "compressed (gzip)",
         b"MATLAB": "a MATLAB file",
@@ -63,7 +66,8 @@ _LARGEST_PARQUET = 512 * 1024 * 1024
 @dataclass(frozen=True)
 class Layout:
     """How a text file is laid out. `skip_rows` lines stand before the header, lines that begin with `comment` count
-    for nothing; without a `separator` the header tells it. `names` are the columns' where the file has no header."""
+    for nothing; without a `separator` the header tells it. `names` are the columns' where the file has no header;
+    `sheet` is the one of a workbook."""
 
     separator: str | None = None
     decimal: str = "."
@@ -71,6 +75,7 @@ class Layout:
     skip_rows: int = 0
     encoding: str = "utf-8"
     names: tuple[str, ...] = ()
+    sheet: str = ""
 
 
 @dataclass(frozen=True)
@@ -142,10 +147,12 @@ def as_number(cell: str, decimal: str = ".") -> float:
 
 
 def read_table(path: Path, layout: Layout) -> Table:
-    """The table that a CSV or parquet file holds. Raises `InputError`, one line, for anything else."""
+    """The table that a CSV, .xlsx or parquet file holds. Raises `InputError`, one line, for anything else."""
     if path.suffix.lower() in (".parquet", ".pq"):
         return _parquet(path)
-    return _csv(path, layout)
+    if is_workbook(path):
+        return _csv(path, replace(layout, separator=","), workbook_text(path, layout.sheet, layout.decimal))
+    return _csv(path, layout, _text(path, layout.encoding))
 
 
 def _text(path: Path, encoding: str) -> str:
@@ -167,8 +174,7 @@ def _text(path: Path, encoding: str) -> str:
         raise InputError(path, "encoding", f"is not {encoding} text") from None
 
 
-def _csv(path: Path, layout: Layout) -> Table:
-    text = _text(path, layout.encoding)
+def _csv(path: Path, layout: Layout, text: str) -> Table:
     if "\0" in text:
         raise InputError(path, "", "is no plain text: it holds NUL bytes; is it UTF-16 (`encoding: utf-16`)?")
     kept, first, named = _lines(path, text, layout)

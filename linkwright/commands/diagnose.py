@@ -62,7 +62,7 @@ RecordingYamls = Annotated[
 def diagnose(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
     recording: Annotated[
-        list[Path], typer.Argument(metavar="RECORDING...", help="The recording, CSV or parquet; or several at once.")
+        list[Path], typer.Argument(metavar="RECORDING...", help="The recording (.csv, .xlsx, .parquet), or several.")
     ],
     out: OutFolder = None,
     json: JsonFile = None,

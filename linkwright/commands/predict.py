@@ -21,7 +21,7 @@ Example: linkwright predict result/arm.yaml other.csv --json prediction.json
 
 def predict(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file; a corrected one, say.")],
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="The recording, CSV or parquet.")],
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="The recording, CSV, .xlsx or parquet.")],
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     recording_yaml: RecordingYaml = None,

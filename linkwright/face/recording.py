@@ -88,7 +88,7 @@ class Recording:
 
 
 def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings: File | None = None) -> Recording:
-    """The recording that a CSV or parquet file holds, or a data frame with the same columns, checked against the arm.
+    """The recording that a CSV, .xlsx or parquet file holds, or a data frame of the same columns, checked.
 
     `settings` is its recording.yaml; beside a file one of its name, or recording.yaml, counts by default. Rows that
     cannot be used are set aside with the reason. Raises `InputError` where nothing sensible can follow.

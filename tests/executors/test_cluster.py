@@ -81,6 +81,13 @@ def test_nobody_there_is_one_line_within_seconds():
     assert time.monotonic() - began < 30.0
 
 
+def test_an_address_of_no_scheme_that_dask_knows_makes_no_client(monkeypatch: pytest.MonkeyPatch):
+    """A client that could not start says so a second time, in a traceback, when it is collected."""
+    monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
+    with pytest.raises(InputError, match="no dask scheduler answers at x://y"):
+        Cluster("x://y", patience=0.1)
+
+
 def test_without_dask_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'linkwright\[cluster\]'"):

@@ -33,7 +33,7 @@ Keys are such as density, cost.spread or title; several at once are one edit: KE
 
 Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
 """
-IMPORT_HELP = """Put materials from a file into your catalogue: .yaml, .FCMat (FreeCAD) or .csv; all of it or nothing.
+IMPORT_HELP = """Put materials from a file in your catalogue: .yaml, .FCMat (FreeCAD), .csv, .xlsx; all or nothing.
 
 Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
 """
@@ -73,7 +73,7 @@ OWN = OwnCatalogue(
     such_as="density='3000 kg/m^3'",
     made=_made,
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
-    read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table},
+    read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table, ".xlsx": read_table},
 )
 
 

@@ -28,7 +28,7 @@ EDIT_HELP = """Change keys of a stock size, or the file in $EDITOR; a shipped si
 
 Example: linkwright sections edit 'TUBE 60x4' thickness '5 mm'
 """
-IMPORT_HELP = """Put stock sizes from a .yaml or .csv file into your tables; all of it or nothing.
+IMPORT_HELP = """Put stock sizes from a .yaml, .csv or .xlsx file into your tables; all of it or nothing.
 
 Example: linkwright sections import supplier.csv
 """
@@ -67,6 +67,7 @@ OWN = OwnCatalogue(
     read={
         ".yaml": lambda path: [row_of(size) for size in STOCK.check(read_text(path), path)],
         ".csv": read_table,
+        ".xlsx": read_table,
     },
 )
 

@@ -1,0 +1,118 @@
+"""Excel workbooks: what a sheet holds is what the same table as text holds; hostile ones are one line."""
+
+import datetime
+import io
+import zipfile
+from pathlib import Path
+
+import pytest
+from openpyxl import Workbook
+
+from arm.files.read import read_arm
+from catalogues.materials_csv import read_table as read_materials
+from diagnose.reading.read import read_recording
+from units.quantities import InputError
+from units.workbook import workbook_text
+
+EXAMPLE = Path(__file__).parents[1] / "examples/hidden-backlash"
+
+
+def saved(path: Path, *rows: list[object], sheets: tuple[str, ...] = ("Sheet",)) -> Path:
+    book = Workbook()
+    book.active.title = sheets[0]
+    for name in sheets[1:]:
+        book.create_sheet(name)
+    for name in sheets:
+        for row in rows:
+            book[name].append(row)
+    book.save(path)
+    return path
+
+
+def test_a_recording_in_a_workbook_is_the_one_in_text(tmp_path: Path):
+    lines = (EXAMPLE / "recording.csv").read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines]
+    path = saved(tmp_path / "recording.xlsx", rows[0], *([float(cell) for cell in row] for row in rows[1:]))
+    settings = EXAMPLE / "recording.yaml"
+    arm = read_arm(EXAMPLE / "arm.yaml")
+    text, book = (read_recording(each, arm, settings) for each in (EXAMPLE / "recording.csv", path))
+    assert (book.q == text.q).all()
+    assert (book.tip == text.tip).all()
+    assert book.rejected == text.rejected
+
+
+def test_cells_as_text(tmp_path: Path):
+    row = [1 / 3, -7, True, None, datetime.datetime(2026, 5, 16, 8, 30), " a,\n b "]
+    path = saved(tmp_path / "a.xlsx", ["a", "b", "c", "d", "e", "f"], [], row)
+    expected = f'a,b,c,d,e,f\n{1 / 3!r},-7,1,,2026-05-16T08:30:00,"a, b"\n'
+    assert workbook_text(path) == expected
+    assert workbook_text(path, decimal=",").splitlines()[1].startswith('"0,333')
+
+
+def test_which_sheet(tmp_path: Path):
+    path = saved(tmp_path / "a.xlsx", ["a", 1], sheets=("May", "June"))
+    assert workbook_text(path, "June") == "a,1\n"
+    with pytest.raises(InputError, match=r"has 2 sheets \('?May'?, '?June'?\); `sheet: May` reads one"):
+        workbook_text(path)
+    with pytest.raises(InputError, match=r"there is no sheet .*Jun.*June"):
+        workbook_text(path, "Jun")
+
+
+def test_materials_from_a_workbook(tmp_path: Path):
+    path = saved(tmp_path / "m.xlsx", ["name", "title", "density"], ["our-alloy", "Ours", "2800 kg/m^3"])
+    (entry,) = read_materials(path)
+    assert (entry.name, entry.content["density"]) == ("our-alloy", "2800 kg/m^3")
+
+
+def packed(path: Path, members: dict[str, bytes]) -> Path:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    path.write_bytes(stream.getvalue())
+    return path
+
+
+def spoilt(path: Path, *changes: tuple[bytes, bytes]) -> Path:
+    """A sound workbook with something replaced in its sheet."""
+    member = "xl/worksheets/sheet1.xml"
+    with zipfile.ZipFile(saved(path, ["q1_deg"], [1.0])) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    for change in changes:
+        assert change[0] in members[member]
+        members[member] = members[member].replace(*change)
+    return packed(path, members)
+
+
+def test_hostile_workbooks_are_one_line(tmp_path: Path):
+    text = tmp_path / "text.xlsx"
+    text.write_text("q1_deg,x_mm\n1,2\n", encoding="utf-8")
+    bomb = packed(tmp_path / "bomb.xlsx", {"xl/workbook.xml": bytes(600 * 1024 * 1024)})
+    with pytest.raises(InputError, match="unpacks to more than 512 MB"):
+        workbook_text(bomb)
+    laughs = (
+        b"<worksheet",
+        b'<!DOCTYPE l [<!ENTITY a "'
+        + b"ha" * 50
+        + b'">'
+        + b"".join(b'<!ENTITY %c "%s">' % (98 + k, (b"&%c;" % (97 + k)) * 50) for k in range(8))
+        + b"]><worksheet",
+    )
+    for number, path in enumerate(
+        [
+            text,
+            packed(tmp_path / "empty.xlsx", {"a.txt": b""}),
+            packed(tmp_path / "part.xlsx", {"[Content_Types].xml": b"<x/>", "xl/workbook.xml": b"<x"}),
+            spoilt(tmp_path / "cell.xlsx", (b'r="A1"', b'r="!!"')),
+            spoilt(tmp_path / "shared.xlsx", (b't="n"', b't="s"')),
+            spoilt(tmp_path / "cut.xlsx", (b"</sheetData>", b"")),
+            spoilt(tmp_path / "laughs.xlsx", laughs, (b"q1_deg", b"&i;")),
+            spoilt(tmp_path / "number.xlsx", (b"<v>1</v>", b"<v>1e</v>")),
+            saved(tmp_path / "blank.xlsx"),
+        ]
+    ):
+        with pytest.raises(InputError, match=r"Excel workbook|no filled cell") as error:
+            print(number, workbook_text(path))
+        assert "\n" not in str(error.value), number
+    far = spoilt(tmp_path / "far.xlsx", (b'r="A2"', b'r="XFD1048576"'))
+    assert workbook_text(far).startswith("q1_deg,")

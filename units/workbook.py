@@ -1,0 +1,111 @@
+"""A sheet of an Excel workbook (.xlsx) as comma-separated text, so that it is read as a table of text is."""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import ParseError
+
+from units.files import read_bytes
+from units.quantities import InputError, shown
+from units.reading import nearest
+
+if TYPE_CHECKING:
+    from openpyxl.workbook.workbook import Workbook
+
+WORKBOOKS = (".xlsx", ".xlsm")
+_LARGEST = 512 * 1024 * 1024
+"""Bytes that a workbook may hold when unpacked: a small file can unpack to more than a machine's memory."""
+_MOST_CELLS = 10_000_000
+_BROKEN = (
+    zipfile.BadZipFile,
+    ParseError,
+    KeyError,
+    ValueError,
+    IndexError,
+    TypeError,
+    AttributeError,
+    EOFError,
+    OSError,
+)
+"""What openpyxl raises for a file that is no sound workbook, `InvalidFileException` (not a ValueError) aside."""
+
+
+def is_workbook(path: Path | str) -> bool:
+    """Whether a file is a workbook by its name."""
+    return Path(path).suffix.lower() in WORKBOOKS
+
+
+def workbook_text(path: Path | str, sheet: str = "", decimal: str = ".") -> str:
+    """The cells of a sheet as comma-separated text, without the blank rows and columns after the last that is filled.
+
+    `sheet` names it; it may be left out where one sheet alone holds anything. Numbers are written with `decimal`, to
+    the last digit; dates as ISO 8601; a formula counts as what was last computed of it. Raises `InputError`, one line.
+    """
+    content = read_bytes(path)
+    from openpyxl.utils.exceptions import InvalidFileException
+
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:
+            unpacked = sum(each.file_size for each in packed.infolist())
+        if unpacked > _LARGEST:
+            raise InputError(path, "", f"unpacks to more than {_LARGEST // 1024**2} MB")
+        return _text_of(path, content, sheet, decimal)
+    except InputError:
+        raise
+    except (*_BROKEN, InvalidFileException) as error:
+        raise InputError(path, "", f"is no Excel workbook that can be read: {shown(str(error))}") from None
+
+
+def _text_of(path: Path | str, content: bytes, sheet: str, decimal: str) -> str:
+    from openpyxl import load_workbook
+
+    book: Workbook = load_workbook(io.BytesIO(content), read_only=True, data_only=True)
+    names = [str(each.title) for each in book.worksheets]
+    if sheet and sheet not in names:
+        raise InputError(path, "sheet", f"there is no sheet {shown(sheet)}{nearest(sheet, names)}")
+    tables = {name: list(_rows(path, book[name])) for name in ([sheet] if sheet else names)}
+    filled = [name for name, rows in tables.items() if rows]
+    if len(filled) > 1:
+        listed = ", ".join(shown(name, 30) for name in filled[:5])
+        raise InputError(path, "", f"has {len(filled)} sheets ({listed}); `sheet: {filled[0]}` reads one of them")
+    if not filled:
+        raise InputError(path, "", "has no filled cell")
+    stream = io.StringIO(newline="")
+    rows = tables[filled[0]]
+    width = max(len(row) for row in rows)
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerows([_cell(cell, decimal) for cell in row] + [""] * (width - len(row)) for row in rows)
+    return stream.getvalue()
+
+
+def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
+    """The rows that hold anything, each to its last filled cell."""
+    sheet.reset_dimensions()  # what a file says of its own size need not be true
+    seen = 0
+    for row in sheet.iter_rows(values_only=True):
+        seen += len(row)
+        if seen > _MOST_CELLS:
+            raise InputError(path, "", f"has more than {_MOST_CELLS} cells")
+        cells = list(row)
+        while cells and cells[-1] in (None, ""):
+            cells.pop()
+        if cells:
+            yield cells
+
+
+def _cell(value: Any, decimal: str) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, int | float):
+        return repr(value).replace(".", decimal)
+    if isinstance(value, datetime.datetime | datetime.date | datetime.time):
+        return value.isoformat()
+    return " ".join(str(value).split())
