@@ -62,7 +62,7 @@ def read_bytes(path: Path | str, most: int = LARGEST_FILE) -> bytes:
     return b"".join(pieces)
 
 
-def write_whole(path: Path | str, text: str, *, flush: bool = False, ending: str = "") -> None:
+def write_whole(path: Path | str, text: str | bytes, *, flush: bool = False, ending: str = "") -> None:
     """Write a file whole or not at all: to a neighbour first, then renamed into place; its permissions stay.
 
     With `flush` it is on the disk before this returns, so that it outlives a power cut as well as a kill. The
@@ -72,8 +72,8 @@ def write_whole(path: Path | str, text: str, *, flush: bool = False, ending: str
     target = Path(path)
     beside = neighbour(target, ending)
     try:
-        with beside.open("w", encoding="utf-8", newline="") as stream:
-            stream.write(text)
+        with beside.open("wb") as stream:
+            stream.write(text if isinstance(text, bytes) else text.encode())
             if flush:
                 stream.flush()
                 os.fsync(stream.fileno())

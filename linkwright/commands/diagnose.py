@@ -23,8 +23,10 @@ from .options import (
     JsonFile,
     MarkdownFile,
     OutFolder,
+    PdfFile,
     Workers,
     asked_of,
+    check_pdf,
     crew_of,
     files_of,
     tell,
@@ -67,6 +69,7 @@ def diagnose(
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
+    pdf: PdfFile = None,
     thorough: Thorough = False,
     without_effect: Without = None,
     recording_yaml: RecordingYamls = None,
@@ -91,6 +94,7 @@ def diagnose(
 
     for target in (json, markdown):
         check_target(target, arm, *recording, *(recording_yaml or ()), problem, catalogue)
+    check_pdf(pdf, arm, *recording, problem, catalogue)
     known_effects(without_effect or ())
     with waiting("reading"):
         given = lw.read_arm(arm, catalogue=catalogue)
@@ -105,10 +109,11 @@ def diagnose(
             found = replace(found, redesign=lw.redesign(asked, found, progress=told))
     write_result(json, found.to_json())
     written = [] if json is None else [json]
+    files = files_of(arm, *recording, *settings_of(read), problem, None if asked is None else asked.arm_file, catalogue)
+    if pdf is not None:
+        found.save_pdf(pdf, made_from=files, author=author, comment=comment)
+        written = [pdf, *written]
     if out is not None:
-        files = files_of(
-            arm, *recording, *settings_of(read), problem, None if asked is None else asked.arm_file, catalogue
-        )
         found.save(out, made_from=files, author=author, comment=comment)
         written = [*(out / name for name in FILES if (out / name).exists()), *written]
     tell(describe(found.found, None if found.redesign is None else found.redesign.found), markdown, *written)

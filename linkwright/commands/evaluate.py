@@ -12,7 +12,19 @@ import linkwright as lw
 from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_result
 from units.quantities import InputError
 
-from .options import Author, CatalogueFile, Comment, JsonFile, MarkdownFile, OutFolder, asked_of, files_of, tell
+from .options import (
+    Author,
+    CatalogueFile,
+    Comment,
+    JsonFile,
+    MarkdownFile,
+    OutFolder,
+    PdfFile,
+    asked_of,
+    check_pdf,
+    files_of,
+    tell,
+)
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -40,6 +52,7 @@ def evaluate(
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
+    pdf: PdfFile = None,
     catalogue: CatalogueFile = None,
     author: Author = "",
     comment: Comment = "",
@@ -50,6 +63,7 @@ def evaluate(
 
     for target in (json, markdown):
         check_target(target, arm, problem, catalogue)
+    check_pdf(pdf, arm, problem, catalogue)
     with waiting("evaluating"):
         given = lw.read_arm(arm, catalogue=catalogue)
         at = None if pose is None else read_pose(pose, given.model)
@@ -57,11 +71,14 @@ def evaluate(
         with asked_of(arm):
             asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
             found = lw.evaluate(given, asked, pose=at)
+            read = files_of(arm, problem, catalogue)
             if out is not None:
-                found.save(out, made_from=files_of(arm, problem, catalogue), author=author, comment=comment)
+                found.save(out, made_from=read, author=author, comment=comment)
+            if pdf is not None:
+                found.save_pdf(pdf, made_from=read, author=author, comment=comment)
     write_result(json, found.to_json())
     report = [] if out is None else [out / REPORT, out / RESULT]
-    tell(describe(found.found, found.robust), markdown, *report, json)
+    tell(describe(found.found, found.robust), markdown, *report, pdf, json)
 
 
 def read_pose(text: str, arm: Arm) -> tuple[float, ...]:

@@ -28,8 +28,10 @@ from .options import (
     JsonFile,
     MarkdownFile,
     OutFolder,
+    PdfFile,
     Workers,
     asked_of,
+    check_pdf,
     crew_of,
     files_of,
     tell,
@@ -53,6 +55,7 @@ def optimize(
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
+    pdf: PdfFile = None,
     catalogue: CatalogueFile = None,
     author: Author = "",
     comment: Comment = "",
@@ -77,6 +80,7 @@ def optimize(
 
     for target in (json, markdown):
         check_target(target, problem, catalogue)
+    check_pdf(pdf, problem, catalogue)
     if round_to is None and round_length is not None:
         raise InputError("", "--round-length", "goes with --round; write --round stock, or --round '0.5 mm'")
     if round_to is not None:
@@ -97,12 +101,14 @@ def optimize(
                 show(console(), described)
             raise
     write_result(json, result.to_json())
+    read = files_of(problem, asked.arm_file, catalogue)
     if out is not None:
-        read = files_of(problem, asked.arm_file, catalogue)
         result.save(out, made_from=read, author=author, comment=comment)
+    if pdf is not None:
+        result.save_pdf(pdf, made_from=read, author=author, comment=comment)
     console().print()
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
-    tell(describe(result.found), markdown, *written, json)
+    tell(describe(result.found), markdown, *written, pdf, json)
     if result.interrupted:
         _stopped("this is the best design so far")
         raise KeyboardInterrupt

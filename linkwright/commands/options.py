@@ -21,6 +21,9 @@ JsonFile = Annotated[
 MarkdownFile = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the result as Markdown, for notes and issues.")
 ]
+PdfFile = Annotated[
+    Path | None, typer.Option("--pdf", metavar="FILE", help="Write the report as a PDF of A4 pages (the extra `pdf`).")
+]
 CatalogueFile = Annotated[
     Path | None,
     typer.Option("--catalogue", metavar="FILE", help="Materials that add to the shipped ones, or replace them."),
@@ -45,6 +48,18 @@ Dask = Annotated[
 def files_of(*given: Path | None) -> list[Path]:
     """The files among what may have been given."""
     return [path for path in given if path is not None]
+
+
+def check_pdf(path: Path | None, *inputs: Path | None) -> None:
+    """Refuse, before any work is done, a PDF that could not be made or written. Raises `InputError`."""
+    if path is not None:
+        from linkwright.output.files import OUTPUT, check_target
+        from linkwright.pdf.document import need_typst
+
+        if path == OUTPUT:
+            raise InputError("", "--pdf", "needs the name of a file; a PDF is nothing for standard output")
+        check_target(path, *inputs)
+        need_typst()
 
 
 def tell(described: Description, markdown: Path | None, *written: Path | None) -> None:

@@ -26,8 +26,10 @@ from .options import (
     Dask,
     JsonFile,
     MarkdownFile,
+    PdfFile,
     Workers,
     asked_of,
+    check_pdf,
     crew_of,
     files_of,
     tell,
@@ -86,6 +88,7 @@ def tradeoff(
     ] = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
+    pdf: PdfFile = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points as CSV.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal in --out DIR holds.")] = False,
     catalogue: CatalogueFile = None,
@@ -101,6 +104,7 @@ def tradeoff(
 
     for target in (json, csv, markdown):
         check_target(target, problem, catalogue)
+    check_pdf(pdf, problem, catalogue)
     if resume and out is None:
         raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
     with waiting("reading"):
@@ -114,10 +118,13 @@ def tradeoff(
         _journal(asked, accuracy, out, resume=resume) as journal,
     ):
         result = _traced(given, asked, accuracy, journal, out, crew)
-        origin = origin_of(files_of(problem, given.arm_file, catalogue), author=author, comment=comment)
+        read = files_of(problem, given.arm_file, catalogue)
+        origin = origin_of(read, author=author, comment=comment)
         written = _write(result, out, json, csv, origin)
+        if pdf is not None:
+            result.save_pdf(pdf, made_from=read, author=author, comment=comment)
     console().print()
-    tell(describe(result.found), markdown, *written)
+    tell(describe(result.found), markdown, *written, pdf)
 
 
 def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool) -> Journal:

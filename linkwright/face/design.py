@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
-from linkwright.output.files import DESIGN, REPORT
+from linkwright.output.files import DESIGN
 from linkwright.redesigning import Redesign as FoundRedesign
-from linkwright.report.pages.optimization import optimization_page
+from linkwright.report.contents import Contents
+from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.redesign import redesign_json, redesign_sentences
@@ -122,7 +123,10 @@ class Optimization(Reported):
         return {"Links": self.links, "What binds": self.binding}
 
     def _files(self) -> Mapping[str, str]:
-        return {REPORT: optimization_page(self.found), DESIGN: self.arm.to_yaml()}
+        return {DESIGN: self.arm.to_yaml()}
+
+    def _report(self) -> Contents:
+        return optimization_report(self.found)
 
 
 def optimize(

@@ -21,8 +21,9 @@ from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
 from linkwright.output.written_arm import with_written
 from linkwright.redesigning import redesign as redesigned
+from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
-from linkwright.report.pages.diagnosis import diagnosis_page
+from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from linkwright.results.diagnoses.words import name_words
@@ -142,9 +143,11 @@ class Diagnosis(Reported):
         for a folder that holds anything else."""
         place = Path(folder)
         claim_diagnosis(place)
-        page = diagnosis_page(self.found, None if self.redesign is None else self.redesign.found)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        write_diagnosis(place, self.found, self.to_json(), signed(page, origin))
+        write_diagnosis(place, self.found, self.to_json(), signed(page_of(self._report()), origin))
+
+    def _report(self) -> Contents:
+        return diagnosis_report(self.found, None if self.redesign is None else self.redesign.found)
 
     def _content(self) -> Mapping[str, Any]:
         content: dict[str, Any] = diagnosis_json(self.found)

@@ -17,8 +17,8 @@ from arm.evaluation import evaluate as evaluated
 from arm.worst.search import WorstSearch
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns
-from linkwright.output.files import REPORT
-from linkwright.report.pages.evaluation import evaluation_page
+from linkwright.report.contents import Contents
+from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
 from linkwright.results.figures_in_words import effect_title
 from optimize.robust.figure import robust_figure
@@ -110,8 +110,8 @@ class Evaluation(Reported):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
 
-    def _files(self) -> Mapping[str, str]:
-        return {REPORT: evaluation_page(self.found, field_of(self.found), self.robust)}
+    def _report(self) -> Contents:
+        return evaluation_report(self.found, field_of(self.found), self.robust)
 
 
 def evaluate(

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own, json_text, write_folder
+from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own, json_text, write_file, write_folder
+from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
 from linkwright.results.document import plain as plain_words
@@ -85,7 +86,7 @@ class Result(ABC):
 
 
 class Reported(Result):
-    """A result with a report."""
+    """A result with a report: a page beside the result, or a PDF."""
 
     def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write what the command's `--out` writes. The report says when it was made, and of the files that it was
@@ -93,10 +94,21 @@ class Reported(Result):
         folder that holds anything else."""
         place = Path(folder)
         claim_own(place, self._command, self._own)
-        files = {RESULT: self.to_json(), **self._files()}
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        files[REPORT] = signed(files[REPORT], origin)
-        write_folder(place, files)
+        report = signed(page_of(self._report()), origin)
+        write_folder(place, {RESULT: self.to_json(), REPORT: report, **self._files()})
+
+    def save_pdf(self, file: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
+        """Write the report as a PDF of A4 pages; the same result gives the same bytes where SOURCE_DATE_EPOCH stands
+        for the date. Raises `InputError` where typst is not installed or the file cannot be written."""
+        from linkwright.pdf.document import pdf_of
+
+        origin = origin_of(map(Path, made_from), author=author, comment=comment)
+        write_file(Path(file), pdf_of(self._report(), origin))
+
+    @abstractmethod
+    def _report(self) -> Contents:
+        """What the report shows."""
 
 
 def _short(value: float) -> str:

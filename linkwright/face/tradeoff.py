@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 from executors import Executor
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
+from linkwright.report.contents import Contents
 from linkwright.report.origin import origin_of
-from linkwright.report.pages.tradeoff import front_figure
+from linkwright.report.pages.tradeoff import front_figure, tradeoff_report
 from optimize.tradeoff.front import Point
 from optimize.tradeoff.front import Tradeoff as Found
 from optimize.tradeoff.journal import Journal
@@ -82,6 +83,9 @@ class Tradeoff(Reported):
         place = Path(folder)
         claim_tradeoff(place)
         write_tradeoff(self.found, place, origin_of(map(Path, made_from), author=author, comment=comment))
+
+    def _report(self) -> Contents:
+        return tradeoff_report(self.found)
 
     def _content(self) -> Mapping[str, Any]:
         return tradeoff_json(self.found)

@@ -22,6 +22,7 @@ _MODULES = MappingProxyType({"PyYAML": "yaml"})
 """By name, where a package is imported by another."""
 _PARTS = (
     ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
+    ("reports as PDF (--pdf)", ("typst",), "pip install 'linkwright[pdf]'"),
     ("clusters (--dask)", ("dask", "distributed"), "pip install 'linkwright[cluster]'"),
 )
 OLDEST_PYTHON = (3, 11)

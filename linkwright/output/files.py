@@ -77,17 +77,17 @@ def _same(one: Path, other: Path) -> bool:
     return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
 
 
-def write_file(path: Path, text: str) -> None:
-    """Write a text file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is.
+def write_file(path: Path, text: str | bytes) -> None:
+    """Write a file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is.
 
     `-` is standard output. Raises `InputError`.
     """
-    if path == OUTPUT:
+    if path == OUTPUT and isinstance(text, str):
         write_result_out(text)
         return
     try:
         if os.path.exists(path) and not os.path.isfile(path):
-            path.write_text(text, encoding="utf-8")
+            path.write_bytes(text if isinstance(text, bytes) else text.encode())
         else:
             write_whole(os.path.realpath(path), text, flush=True)
     except (OSError, ValueError) as error:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from arm.files.write import arm_to_yaml
 from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
+from linkwright.report.contents import page_of
 from linkwright.report.origin import Origin, signed
-from linkwright.report.pages.tradeoff import tradeoff_page
+from linkwright.report.pages.tradeoff import tradeoff_report
 from linkwright.report.pictures.tradeoff import tradeoff_picture
 from optimize.tradeoff.front import Tradeoff
 from optimize.tradeoff.journal import JOURNAL, LOCK
@@ -28,7 +29,7 @@ def write_tradeoff(result: Tradeoff, out: Path, origin: Origin) -> list[Path]:
     """Write the files, result.json last; gives where they are. Raises `InputError`."""
     _write_points(result, out)
     files = {
-        REPORT: signed(tradeoff_page(result), origin),
+        REPORT: signed(page_of(tradeoff_report(result)), origin),
         PICTURE: tradeoff_picture(result),
         CSV: tradeoff_csv(result),
     }

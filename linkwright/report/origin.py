@@ -29,6 +29,14 @@ class Origin:
     author: str = ""
     comment: str = ""
 
+    @property
+    def rows(self) -> tuple[tuple[str, str], ...]:
+        """All of it, as what it is and what it says."""
+        rows = [("date", self.date), ("made by", f"linkwright {self.version}")]
+        rows += [("author", plain(self.author))] if self.author else []
+        rows += [("comment", plain(self.comment))] if self.comment else []
+        return (*rows, *((name, f"SHA-256 {total}" if total else "no longer there") for name, total in self.files))
+
 
 def origin_of(files: Iterable[Path] = (), *, author: str = "", comment: str = "") -> Origin:
     """The origin of a report that is made now; SOURCE_DATE_EPOCH, where it is set, says when now is
@@ -46,11 +54,9 @@ def signed(page: str, origin: Origin) -> str:
 
 
 def _part(origin: Origin) -> str:
-    rows = [("date", origin.date), ("made by", f"linkwright {origin.version}")]
-    rows += [("author", plain(origin.author))] if origin.author else []
-    rows += [("comment", plain(origin.comment))] if origin.comment else []
-    rows += [(name, f"SHA-256 {total}" if total else "no longer there") for name, total in origin.files]
-    lines = (element("tr", element("th", text(name), scope="row"), element("td", text(said))) for name, said in rows)
+    lines = (
+        element("tr", element("th", text(name), scope="row"), element("td", text(said))) for name, said in origin.rows
+    )
     return element(
         "section", element("h2", "Where this is from"), element("table", element("tbody", *lines), class_="origin")
     )

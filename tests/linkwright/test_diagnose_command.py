@@ -20,8 +20,9 @@ from diagnose.result import Alternative, Detectable, FittedParameter
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
 from linkwright.output.files import json_text
+from linkwright.report.contents import page_of
 from linkwright.report.pages.covariates import covariates
-from linkwright.report.pages.diagnosis import diagnosis_page
+from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pictures.ladder import ladder_picture
 from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
 from linkwright.results.diagnoses.answer import answer, to_do
@@ -113,7 +114,7 @@ def test_nothing_unknown_becomes_nan():
     assert "Infinity" not in text
     assert json.loads(text)["missing"][0]["parameters"]["lag"]["ci95"] == [0.0, None]
     assert value(fitted).text == interval(fitted).text == "–"
-    assert "nan" not in Page(diagnosis_page(diagnosis)).text.lower()
+    assert "nan" not in Page(page_of(diagnosis_report(diagnosis))).text.lower()
 
 
 @pytest.mark.parametrize(
@@ -133,8 +134,8 @@ def test_figures_have_the_digits_that_their_interval_supports(size, ends, words)
 def page(request):
     """The report of each verdict, and of an arm in space."""
     if request.param == "in space":
-        return Page(diagnosis_page(made_diagnosis("named", made_arm(space=True))))
-    return Page(diagnosis_page(made_diagnosis(request.param)))
+        return Page(page_of(diagnosis_report(made_diagnosis("named", made_arm(space=True)))))
+    return Page(page_of(diagnosis_report(made_diagnosis(request.param))))
 
 
 def test_page_is_whole_and_loads_nothing(page):
@@ -148,7 +149,7 @@ def test_page_is_whole_and_loads_nothing(page):
 def test_page_opens_with_the_plain_sentence():
     """First the heading, then the answer and what to do, then the whole sentence, then all figures."""
     diagnosis = made_diagnosis("unknown")
-    text = Page(diagnosis_page(diagnosis)).text
+    text = Page(page_of(diagnosis_report(diagnosis))).text
     places = [text.index(part) for part in (answer(diagnosis), *to_do(diagnosis), diagnosis.sentence, "RMS of the")]
     assert places == sorted(places)
 
@@ -197,9 +198,9 @@ def test_small_findings_stand_below_by_their_cause():
     small = replace(
         made.findings[0], effect="encoder_offset", at=(3,), rms_explained=0.1 * made.findings[0].rms_explained
     )
-    page = Page(diagnosis_page(replace(made, findings=(*made.findings, small)))).text
+    page = Page(page_of(diagnosis_report(replace(made, findings=(*made.findings, small))))).text
     assert f"Small beside that: {EFFECTS[small.effect].cause}: " in page
-    assert "Small beside that" not in Page(diagnosis_page(made)).text
+    assert "Small beside that" not in Page(page_of(diagnosis_report(made))).text
 
 
 def test_the_ladder_is_drawn_to_scale():
@@ -218,7 +219,7 @@ def test_the_ladder_is_drawn_to_scale():
 def test_page_says_everything_that_was_found():
     """Findings, aliases, ladder, rejected forms, detectable sizes, next poses, standards, rows set aside, notes."""
     diagnosis = made_diagnosis("alias_class")
-    text = Page(diagnosis_page(diagnosis)).text
+    text = Page(page_of(diagnosis_report(diagnosis))).text
     for words in (
         "21 urad/(N·m)",
         "20 to 22 urad/(N·m)",
@@ -238,7 +239,7 @@ def test_page_says_everything_that_was_found():
 
 
 def test_page_describes_the_unknown():
-    text = Page(diagnosis_page(made_diagnosis("unknown"))).text
+    text = Page(page_of(diagnosis_report(made_diagnosis("unknown")))).text
     for words in ("a step of 0.28 mm at 700 s", "it grows evenly, the mismatch does not", "step in time", "93 %"):
         assert words in text
 
@@ -246,7 +247,7 @@ def test_page_describes_the_unknown():
 def test_pictures_need_no_script():
     """Arrow maps before and after and a plot for every covariate are SVG in the page itself."""
     diagnosis = made_diagnosis()
-    source = diagnosis_page(diagnosis)
+    source = page_of(diagnosis_report(diagnosis))
     for label in ("Residuals before over the workspace", "Residuals after over the workspace"):
         assert f'aria-label="{label}' in source
     names = [each.name for each in covariates(diagnosis)]
@@ -257,7 +258,7 @@ def test_pictures_need_no_script():
 def test_arrows_run_from_model_to_measured():
     """Arrows start where the tip nominally is and have the residual's direction, y up on the page."""
     diagnosis = made_diagnosis()
-    source = diagnosis_page(diagnosis)
+    source = page_of(diagnosis_report(diagnosis))
     start = source.index('aria-label="Residuals before over the workspace')
     svg = source[source.rindex("<svg", 0, start) : source.index("</svg>", start) + 6]
     paths = [e.attrib["d"] for e in ET.fromstring(svg).iter("path") if e.attrib["class"] == "arrows before"]
@@ -316,7 +317,7 @@ def test_many_readings_stay_a_page_of_bearable_size():
         residual_before=small.residual_before[pick],
         residual_after=small.residual_after[pick],
     )
-    assert len(diagnosis_page(big)) - len(diagnosis_page(small)) < 3_000_000
+    assert len(page_of(diagnosis_report(big))) - len(page_of(diagnosis_report(small))) < 3_000_000
 
 
 def test_screen_tells_the_same(diagnosis):

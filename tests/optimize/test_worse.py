@@ -16,7 +16,8 @@ from arm.evaluation import evaluate
 from arm.limits.sideways import SIDEWAYS, sideways_compliance
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
-from linkwright.report.pages.optimization import optimization_page
+from linkwright.report.contents import page_of
+from linkwright.report.pages.optimization import optimization_report
 from linkwright.results.describe import describe
 from materials.catalogue import load_catalogue
 from materials.material import Constant, Material, MissingProperty, Property
@@ -140,7 +141,7 @@ def test_a_figure_that_only_this_test_knows_follows(tmp_path: Path) -> None:
     assert entry == {"name": "slim", "before": pytest.approx(60.0), "after": pytest.approx(width), "unit": "mm"}
     words = f"least width from 60 to {width:.4g} mm"
     described = describe(result)
-    for text in (described.headline, markdown(described), optimization_page(result)):
+    for text in (described.headline, markdown(described), page_of(optimization_report(result))):
         assert words in text.replace("\N{NO-BREAK SPACE}", " ")
         assert "sideways stiffness from" in text
     (share,) = optimization_json(result)["softer_sideways"]

@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, OutFolder, asked_of, tell
+from linkwright.commands.options import (
+    Author,
+    CatalogueFile,
+    Comment,
+    JsonFile,
+    MarkdownFile,
+    OutFolder,
+    PdfFile,
+    asked_of,
+    check_pdf,
+    files_of,
+    tell,
+)
 from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_result
 
 HELP = """The error to expect, by cause, from data sheets and tolerances; and which part to buy better first.
@@ -30,21 +42,28 @@ def budget(
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
+    pdf: PdfFile = None,
     catalogue: CatalogueFile = None,
+    author: Author = "",
+    comment: Comment = "",
 ) -> None:
     """Run the command."""
     from linkwright.results.budget import describe
 
     for target in (json, markdown):
         check_target(target, arm, sheet, problem, catalogue)
+    check_pdf(pdf, arm, sheet, problem, catalogue)
     given = lw.read_arm(arm, catalogue=catalogue)
     if out is not None:
         claim_own(out, "budget", (RESULT, REPORT))
     with asked_of(arm):
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
         found = lw.budget(given, sheet=sheet, problem=asked)
+    read = files_of(arm, sheet, problem, catalogue)
     if out is not None:
-        found.save(out)
+        found.save(out, made_from=read, author=author, comment=comment)
+    if pdf is not None:
+        found.save_pdf(pdf, made_from=read, author=author, comment=comment)
     write_result(json, found.to_json())
     report = [] if out is None else [out / REPORT, out / RESULT]
-    tell(describe(found.found), markdown, *report, json)
+    tell(describe(found.found), markdown, *report, pdf, json)

@@ -12,10 +12,11 @@ from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File, plain
 from linkwright.face.problem import Problem, problem_of
 from linkwright.face.progress import Progress, told
-from linkwright.face.result import Result, figure_of
+from linkwright.face.result import Reported, figure_of
 from linkwright.json.budget import budget_json
 from linkwright.output.files import REPORT, RESULT
-from linkwright.report.pages.budget import budget_page
+from linkwright.report.contents import Contents
+from linkwright.report.pages.budget import budget_report
 from linkwright.results.budget import cause_title
 from optimize.budget.result import Budget as Found
 from optimize.budget.result import budget as budgeted
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Budget(Result):
+class Budget(Reported):
     """The error of an arm by cause, over arms drawn from their tolerances, and what better parts would bring; `found`
     in SI."""
 
@@ -88,8 +89,8 @@ class Budget(Result):
         tables = {"Causes": self.causes, "Better parts": self.better, "Twice as good": self.twice_as_good}
         return {name: table for name, table in tables.items() if len(table)}
 
-    def _files(self) -> Mapping[str, str]:
-        return {REPORT: budget_page(self.found)}
+    def _report(self) -> Contents:
+        return budget_report(self.found)
 
 
 def budget(

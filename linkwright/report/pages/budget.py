@@ -1,9 +1,8 @@
-"""The report page of an error budget."""
+"""The report of an error budget."""
 
 from __future__ import annotations
 
-from linkwright.report.described import body
-from linkwright.report.page import page
+from linkwright.report.contents import Contents
 from linkwright.report.pictures.svg import drawing, element, label, text
 from linkwright.results.budget import cause_title, describe
 from linkwright.results.figures_in_words import mm
@@ -13,10 +12,9 @@ _WIDTH, _STEP, _BAR, _TEXT = 520.0, 44.0, 9.0, 13.0
 _MOST = 10
 
 
-def budget_page(found: Budget) -> str:
-    """The page as one HTML file that loads nothing."""
-    described = describe(found)
-    return page(described.title, described.headline, body(described, {"causes": causes_picture(found)}), {})
+def budget_report(found: Budget) -> Contents:
+    """What the report shows."""
+    return Contents(describe(found), {"causes": causes_picture(found)})
 
 
 def causes_picture(found: Budget) -> str:

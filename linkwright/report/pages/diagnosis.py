@@ -1,4 +1,4 @@
-"""The report page of a diagnosis: the plain sentence first, then where it sits, how sure it is, what else it is not."""
+"""The report of a diagnosis: the plain sentence first, then where it sits, how sure it is, what else it is not."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from arm.worst.search import WorstPose
 from diagnose.result import Diagnosis
 from linkwright.redesigning import Redesign
-from linkwright.report.described import body
-from linkwright.report.page import page, side_by_side
+from linkwright.report.contents import Contents
+from linkwright.report.page import side_by_side
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton_at
 from linkwright.report.pictures.joint_curves import joint_curves
 from linkwright.report.pictures.ladder import ladder_picture
@@ -26,19 +26,19 @@ from .covariates import small_multiples
 _WITHOUT = "Without JavaScript the maps to hover over are missing; all else is here. diagnosis.json has the figures."
 
 
-def diagnosis_page(diagnosis: Diagnosis, redesign: Redesign | None = None) -> str:
-    """The page as one HTML file that loads nothing."""
+def diagnosis_report(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Contents:
+    """What the report shows."""
+    arrows = arrow_maps(diagnosis)
     places, figures = hover_maps(diagnosis)
     pictures = {
         "curves": joint_curves(diagnosis),
         "first": side_by_side(_arm(diagnosis), ladder_picture(diagnosis)),
-        "maps": arrow_maps(diagnosis) + places,
+        "maps": arrows + places,
         "covariates": small_multiples(diagnosis),
     }
     if redesign is not None:
         pictures["redesigned"] = sections_grid((("before", redesign.old.arm), ("after", redesign.new.arm)))
-    described = describe(diagnosis, redesign)
-    return page(described.title, described.headline, body(described, pictures), figures, _WITHOUT)
+    return Contents(describe(diagnosis, redesign), pictures, figures, {"maps": arrows}, _WITHOUT)
 
 
 def _arm(diagnosis: Diagnosis) -> str:

@@ -1,9 +1,9 @@
-"""The report page of an optimisation: before and after, what binds, and how the design was found."""
+"""The report of an optimisation: before and after, what binds, and how the design was found."""
 
 from __future__ import annotations
 
-from linkwright.report.described import body
-from linkwright.report.page import figure_place, page
+from linkwright.report.contents import Contents
+from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.svg import text
@@ -15,8 +15,8 @@ from . import design_pictures
 _EXCHANGE = "The exchange ends where no pose is worse than those it has already designed for."
 
 
-def optimization_page(result: OptimizationResult) -> str:
-    """The page as one HTML file that loads nothing."""
+def optimization_report(result: OptimizationResult) -> Contents:
+    """What the report shows."""
     named = (("before", result.before), ("after", result.after))
     places, figures = design_pictures.maps(named, (result.before_map, result.after_map))
     pictures = {
@@ -30,5 +30,4 @@ def optimization_page(result: OptimizationResult) -> str:
         pictures["exchange"] = figure_place("exchange", words, text(_EXCHANGE))
     if result.rounded is not None:
         pictures["rounded"] = sections_grid((("before", result.arm), ("after", result.rounded.arm)))
-    described = describe(result)
-    return page(described.title, described.headline, body(described, pictures), figures)
+    return Contents(describe(result), pictures, figures)

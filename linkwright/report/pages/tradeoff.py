@@ -1,14 +1,14 @@
-"""The report page of a trade-off: the front to look into, its ends and knee, the price along it, and every point."""
+"""The report of a trade-off: the front to look into, its ends and knee, the price along it, and every point."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from linkwright.report.described import body
-from linkwright.report.page import figure_place, page
+from linkwright.report.contents import Contents
+from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import text
-from linkwright.report.pictures.tradeoff import COLOURS
+from linkwright.report.pictures.tradeoff import COLOURS, tradeoff_picture
 from linkwright.results.figures_in_words import figure, section_words, with_unit
 from linkwright.results.tradeoff import describe, price_words, shown, slope_factor
 from optimize.tradeoff.front import Front, Point, Tradeoff
@@ -16,8 +16,8 @@ from optimize.tradeoff.front import Front, Point, Tradeoff
 _ENVELOPE = "rgba(140,150,165,0.45)"
 
 
-def tradeoff_page(result: Tradeoff) -> str:
-    """The page as one HTML file that loads nothing."""
+def tradeoff_report(result: Tradeoff) -> Contents:
+    """What the report shows."""
     described = describe(result)
     words = described.headline
     pictures = {
@@ -25,7 +25,7 @@ def tradeoff_page(result: Tradeoff) -> str:
         "price": figure_place("price", f"Price in {slope_factor(result)[1]} along the front"),
     }
     figures = {"front": front_figure(result), "price": price_figure(result)}
-    return page(described.title, words, body(described, pictures), figures)
+    return Contents(described, pictures, figures, {"front": tradeoff_picture(result), "price": ""})
 
 
 def _hover(result: Tradeoff, point: Point) -> str:

@@ -1,0 +1,1 @@
+"""Reports on paper: the same described results and pictures as the pages, set by Typst."""
