@@ -48,6 +48,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "sections": "sections",
         "effects": "effects",
         "actuators": "actuators",
+        "serve": "serve",
         "doctor": "installation.doctor",
     }
 )

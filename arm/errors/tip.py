@@ -83,21 +83,21 @@ def active_effects(arm: Arm) -> tuple[ActiveEffect, ...]:
 
 def carried_to_tip(state: PoseState, twists: Iterable[Twist]) -> Vector:
     """The displacement of the tip (m) that small displacements and turns along the chain add up to."""
-    return _walk(state, twists)[-1][0]
+    return motions(state, twists)[-1][0]
 
 
 def rotation_at_tip(state: PoseState, twists: Iterable[Twist]) -> Vector:
     """The rotation of the tip (rad) that small turns along the chain add up to."""
-    return _walk(state, twists)[-1][1]
+    return motions(state, twists)[-1][1]
 
 
 def displacements(state: PoseState, twists: Iterable[Twist]) -> tuple[Vector, ...]:
     """The displacements (m) of the links' far ends, from the base out."""
-    return tuple(shift for shift, _ in _walk(state, twists)[:-1])
+    return tuple(shift for shift, _ in motions(state, twists)[:-1])
 
 
-def _walk(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vector]]:
-    """Displacement and rotation at the far end of each link, and last at the tip."""
+def motions(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vector]]:
+    """Displacement (m) and rotation (rad) of the far end of each link, and last of the tip."""
     at_base: tuple[Vector, Vector] = (ZERO, ZERO)
     at_joint: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.joints)
     at_link: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.links)

@@ -63,7 +63,7 @@ def skeleton(evaluation: Evaluation) -> Skeleton:
 def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip."""
     frames = place(arm, worst.q)
-    project = _projection(arm, np.array(frames.tip(), dtype=float))
+    project = page_of(arm, np.array(frames.tip(), dtype=float))
     here = np.zeros(3)
     leads: list[tuple[Point, Point]] = []
     links: list[tuple[Point, Point, float]] = []
@@ -87,8 +87,8 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
 
 
-def _projection(arm: Arm, tip: np.ndarray) -> Callable[[np.ndarray], Point]:
-    """From metres in space to millimetres on the page, y down."""
+def page_of(arm: Arm, tip: np.ndarray) -> Callable[[np.ndarray], Point]:
+    """From metres in space to millimetres on the page, y down, for an arm with its tip there."""
     across, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
     if not arm.planar():
         gravity = np.array(arm.gravity)

@@ -1,0 +1,115 @@
+"""The arm: drawn to scale while it is edited, evaluated."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import Any
+
+from nicegui import ui
+
+import linkwright as lw
+from linkwright.browser.server.desk import Desk
+from linkwright.browser.server.drawings import at_pose, middle
+from linkwright.browser.server.folder import staged
+from linkwright.browser.server.jobs import Job
+from units.quantities import InputError
+
+from .editor import YamlEditor
+from .file_choice import FileChoice
+from .frame import Problem, framed, panel, picture, row, stack
+from .job_panel import JobPanel
+from .result_view import show_result
+
+
+class ArmPage:
+    """The page of one visitor."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._arm: Any = None
+        self._pose: list[float] = []
+        with framed("Arm", "Edit an arm, see it to scale, and ask for its worst error."):
+            with ui.element("div").classes("lw-two"):
+                with stack():
+                    self._choice = FileChoice(desk, "arm", lambda: self._editor, self._check)
+                    with panel():
+                        self._editor = YamlEditor(self._check)
+                        self._choice.save_row()
+                with stack():
+                    self._problem = Problem()
+                    with panel():
+                        self._line = ui.label().classes("lw-done")
+                        self._picture = picture()
+                        self._sliders = stack()
+                    with row():
+                        self._ask = ui.button("Evaluate", on_click=self._evaluate).props("no-caps")
+            self._panel = JobPanel(self._ended)
+            self._result = stack()
+
+    async def begin(self) -> None:
+        """Open the first arm."""
+        await self._choice.begin()
+
+    async def _check(self) -> None:
+        name, text = self._editor.name, self._editor.text
+        try:
+            self._arm = await asyncio.to_thread(_read, name, text)
+        except InputError as error:
+            self._problem.say(str(error))
+            self._ask.enabled = False
+            return
+        self._problem.say("")
+        self._ask.enabled = True
+        self._line.text = repr(self._arm)[1:-1]
+        before = self._pose
+        self._pose = list(middle(self._arm.model))
+        if len(before) != len(self._pose):
+            self._show_sliders()
+        await self._draw()
+
+    def _show_sliders(self) -> None:
+        self._sliders.clear()
+        with self._sliders:
+            for index, joint in enumerate(self._arm.model.joints):
+                low, high = joint.range
+                with ui.element("div").classes("lw-slide"):
+                    ui.label(f"joint {index + 1}").classes("lw-note")
+                    slider = ui.slider(min=0.0, max=1.0, step=0.01, value=0.5).props("dense")
+                    said = ui.label(_coordinate(0.5 * (low + high), joint.revolute)).classes("lw-note")
+
+                    async def moved(index: int = index, slider: ui.slider = slider, said: ui.label = said) -> None:
+                        joint = self._arm.model.joints[index]
+                        low, high = joint.range
+                        self._pose[index] = low + slider.value * (high - low)
+                        said.text = _coordinate(self._pose[index], joint.revolute)
+                        await self._draw()
+
+                    slider.on("update:model-value", moved, throttle=0.08)
+
+    async def _draw(self) -> None:
+        self._picture.content = await asyncio.to_thread(at_pose, self._arm.model, tuple(self._pose))
+
+    async def _evaluate(self) -> None:
+        name = self._editor.name
+        try:
+            self._desk.folder.place(name)
+            job = self._desk.jobs.start("evaluate", self._arm.name, {name: self._editor.text.encode()}, {"arm": name})
+        except InputError as error:
+            self._panel.refuse(str(error))
+            return
+        self._result.clear()
+        self._panel.follow(job)
+
+    def _ended(self, job: Job) -> None:
+        with self._result:
+            show_result(self._desk, job.result or 0)
+
+
+def _coordinate(value: float, revolute: bool) -> str:
+    return f"{math.degrees(value):.0f}°" if revolute else f"{1e3 * value:.0f} mm"
+
+
+def _read(name: str, text: str) -> Any:
+    with staged({name: text.encode()}) as root:
+        return lw.read_arm(root / name)

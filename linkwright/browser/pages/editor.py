@@ -1,0 +1,200 @@
+"""A YAML file under edit: as text, and as fields by joint and link; both are one text, whose comments stay."""
+
+from __future__ import annotations
+
+import asyncio
+import copy
+import re
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any, cast
+
+from nicegui import ui
+
+from catalogues.yaml_edit import YamlText
+from units.quantities import InputError
+from units.reading import parse_yaml, yaml_line
+
+from .frame import Problem, heading, row, stack
+
+Place = tuple[str | int, ...]
+_PAUSE = 0.35
+"""Seconds without a further change after which a text is checked."""
+_KEY = re.compile(r"([A-Za-z_][\w-]*)|\[([0-9]{1,4})\]|\.")
+
+
+class YamlEditor:
+    """Shows a text; `changed` is awaited with every new one."""
+
+    def __init__(self, changed: Callable[[], Awaitable[None]]) -> None:
+        self.name, self.text = "", ""
+        self._changed, self._version = changed, 0
+        with ui.tabs().props("dense align=left inline-label") as tabs:
+            fields, text = ui.tab("Fields"), ui.tab("Text")
+        with ui.tab_panels(tabs, value=fields, animated=False, on_change=self._turned).classes("w-full"):
+            with ui.tab_panel(fields).classes("p-0"):
+                self._fields = stack()
+            with ui.tab_panel(text).classes("p-0"):
+                self._area = ui.codemirror(language="YAML", line_wrapping=True, indent="  ", on_change=self._typed)
+                self._area.classes("lw-text")
+        self._problem = Problem()
+
+    def load(self, name: str, text: str) -> None:
+        """Show another file."""
+        self.name, self.text = name, text
+        self._area.value = text
+        self._show_fields()
+
+    async def _typed(self) -> None:
+        if self._area.value == self.text:
+            return
+        self.text = self._area.value
+        await self._told()
+
+    async def _turned(self) -> None:
+        self._show_fields()
+
+    async def _told(self) -> None:
+        """Tell of a change once there is no further one for a moment."""
+        self._version += 1
+        mine = self._version
+        await asyncio.sleep(_PAUSE)
+        if mine == self._version:
+            await self._changed()
+
+    def _show_fields(self) -> None:
+        self._fields.clear()
+        self._problem.say("")
+        try:
+            content = YamlText(self.text, file=self.name).data
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        with self._fields:
+            groups: dict[str, list[tuple[Place, Any]]] = {}
+            for place, value in _leaves(content, ()):
+                groups.setdefault(_group(place), []).append((place, value))
+            for name, leaves in groups.items():
+                heading(name)
+                with ui.element("div").classes("lw-fields"):
+                    for place, value in leaves:
+                        self._field(place, value)
+            with row():
+                if isinstance(content.get("chain"), list):
+                    ui.button("Add a joint and link", on_click=self._add_link).props("outline dense no-caps")
+                    ui.button("Take the last one out", on_click=self._drop_link).props("outline dense no-caps")
+            with row():
+                key = ui.input("Any key", placeholder="chain[1].joint.backlash").props("dense outlined")
+                value = ui.input("Value; empty takes it out", placeholder="3 arcmin").props("dense outlined")
+                ui.button("Set", on_click=lambda: self._set_key(key.value or "", value.value or "")).props(
+                    "outline dense no-caps"
+                )
+
+    def _field(self, place: Place, value: Any) -> None:
+        below = place[3:] if place[0] == "chain" else place[1:] or place
+        field = ui.input(".".join(map(str, below)), value=_shown(value)).props("dense outlined")
+
+        async def commit() -> None:
+            await self._edit(lambda text: text.set(place, _meant(field.value or "", value)), place, field.value)
+
+        field.on("blur", commit)
+        field.on("keydown.enter", commit)
+
+    async def _edit(self, change: Callable[[YamlText], None], place: Place = (), shown: str | None = None) -> bool:
+        """Change the text by what a field says; gives whether it changed."""
+        try:
+            text = YamlText(self.text, file=self.name)
+            if shown is not None and _shown(text.get(place)) == shown:
+                return False
+            change(text)
+            made = text.text
+        except InputError as error:
+            self._problem.say(str(error))
+            return False
+        self._problem.say("")
+        self.text = made
+        self._area.value = made
+        await self._told()
+        return True
+
+    async def _add_link(self) -> None:
+        def add(text: YamlText) -> None:
+            text.append(["chain"], copy.deepcopy(text.get(["chain"])[-1]))
+
+        if await self._edit(add):
+            self._show_fields()
+
+    async def _drop_link(self) -> None:
+        def drop(text: YamlText) -> None:
+            last = len(text.get(["chain"])) - 1
+            if last < 1:
+                raise InputError(self.name, "chain", "needs one joint and link at least")
+            text.remove(["chain", last])
+
+        if await self._edit(drop):
+            self._show_fields()
+
+    async def _set_key(self, key: str, value: str) -> None:
+        def change(text: YamlText) -> None:
+            place = _place_of(key, self.name)
+            if value.strip():
+                text.set(place, _meant(value, text.get(place)))
+            else:
+                text.remove(place)
+
+        if await self._edit(change):
+            self._show_fields()
+
+
+def _leaves(content: Any, place: Place) -> Iterator[tuple[Place, Any]]:
+    """What a field can show: words, numbers, lists of them."""
+    if isinstance(content, dict):
+        for key, value in cast(dict[str, Any], content).items():
+            yield from _leaves(value, (*place, str(key)))
+    elif isinstance(content, list) and any(isinstance(each, dict) for each in cast(list[Any], content)):
+        for number, value in enumerate(cast(list[Any], content)):
+            yield from _leaves(value, (*place, number))
+    elif place:
+        yield place, content
+
+
+def _group(place: Place) -> str:
+    if place[0] == "chain" and len(place) > 2 and isinstance(place[1], int):
+        return f"{str(place[2]).capitalize()} {place[1] + 1}"
+    return str(place[0]).replace("_", " ").capitalize() if len(place) > 1 else "General"
+
+
+def _shown(value: Any) -> str:
+    return value if isinstance(value, str) else "" if value is None else yaml_line(value)
+
+
+def _meant(text: str, before: Any) -> Any:
+    """A field's words as YAML has them: words stay words, lists are lists, numbers what they were."""
+    words = text.strip()
+    if words.startswith(("[", "{")) or not isinstance(before, str | None):
+        try:
+            found = parse_yaml(f"[{words}]", file="the field")
+        except InputError:
+            return words
+        entries = cast(list[Any], found) if isinstance(found, list) else []
+        return entries[0] if len(entries) == 1 else entries if isinstance(before, list) else words
+    if before is None and re.fullmatch(r"true|false|-?[0-9]+(\.[0-9]+)?", words):
+        return cast(list[Any], parse_yaml(f"[{words}]", file="the field"))[0]
+    return words
+
+
+def _place_of(key: str, file: str) -> Place:
+    """A key such as chain[1].joint.backlash as a place; lists count from 1."""
+    words, at = key.strip(), 0
+    place: list[str | int] = []
+    while at < len(words):
+        found = _KEY.match(words, at)
+        if found is None or (found[2] is not None and int(found[2]) < 1):
+            raise InputError(file, words, "is no key; write e.g. chain[1].link.length (lists count from 1)")
+        at = found.end()
+        if found[1] is not None:
+            place.append(found[1])
+        elif found[2] is not None:
+            place.append(int(found[2]) - 1)
+    if not place:
+        raise InputError(file, "", "name a key, e.g. chain[1].link.length")
+    return tuple(place)

@@ -1,0 +1,82 @@
+"""Choosing a file of the folder to edit, and keeping it under a name."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from nicegui import ui
+
+from linkwright.browser.server.desk import Desk
+from linkwright.browser.server.folder import Kind
+from units.quantities import InputError
+
+from .editor import YamlEditor
+from .frame import Problem, row
+
+
+class FileChoice:
+    """A list of the folder's files of one kind; `opened` is awaited once one is in the editor."""
+
+    def __init__(
+        self, desk: Desk, kind: Kind, editor: Callable[[], YamlEditor], opened: Callable[[], Awaitable[None]]
+    ) -> None:
+        self._desk, self._editor, self._opened = desk, editor, opened
+        self._kind: Kind = kind
+        with row():
+            self._list = ui.select([], label=f"{kind.capitalize()} file", on_change=self._chosen)
+            self._list.props("dense outlined").classes("grow min-w-40")
+            self._add = ui.button("Add the examples", on_click=self._examples).props("outline dense no-caps")
+        self._problem = Problem()
+
+    def save_row(self) -> None:
+        """Where the edited text is kept."""
+        with row():
+            self._name = ui.input("Keep as").props("dense outlined").classes("grow min-w-40")
+            ui.button("Save", on_click=self._save).props("dense no-caps")
+
+    async def begin(self) -> None:
+        """Open the first file there is."""
+        names = await self._look()
+        if names:
+            self._list.value = names[0]
+
+    async def _look(self) -> list[str]:
+        names = await asyncio.to_thread(self._desk.folder.names, self._kind)
+        self._list.set_options(names)
+        return names
+
+    async def _examples(self) -> None:
+        try:
+            added = await asyncio.to_thread(self._desk.folder.add_examples)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        names = await self._look()
+        self._list.value = next((name for name in added if name in names), None)
+
+    async def _chosen(self) -> None:
+        name = self._list.value
+        if not isinstance(name, str):
+            return
+        try:
+            text = await asyncio.to_thread(self._desk.folder.read, name)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        self._problem.say("")
+        self._editor().load(name, text)
+        self._name.value = name
+        await self._opened()
+
+    async def _save(self) -> None:
+        editor, name = self._editor(), self._name.value or ""
+        try:
+            await asyncio.to_thread(self._desk.folder.write, name, editor.text)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        self._problem.say("")
+        editor.name = name
+        await self._look()
+        ui.notify(f"saved as {name}", type="positive")

@@ -1,0 +1,140 @@
+"""The one folder that is served: its files by kind, and no way out of it."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path, PurePosixPath
+from typing import Any, Literal, cast
+
+from units.files import read_bytes, write_whole
+from units.quantities import InputError, shown
+from units.reading import parse_yaml, read_text
+
+Kind = Literal["arm", "problem"]
+_ARM = re.compile(r"^chain\s*:", re.MULTILINE)
+_PROBLEM = re.compile(r"^arm\s*:", re.MULTILINE)
+_LARGEST = 1024 * 1024
+"""Bytes of an arm or a problem that can be edited here."""
+_DEEPEST, _MOST = 4, 2000
+_ENDINGS = (".yaml", ".yml")
+
+
+class Folder:
+    """A folder; names in it are relative, with slashes. Everything raises `InputError` for a name that leaves it."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+        if not self.root.is_dir():
+            raise InputError(root, "", "is no folder; name the one whose files shall be shown")
+        if not os.access(self.root, os.W_OK):
+            raise InputError(root, "", "cannot be written to, so no result could be kept there")
+
+    def place(self, name: str) -> Path:
+        """Where a file of the folder stands, links followed."""
+        parts = PurePosixPath(name.replace("\\", "/"))
+        try:
+            found = (self.root / parts).resolve()
+        except (OSError, ValueError, RuntimeError):  # a NUL, or links in a circle
+            found = None
+        outside = found is None or found == self.root or not found.is_relative_to(self.root)
+        if found is None or outside or parts.is_absolute() or any(part.startswith(".") for part in parts.parts):
+            raise InputError("", shown(name), "is not in the folder that is served; name a file within it")
+        return found
+
+    def names(self, kind: Kind) -> list[str]:
+        """The files of a kind, at most so many, folders first looked into to a few levels."""
+        found: list[str] = []
+        seen = 0
+        for at, folders, names in os.walk(self.root):
+            here = Path(at)
+            deep = len(here.relative_to(self.root).parts)
+            folders[:] = sorted(each for each in folders if not each.startswith(".") and deep < _DEEPEST)
+            for name in sorted(each for each in names if each.endswith(_ENDINGS) and not each.startswith(".")):
+                seen += 1
+                if seen > _MOST:
+                    return found
+                relative = (here / name).relative_to(self.root).as_posix()
+                if self._kind(relative) == kind:
+                    found.append(relative)
+        return found
+
+    def _kind(self, name: str) -> Kind | None:
+        try:
+            path = self.place(name)
+            if not path.is_file():
+                return None
+            text = read_bytes(path, _LARGEST).decode("utf-8", errors="replace")
+        except InputError:
+            return None
+        return "arm" if _ARM.search(text) else "problem" if _PROBLEM.search(text) else None
+
+    def read(self, name: str) -> str:
+        """The text of a file."""
+        path = self.place(name)
+        try:
+            return read_text(path, _LARGEST)
+        except InputError as error:
+            raise InputError(name, "", error.message) from None
+
+    def write(self, name: str, text: str) -> None:
+        """Write an arm or a problem, whole or not at all; a folder on the way must be there."""
+        path = self.place(name)
+        if path.suffix not in _ENDINGS:
+            raise InputError("", shown(name), "needs a name that ends in .yaml")
+        try:
+            write_whole(path, text, flush=True)
+        except OSError as error:
+            raise InputError(name, "", f"cannot be written: {error.strerror or error}") from None
+
+    def with_arm(self, name: str, text: str) -> dict[str, bytes]:
+        """A problem's text and the arm file that it names, both by their names in the folder."""
+        found = {name: text.encode()}
+        self.place(name)
+        content = cast("dict[str, Any]", parsed) if isinstance(parsed := parse_yaml(text, file=name), dict) else {}
+        arm = content.get("arm")
+        if isinstance(arm, str):
+            within = os.path.normpath(PurePosixPath(name).parent / arm.replace("\\", "/"))
+            if Path(arm).is_absolute() or within.startswith(".."):
+                raise InputError(name, "arm", f"{shown(arm)} is not in the folder that is served; put it there")
+            found[Path(within).as_posix()] = self.read(Path(within).as_posix()).encode()
+        return found
+
+    def add_examples(self) -> list[str]:
+        """Put the examples that are not there yet into the folder; gives the names of all."""
+        names: list[str] = []
+        for starter in sorted(files("linkwright.browser").joinpath("starters").iterdir(), key=lambda each: each.name):
+            names.append(starter.name)
+            if not self.place(starter.name).exists():
+                self.write(starter.name, starter.read_text(encoding="utf-8"))
+        return names
+
+
+@contextmanager
+def staged(inputs: Mapping[str, bytes]) -> Generator[Path]:
+    """A folder of its own that holds these files for as long as it is needed; errors name them as they are called."""
+    with tempfile.TemporaryDirectory(prefix="linkwright-") as made:
+        root = Path(made)
+        put(root, inputs)
+        try:
+            yield root
+        except InputError as error:
+            raise called_plainly(error, root) from None
+
+
+def put(root: Path, inputs: Mapping[str, bytes]) -> None:
+    """Write files by their relative names."""
+    for name, content in inputs.items():
+        target = root / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+
+
+def called_plainly(error: InputError, root: Path) -> InputError:
+    """The error with files of a passing folder by their names alone."""
+    own = f"{root}{os.sep}"
+    return InputError(error.file.replace(own, ""), error.key, error.message.replace(own, ""))

@@ -1,0 +1,170 @@
+"""Long work in processes of its own, off the server's loop: told of, stopped, and kept once it is done."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from units.quantities import InputError
+
+from .folder import put
+from .shelf import Shelf
+
+State = Literal["running", "done", "refused"]
+MOST_AT_ONCE = 3
+_LINES = 400
+_LONGEST_LINE = 1024 * 1024
+_PATIENCE = 10.0
+"""Seconds that work which is to end is given to leave its best so far."""
+
+
+@dataclass(eq=False)
+class Job:
+    """One piece of work: what it is, how far it is, what came of it. `result` is its number on the shelf."""
+
+    number: int
+    kind: str
+    title: str
+    began: float = field(default_factory=time.monotonic)
+    text: str = "starting"
+    share: float = 0.0
+    lines: list[str] = field(default_factory=list)
+    state: State = "running"
+    message: str = ""
+    result: int | None = None
+    stopping: bool = False
+    process: asyncio.subprocess.Process | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long it has been at work."""
+        return time.monotonic() - self.began
+
+    def stop(self) -> None:
+        """Ask it to end with the best so far; asked again, it ends at once."""
+        signal_of = signal.SIGINT if not self.stopping else signal.SIGKILL
+        self.stopping, self.text = True, "stopping"
+        if self.process is not None and self.process.returncode is None:
+            with suppress(ProcessLookupError):
+                if signal_of == signal.SIGKILL:
+                    os.killpg(self.process.pid, signal.SIGKILL)
+                else:
+                    self.process.send_signal(signal.SIGINT)
+
+
+class Jobs:
+    """The work of a server."""
+
+    def __init__(self, shelf: Shelf) -> None:
+        self._shelf = shelf
+        self._all: dict[int, Job] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    @property
+    def running(self) -> list[Job]:
+        """What is being done."""
+        return [job for job in self._all.values() if job.state == "running"]
+
+    def find(self, number: int) -> Job | None:
+        """A job by its number."""
+        return self._all.get(number)
+
+    def start(self, kind: str, title: str, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> Job:
+        """Begin; `inputs` are the files that it reads, by name. Raises `InputError` where too much is at work."""
+        if len(self.running) >= MOST_AT_ONCE:
+            raise InputError("", "", f"{MOST_AT_ONCE} are at work already; stop one of them, or wait")
+        job = Job(len(self._all) + 1, kind, title)
+        self._all[job.number] = job
+        task = asyncio.get_running_loop().create_task(self._done(job, dict(inputs), dict(asked)))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return job
+
+    async def _done(self, job: Job, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
+        with tempfile.TemporaryDirectory(prefix="linkwright-") as made:
+            root, out = Path(made) / "in", Path(made) / "out"
+            root.mkdir()
+            try:
+                await asyncio.to_thread(put, root, inputs)
+                told = await self._told(job, {**asked, "kind": job.kind, "root": str(root), "out": str(out)})
+                if told is not None:
+                    complete = bool(told["complete"])
+                    files = await asyncio.to_thread(_files, out)
+                    job.result = await asyncio.to_thread(
+                        self._shelf.keep,
+                        job.kind,
+                        job.title,
+                        str(told["done"]),
+                        files,
+                        complete=complete,
+                        seconds=job.seconds,
+                    )
+                    job.message, job.share, job.state = str(told["done"]), 1.0, "done"
+            except (InputError, OSError) as error:
+                job.message, job.state = str(error), "refused"
+
+    async def _told(self, job: Job, asked: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Run the process and hear it; what it said at its end, None where it was refused."""
+        # A session of its own: Ctrl-C at the terminal is the server's, which passes it on.
+        job.process = process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "linkwright.browser.server.work"),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            start_new_session=True,
+            limit=_LONGEST_LINE,
+        )
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        errors = asyncio.create_task(process.stderr.read())
+        with suppress(BrokenPipeError, ConnectionResetError):
+            process.stdin.write(json.dumps(asked).encode())
+            await process.stdin.drain()
+            process.stdin.close()
+        last: dict[str, Any] = {}
+        async for line in process.stdout:
+            with suppress(json.JSONDecodeError):
+                last = json.loads(line)
+                _hear(job, last)
+        await process.wait()
+        said = (await errors).decode(errors="replace").strip()
+        if "done" in last:
+            return last
+        ended = said.splitlines()[-1] if said else f"ended with status {process.returncode}"
+        stopped = "stopped before anything was finished, so there is nothing to keep" if job.stopping else ended
+        job.message, job.state = str(last.get("refused") or stopped), "refused"
+        return None
+
+    async def end(self) -> None:
+        """End all that is at work, with what it has."""
+        for job in self.running:
+            job.stop()
+        if self._tasks:
+            await asyncio.wait(set(self._tasks), timeout=_PATIENCE)
+        for job in self.running:
+            job.stop()
+        if self._tasks:
+            await asyncio.wait(set(self._tasks), timeout=_PATIENCE)
+
+
+def _hear(job: Job, told: Mapping[str, Any]) -> None:
+    if "text" in told and not job.stopping:
+        job.text, job.share = str(told["text"]), float(told["share"])
+    if "line" in told:
+        job.lines.append(str(told["line"]))
+        del job.lines[:-_LINES]
+
+
+def _files(out: Path) -> dict[str, bytes]:
+    return {path.relative_to(out).as_posix(): path.read_bytes() for path in sorted(out.rglob("*")) if path.is_file()}

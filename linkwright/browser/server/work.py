@@ -1,0 +1,136 @@
+"""What a process of its own does for a page: one question of the public face, progress told line by line.
+
+Started as `python -m linkwright.browser.server.work`; the question comes as JSON on standard input, what happens goes
+as a JSON object a line to standard output. An interrupt leaves the best so far, as everywhere.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import linkwright as lw
+from linkwright.face.result import Reported
+from units.quantities import InputError, NoAnswer
+
+from .folder import called_plainly
+
+_OFTEN = 0.1
+"""Seconds between two signs of progress."""
+
+
+class _Told:
+    """Passes progress on, not more often than is looked at."""
+
+    def __init__(self) -> None:
+        self._last = 0.0
+
+    def __call__(self, text: str, share: float) -> None:
+        now = time.monotonic()
+        if now - self._last >= _OFTEN:
+            self._last = now
+            say(text=text, share=share)
+
+
+def say(**told: Any) -> None:
+    """A line for the process that asked; where that is gone, so is this one."""
+    try:
+        print(json.dumps(told), flush=True)
+    except BrokenPipeError:
+        os._exit(1)
+
+
+def evaluate(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+    """Evaluate an arm: its report, and its worst poses drawn."""
+    from linkwright.browser.server.drawings import worst_poses
+
+    arm = root / asked["arm"]
+    found = lw.evaluate(lw.read_arm(arm))
+    _kept(found, out, arm)
+    (out / "poses.json").write_text(json.dumps(worst_poses(found.found)), encoding="utf-8")
+    return repr(found), True
+
+
+def optimize(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+    """Optimise a problem: report, arm file; every round told."""
+    from linkwright.results.optimization import iteration_line
+
+    problem = lw.read_problem(root / asked["problem"])
+    rounding: dict[str, Any] = {"round_to": asked["round_to"]} if asked.get("round_to") else {}
+    found = lw.optimize(
+        problem,
+        **rounding,
+        progress=_Told(),
+        log=lambda each: say(line=iteration_line(each, problem.model.minimize)),
+        out_of_reach=lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
+    )
+    _kept(found, out, *_read(root, asked))
+    return repr(found), not found.interrupted
+
+
+def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+    """Trace a front: report, and every design drawn."""
+    from linkwright.browser.server.drawings import front_to_click
+
+    problem = lw.read_problem(root / asked["problem"])
+    found = lw.tradeoff(
+        problem,
+        x=asked["x"],
+        y=asked["y"],
+        by=asked.get("by") or None,
+        accuracy=asked["accuracy"],
+        progress=_Told(),
+    )
+    _kept(found, out, *_read(root, asked))
+    (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
+    return repr(found), not found.interrupted
+
+
+def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+    """Diagnose a recording: report, corrected arm, residuals."""
+    arm, recording, settings = (root / asked[name] for name in ("arm", "recording", "settings"))
+    found = lw.diagnose(lw.read_arm(arm), recording, settings=settings, thorough=asked["thorough"], progress=_Told())
+    _kept(found, out, arm, recording, settings)
+    return repr(found), True
+
+
+def _kept(found: Reported, out: Path, *read: Path) -> None:
+    """Save what was found; an interrupt comes too late to take it away."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    found.save(out, made_from=read)
+
+
+def _read(root: Path, asked: dict[str, Any]) -> list[Path]:
+    return [root / asked["problem"], *(root / name for name in asked.get("beside", ()))]
+
+
+def main() -> int:
+    """Answer the question on standard input; gives the exit status."""
+    asked: dict[str, Any] = json.loads(sys.stdin.read())
+    root, out = Path(asked["root"]), Path(asked["out"])
+    ways = {"evaluate": evaluate, "optimize": optimize, "tradeoff": tradeoff, "diagnose": diagnose}
+    try:
+        line, complete = ways[asked["kind"]](root, out, asked)
+    except KeyboardInterrupt:
+        say(refused="stopped before anything was finished, so there is nothing to keep")
+        return 1
+    except InputError as error:
+        say(refused=str(called_plainly(error, root)))
+        return 2
+    except NoAnswer as error:
+        say(refused=" ".join(str(error).split()))
+        return 1
+    except MemoryError:
+        say(refused="there is not enough memory for this; ask for less at once")
+        return 1
+    say(done=line.removeprefix("<").removesuffix(">"), complete=complete)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

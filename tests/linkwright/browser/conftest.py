@@ -1,0 +1,81 @@
+"""One server and one Chromium for all flows, each at the width of a desk and of a phone."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+WIDTHS = (1400, 420)
+
+
+class Server:
+    """`linkwright serve` as a process of its own."""
+
+    def __init__(self, folder, *options, port="0"):
+        nowhere = str(folder.parent / "no-configuration")
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": nowhere, "NO_PROXY": "*"}
+        for name in ("LINKWRIGHT_CATALOGUE", "LINKWRIGHT_SECTIONS"):
+            environment.pop(name, None)
+        self.folder = folder
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "linkwright", "serve", str(folder), "--port", port, *options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=environment,
+            text=True,
+        )
+        self.line = self.process.stdout.readline()
+        self.url = self.line.partition(" at ")[2].strip()
+
+    @property
+    def port(self):
+        return int(self.url.split(":")[2].partition("/")[0])
+
+    def end(self):
+        """Ctrl-C; gives exit status, what was printed, and what was complained of."""
+        self.process.send_signal(signal.SIGINT)
+        out, complaints = self.process.communicate(timeout=40)
+        return self.process.returncode, self.line + out, complaints
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("served") / "designs"
+    folder.mkdir()
+    made = Server(folder)
+    yield made
+    made.end()
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    """A browser for a module at most: while it is there, its own event loop runs in this thread."""
+    found = next((path for name in ("chromium", "chromium-browser") if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip("there is no chromium here; `.ci/run` installs it, or: apt-get install chromium")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(params=WIDTHS)
+def page(chromium, request):
+    """A page whose errors and refused loads are failures, and which is nowhere wider than its window."""
+    made = chromium.new_page(viewport={"width": request.param, "height": 900})
+    made.set_default_timeout(60_000)
+    complaints = []
+    made.on("pageerror", lambda error: complaints.append(str(error)))
+    made.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
+    yield made
+    wide = made.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+    made.close()
+    assert complaints == []
+    assert wide <= 0

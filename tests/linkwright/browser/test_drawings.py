@@ -1,0 +1,55 @@
+"""What is drawn of a bent arm, against the arm that is solved on its own bent shape."""
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from arm.chain.statics import solve
+from arm.errors.exact import deformed
+from arm.errors.model import beams_of
+from arm.errors.tip import active_effects
+from linkwright.browser.server.drawings import bent_shape, worst_poses
+
+ARM = "examples/several-loads/arm.yaml"
+
+
+@pytest.mark.parametrize("q", [(0.3, -0.8, 0.5), (1.2, 0.4, -1.0)])
+def test_the_bent_shape_ends_where_the_arm_does(q):
+    """At the tip and at each joint; the exact solution differs by what is beyond first order, a few per mille."""
+    arm = lw.read_arm(ARM).replace("leave_out", ["backlash", "clearance"]).model
+    beams = beams_of(arm, (arm.payload,))
+    places, shifts = bent_shape(arm, solve(arm, list(q), beams, arm.payload))
+    found = deformed(solve(arm, [np.array([value]) for value in q], beams, arm.payload), active_effects(arm), 1)
+    assert np.linalg.norm(found.tip) > 1e-5
+    np.testing.assert_allclose(shifts[-1], found.tip[0], rtol=1e-2, atol=1e-7)
+    nominal, bent = np.zeros(3), np.zeros(3)
+    per_link = (len(places) - 1) // arm.size
+    for index, (straight, link) in enumerate(
+        zip(solve(arm, list(q), beams, arm.payload).links, found.state.links, strict=True)
+    ):
+        nominal = nominal + np.array([float(x) for x in straight.vector])
+        bent = bent + np.array([float(np.ravel(x)[0]) for x in link.vector])
+        np.testing.assert_allclose(places[(index + 1) * per_link - 1], nominal, atol=1e-12)
+        np.testing.assert_allclose(shifts[(index + 1) * per_link - 1], bent - nominal, rtol=1e-2, atol=2e-7)
+
+
+def test_the_shape_has_no_corner_within_a_link():
+    """A cubic each: second differences along a link lie on a straight line."""
+    arm = lw.read_arm(ARM).model
+    state = solve(arm, [0.3, -0.8, 0.5], beams_of(arm, (arm.payload,)), arm.payload)
+    _, shifts = bent_shape(arm, state)
+    first = shifts[: (len(shifts) - 1) // arm.size]
+    bending = np.diff(first, n=2, axis=0)
+    assert np.abs(bending).max() > 1e-9
+    np.testing.assert_allclose(np.diff(bending, n=2, axis=0), 0.0, atol=1e-12)
+
+
+def test_each_worst_pose_is_told_and_drawn():
+    """Names are data, not markup."""
+    arm = lw.read_arm(ARM).replace("name", "<script>alert(1)</script>")
+    told = worst_poses(lw.evaluate(arm).found)
+    assert told
+    for each in told:
+        assert each["svg"].count("<svg") == 1
+        assert 'class="bent"' in each["svg"]
+        assert "<script>" not in each["svg"]

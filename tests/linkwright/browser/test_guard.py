@@ -1,0 +1,173 @@
+"""Who may ask the server, and for what: by plain requests."""
+
+import asyncio
+import http.client
+import socket
+import sqlite3
+
+import pytest
+
+from linkwright.browser.server.folder import Folder
+from linkwright.browser.server.guard import MOST_UPLOADED, Guard
+from units.quantities import InputError
+
+from .conftest import Server
+
+pytestmark = pytest.mark.xdist_group("browser")
+KEY = "dGhlIHNhbXBsZSBub25jZQ=="
+UPGRADE = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Key": KEY, "Sec-WebSocket-Version": "13"}
+SOCKET = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
+
+
+def ask(server, path="/", method="GET", body=None, **headers):
+    """Status, headers and text of an answer."""
+    made = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+    made.request(method, path, body=body, headers={name.replace("_", "-"): value for name, value in headers.items()})
+    answer = made.getresponse()
+    found = (
+        answer.status,
+        dict(answer.getheaders()),
+        answer.read().decode(errors="replace") if answer.status != 101 else "",
+    )
+    made.close()
+    return found
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "evil.example:{port}"},
+        {"Host": "127.0.0.1:1"},
+        {"Host": "127.0.0.1.evil.example:{port}"},
+        {"Host": "localhost:{port}@evil.example"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": "http://localhost:1"},
+        {"Origin": "http://127.0.0.1:{port}.evil.example"},
+    ],
+)
+@pytest.mark.parametrize("path", ["/", "/kept/1/report.html", SOCKET])
+def test_strangers_are_refused(server, headers, path):
+    """Pages, files and the websocket alike."""
+    given = {name: value.format(port=server.port) for name, value in headers.items()}
+    status, _, text = ask(server, path, **(UPGRADE if path == SOCKET else {}), **given)
+    assert status == 403
+    assert "script" not in text
+
+
+def test_its_own_names_may_ask(server):
+    """The check above would pass on a server that refuses all."""
+    for host in (f"127.0.0.1:{server.port}", f"localhost:{server.port}"):
+        assert ask(server, Host=host, Origin=f"http://{host}")[0] == 200
+        assert ask(server, SOCKET, Host=host, Origin=f"http://{host}", **UPGRADE)[0] == 101
+
+
+def test_only_this_machine_can_reach_it(server):
+    """The port listens on the loopback address alone."""
+    own = socket.gethostbyname(socket.gethostname())
+    if own.startswith("127."):
+        pytest.skip("this machine has no address beside the loopback one")
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection((own, server.port), timeout=5)
+
+
+def test_uploads_are_bounded(server):
+    """By what is announced, and by what comes."""
+    status, _, text = ask(server, "/", "POST", Content_Length=str(MOST_UPLOADED + 10**6))
+    assert (status, text) == (413, "refused: larger than 50 MB\n")
+    answers, pieces = [], iter([{"type": "http.request", "body": b"x" * 2**20, "more_body": True}] * 60)
+
+    async def reader(_, receive, send):
+        while (await receive()).get("more_body"):
+            pass
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    async def receive():
+        return next(pieces)
+
+    async def send(message):
+        answers.append(message)
+
+    scope = {"type": "http", "method": "POST", "path": "/", "headers": [(b"host", b"localhost:1")]}
+    asyncio.run(Guard(reader, frozenset({"localhost"}), 1)(scope, receive, send))
+    assert answers[0]["status"] == 413
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../secret.yaml", "a/../../secret.yaml", "link.yaml", ".hidden.yaml"])
+@pytest.mark.parametrize("how", ["read", "write"])
+def test_no_name_leaves_the_folder(tmp_path, name, how):
+    """Not by dots, not from the root, not by a link."""
+    folder = tmp_path / "designs"
+    folder.mkdir()
+    (tmp_path / "secret.yaml").write_text("chain: secret", encoding="utf-8")
+    (folder / "link.yaml").symlink_to(tmp_path / "secret.yaml")
+    held = Folder(folder)
+    with pytest.raises(InputError, match="is not in the folder that is served"):
+        held.read(name) if how == "read" else held.write(name, "chain: mine")
+    assert (tmp_path / "secret.yaml").read_text(encoding="utf-8") == "chain: secret"
+    assert held.names("arm") == []
+
+
+@pytest.mark.parametrize("arm", ["../secret.yaml", "{root}/secret.yaml", "link.yaml", "a/../../secret.yaml"])
+def test_no_problem_names_an_arm_outside(tmp_path, arm):
+    """A problem file is a way to other files too."""
+    folder = tmp_path / "designs"
+    folder.mkdir()
+    (tmp_path / "secret.yaml").write_text("chain: secret", encoding="utf-8")
+    (folder / "link.yaml").symlink_to(tmp_path / "secret.yaml")
+    with pytest.raises(InputError, match="is not in the folder that is served"):
+        Folder(folder).with_arm("problem.yaml", f"arm: {arm.format(root=tmp_path)}\n")
+
+
+def test_kept_files_are_by_name_alone(server):
+    """They are rows, so no path leads anywhere."""
+    for path in ("/kept/1/../../etc/passwd", "/kept/1/%2e%2e%2f%2e%2e%2fetc%2fpasswd", "/kept/x/report.html"):
+        assert ask(server, path)[0] in (404, 422)
+
+
+def test_a_token_is_due_beyond_this_machine(tmp_path):
+    """It is printed, taken once for a cookie, and never asked of an address again; Ctrl-C ends cleanly."""
+    made = Server(tmp_path, "--host", "0.0.0.0")
+    token = made.line.partition("?token=")[2].strip()
+    host = f"127.0.0.1:{made.port}"
+    assert len(token) >= 20
+    assert ask(made, Host=host)[0] == 401
+    assert ask(made, "/?token=wrong-token", Host=host)[0] == 401
+    assert ask(made, SOCKET, Host=host, **UPGRADE)[0] == 403
+    status, headers, _ = ask(made, f"/?token={token}", Host=host)
+    cookie = headers["set-cookie"]
+    assert (status, headers["location"]) == (303, "/")
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    assert token not in cookie
+    assert ask(made, Host=host, Cookie=cookie.partition(";")[0])[0] == 200
+    assert ask(made, "/enter", "POST", f"token={token}", Host=host, Origin=f"http://{host}")[0] == 303
+    assert ask(made, Host=f"evil.example:{made.port}", Cookie=cookie.partition(";")[0])[0] == 403
+    status, out, complaints = made.end()
+    assert (status, complaints) == (0, "")
+    assert out.endswith("stopped\n")
+
+
+def test_a_taken_port_is_one_line(server, process):
+    """And so are a folder that is none, a host that is none, a token that guesses itself."""
+    for line, said in (
+        (f"--port {server.port}", "--port: "),
+        ("nowhere", "nowhere: is no folder"),
+        ("--host no.such.host.invalid --port 0", "--host: there is no host"),
+        ("--token short", "--token: needs 8 letters"),
+    ):
+        found = process(f"$PYTHON -m linkwright serve {line}")
+        assert found.returncode == 2
+        assert found.stderr.count("\n") == 1
+        assert said in found.stderr
+
+
+def test_what_is_no_shelf_is_one_line(process, tmp_path):
+    """A file of that name that is something else."""
+    (tmp_path / "linkwright-results.sqlite").write_text("something else, long enough to be looked at" * 40)
+    found = process("$PYTHON -m linkwright serve --port 0")
+    assert found.returncode == 2
+    assert "linkwright-results.sqlite: cannot be used" in found.stderr
+    with pytest.raises(sqlite3.DatabaseError):
+        sqlite3.connect(tmp_path / "linkwright-results.sqlite").execute("SELECT * FROM results")
