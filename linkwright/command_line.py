@@ -89,7 +89,7 @@ def command_line(asked: str = "") -> typer.Typer:
 
     Nothing that the word cannot come to is imported.
     """
-    root = {**PLAIN, "add_completion": True}
+    root: dict[str, Any] = {**PLAIN, "add_completion": True}
     made: Any = typer.Typer(help=HELP, epilog=STATUSES, callback=_start, invoke_without_command=True, **root)
     for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
         module: Any = import_module(f"linkwright.commands.{COMMANDS[name]}")
