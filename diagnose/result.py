@@ -56,6 +56,7 @@ class Finding:
     its own test by permutation, given all other findings; `rms_without` (m) the RMS of what remains when it alone is
     left out and the rest is fitted again, `rms_without_held_out` the same on rows not fitted. `reading` is the plain
     sentence. `recording` names the one of several recordings in which it acts, beside what all have (empty: in all).
+    `together` are the other findings, by effect and place, without which it means nothing (empty: it does by itself).
     """
 
     effect: str
@@ -68,6 +69,7 @@ class Finding:
     rms_without_held_out: float
     reading: str
     recording: str = ""
+    together: tuple[tuple[str, tuple[int, ...]], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,17 @@ from .detectable import detectable
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .next_poses import next_poses
-from .sentences import mm, null_vectors, reading_of, recording_of, refutation, verdict_sentence, what_differs
+from .sentences import (
+    mm,
+    nothing_singly,
+    null_vectors,
+    reading_of,
+    recording_of,
+    refutation,
+    verdict_sentence,
+    what_differs,
+)
+from .together import may_be_nothing
 from .unknown import describe, largest_first, rejected_forms
 
 
@@ -191,6 +201,8 @@ class Conclusion(Confirmed):
             own = recording_of(candidate, self.observed.recording)
             parameters = self.refit.parameters[place]
             rest = [m for m in whole if m != member]
+            beside = tuple(self._place(other) for other in self.together.get(place, ()))
+            nothing = may_be_nothing(parameters, self.refit.terms[place].candidate.sizes)
             without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
             found.append(
                 Finding(
@@ -202,11 +214,18 @@ class Conclusion(Confirmed):
                     p_value=p_values[place] if place < len(p_values) else self.rules.search.false_alarm,
                     rms_without=rms_length(without),
                     rms_without_held_out=self._rms_held_out(rest),
-                    reading=reading_of(candidate.effect, candidate.numbers, parameters, others, own),
+                    reading=reading_of(
+                        candidate.effect, candidate.numbers, parameters, others, own, beside, nothing=nothing
+                    ),
                     recording=own,
+                    together=beside,
                 )
             )
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
+
+    def _place(self, place: int) -> tuple[str, tuple[int, ...]]:
+        candidate = self.prepared.pool.groups[self.members[place]].candidate
+        return candidate.effect, candidate.numbers
 
     def _causes(self) -> list[tuple[str, float]]:
         """The kinds of physics found, with what each moves (m), the largest first."""
@@ -335,10 +354,14 @@ class Conclusion(Confirmed):
         if self.left_over and self.members and self.lack_of_fit is not None and self._does_not_fit():
             found.append(refutation(self.lack_of_fit))
         found += [
-            f"The {each} was beyond chance among the readings fitted, but made the held-out ones worse: left out again."
+            f"The {each} was beyond chance among the readings fitted, but those held out are told as well without it: "
+            "left out again."
             for each in self.unconfirmed
         ]
         found += [f"Left out again, as it cannot be what it was named: {each}." for each in self.impossible]
+        found += [f"Left out again, as it moves the tip by next to nothing: {each}." for each in self.too_little]
+        if self.together:
+            found.append(nothing_singly([self._place(k) for k in self.together], self._moved(list(self.together))))
         further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
         if further > 0.0:
             found.append(

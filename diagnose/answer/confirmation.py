@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
-from diagnose.fitting.held_out import Folds, HeldOut, hardest, splits
+from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from diagnose.fitting.prepare import Prepared, set_up
 from diagnose.fitting.refit import Refit, impossible_term, refit, tether
 from diagnose.fitting.unnamed import Unnamed, unnamed
@@ -25,6 +25,7 @@ from sections.numeric import Array
 
 from .lack_of_fit import refuted_by
 from .sentences import label_of
+from .together import only_with
 from .unknown import predictable
 
 Item = TypeVar("Item")
@@ -50,21 +51,20 @@ class Confirmed:
         self.rules: Rules = namer.prepared.observed.rules
         self.unconfirmed: list[str] = []
         self.impossible: list[str] = []
+        self.too_little: list[str] = []
         self._take_up(whole)
-        while (wrong := self._cannot_be() or self._refuted()) is not None:
-            place, reason = wrong
-            label = self._label(self.members[place])
-            if reason is None:
-                self.unconfirmed.append(label)
-            else:
-                self.impossible.append(f"{label} ({reason})")
-            self.found, self.members = _less(self.found, place), _less(self.members, place)
-            self.alternatives, self.p_values = _less(self.alternatives, place), _less(self.p_values, place)
-            if reason is not None or self.forms or not self._form_instead(whole):
+        while (wrong := self._wrong()) is not None:
+            places, said, reason, unexplained = wrong
+            said += [f"{self._label(self.members[place])}{reason}" for place in places]
+            for place in sorted(places, reverse=True):
+                self.found, self.members = _less(self.found, place), _less(self.members, place)
+                self.alternatives, self.p_values = _less(self.alternatives, place), _less(self.p_values, place)
+            if not (unexplained and self._form_instead(whole)):
                 self._fit()
         if self.members:
             # What is said of sizes leaves room for what is not named; what is kept was judged without it.
             self.refit = refit(self.prepared, self.members, self.outside, self.fitted, self._unnamed())
+        self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
         self.scattered = False
         self.lack_of_fit = self._lack_of_fit()
         self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
@@ -112,22 +112,76 @@ class Confirmed:
         rows = (readings[:, None] * width + np.arange(width)).reshape(-1)
         return unnamed(self.search, [*self.found, *self.forms], rivals, rows)
 
-    def _cannot_be(self) -> tuple[int, str] | None:
-        """The place of the finding, if any, whose size in the joint fit cannot be, and why: sizes that the search found
-        possible one step at a time may run off together."""
-        return impossible_term(self.prepared, self.refit)
+    def _wrong(self) -> tuple[list[int], list[str], str, bool] | None:
+        """The places of the findings, if any, that are none, the list of those left out for that, why as a clause, and
+        whether something else may stand in their place: first what cannot be (sizes that the search found possible one
+        step at a time may run off together), then what does not carry over, then what is too little for a name."""
+        cannot = impossible_term(self.prepared, self.refit)
+        if cannot is not None:
+            return [cannot[0]], self.impossible, f" ({cannot[1]})", False
+        refuted = self._refuted()
+        if refuted is not None:
+            return [refuted], self.unconfirmed, "", not self.forms
+        # A form takes up much of whatever else there is: beside one, what is needless is not told by what is held out.
+        needless = [] if self.forms else self._not_carried_over()
+        if needless:
+            return needless, self.unconfirmed, "", False
+        little = self._too_little()
+        return None if little is None else ([little], self.too_little, "", False)
 
-    def _refuted(self) -> tuple[int, None] | None:
+    def _too_little(self) -> int | None:
+        """The place of the finding, if any of several, that moves the tip by next to nothing beside the noise."""
+        moved = [self._moved([place]) for place in range(len(self.members))]
+        if len(moved) < 2 or self.noise.rms_m is None:
+            return None
+        least = int(np.argmin(moved))
+        return least if moved[least] < self.rules.answer.least_moved * self.noise.rms_m else None
+
+    def _refuted(self) -> int | None:
         """The place of the finding, if any, that only makes worse what was held out: it describes the readings that it
         was fitted to, and no others. What forms make of readings that they have not seen is no finding's fault."""
         nothing = self._under_weights_for_nothing()
         if nothing is not None:
-            return nothing, None
+            return nothing
         whole = self._rms_held_out(self.members)
         without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
         if not without or min(without) >= (1.0 - self.rules.answer.refuted) * whole:
             return None
-        return int(np.argmin(without)), None
+        return int(np.argmin(without))
+
+    def _not_carried_over(self) -> list[int]:
+        """The places of the findings, of several, without which the others tell readings held out as well: one after
+        the other the least. What moves much of the mismatch is kept, as others may take its place and be wrong (unless
+        it only balances them); and all is where the workspace has too few parts to judge by."""
+        rules, part = self.rules.answer, parts_of_workspace(self.observed)
+        kept, held_out = list(range(len(self.members))), hardest(self.held_out)
+        if len(kept) < 2 or int(part.max()) + 1 < rules.least_parts:
+            return []
+        mismatch, after = self._left(()), self._left(self.members)
+
+        def much(place: int) -> bool:
+            missed = self._left(_less(self.members, place)) ** 2 - after**2
+            return self._moved([place]) > rules.kept_anyway * mismatch and missed > (rules.missed * mismatch) ** 2
+
+        judged = [place for place in kept if not much(place)]
+
+        def gain(place: int) -> float:
+            fewer = [k for k in kept if k != place]
+            mine, other = ([0, *(1 + k for k in some)] for some in (kept, fewer))
+            return held_out.better_by(mine, other, part)
+
+        while judged and len(kept) > 1:
+            gains = {place: gain(place) for place in judged}
+            least = min(gains, key=lambda place: gains[place])
+            if gains[least] >= rules.carries:
+                break
+            kept.remove(least)
+            judged.remove(least)
+        return [place for place in range(len(self.members)) if place not in kept]
+
+    def _left(self, members: Sequence[int]) -> float:
+        """The RMS length (m) of what some groups leave of the tip."""
+        return rms_length(remaining(self.prepared, fit(self.prepared, members))[:, : self.observed.components])
 
     def _under_weights_for_nothing(self) -> int | None:
         """The place of what gives under unknown weights, if any, that the weights which all share leave no part: by

@@ -89,8 +89,12 @@ def reading_of(
     parameters: Sequence[FittedParameter],
     others: Sequence[Alternative],
     recording: str = "",
+    together: Sequence[tuple[str, tuple[int, ...]]] = (),
+    *,
+    nothing: bool = False,
 ) -> str:
-    """A finding in one sentence."""
+    """A finding in one sentence; `together` are others without which it means nothing, `nothing` says that all its
+    sizes may be nought."""
     if len(parameters) > _MANY_PARAMETERS:
         sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(chief(parameters))}"
     else:
@@ -101,7 +105,27 @@ def reading_of(
         names = [name_of(other.effect, other.at, other.recording) for other in others[:4]]
         more = f" and {len(others) - 4} more" if len(others) > 4 else ""
         text += f" The data cannot tell it from {'; '.join(names)}{more}."
+    if together:
+        text += f" Singly it means nothing: only together with {listed(together)}."
+    elif nothing:
+        text += " With room for what is not named, its sizes may be nought."
     return text[0].upper() + text[1:]
+
+
+def listed(places: Sequence[tuple[str, tuple[int, ...]]]) -> str:
+    """Effects and where they act, in words."""
+    names = [name_of(effect, at) for effect, at in places]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def nothing_singly(places: Sequence[tuple[str, tuple[int, ...]]], moved: float) -> str:
+    """What is said of findings that mean nothing singly and move the tip by `moved` (m) as one."""
+    if len(places) == 1:
+        return f"Singly the {listed(places)} means nothing: others that are named would take its place."
+    return (
+        f"These {len(places)} together move the tip by {mm(moved)} RMS; singly they mean nothing, as others that are "
+        f"named would take their place: {listed(places)}."
+    )
 
 
 def verdict_sentence(

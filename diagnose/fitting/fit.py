@@ -10,6 +10,7 @@ from scipy import stats
 
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
+from arm.effects.loads.link_mass import mass_declared
 from diagnose.patterns.library import Candidate, Family, parameter_of
 from diagnose.patterns.unknown_weights import only_products
 from diagnose.residual.observed import Observed
@@ -106,6 +107,15 @@ def impossible(prepared: Prepared, fitted: Fit) -> str | None:
     return None
 
 
+def left_of_a_drive(candidate: Candidate, name: str) -> bool:
+    """Whether a size is what a drive of the arm file gives more or less under high load."""
+    if candidate.share or candidate.outside:
+        return False
+    effect = EFFECTS[candidate.effect]
+    parameter = parameter_of(effect, name)
+    return effect.place == "joint" and parameter.kind == "compliance" and parameter.lower < 0.0
+
+
 def _of_all(common: Mapping[Family, Array], candidate: Candidate, sizes: Array) -> Array:
     """The sizes that a candidate of one recording has in all of them, nought where none was found."""
     found = common.get(replace(candidate, only=None).family)
@@ -153,23 +163,32 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
         return -most, most
     if only_products(prepared.observed, EFFECTS[candidate.effect], candidate.at):
         return -np.inf, np.inf
-    if candidate.of_drives:
-        # Added to what the arm file gives the drive, the whole may not become negative.
+    if candidate.of_drives or left_of_a_drive(candidate, name):
+        # Added to what the arm file gives the drive, the whole may not become negative: none turns against its load.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), parameter.upper
 
 
 def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> float:
-    """The most that may hang on a link beyond what the arm file says it weighs, kg: a usual extra and as much again as
-    the link; infinite where the file leaves its mass open, and for sizes that are no link's mass."""
-    effect = EFFECTS[candidate.effect]
-    if candidate.share or effect.place != "link" or effect.declared is None:
+    """The most that may hang on a link or at the tip beyond what the arm file says is there, kg: a usual extra and as
+    much again, or at the tip what an arm of that weight lifts at most; infinite where the file leaves the mass open,
+    and for sizes that are no mass."""
+    effect, rules = EFFECTS[candidate.effect], prepared.observed.rules.fitting
+    if candidate.share or effect.declared is None:
         return np.inf
     parameter = parameter_of(effect, name)
     if parameter.kind != "mass":
         return np.inf
-    own = _in_the_file(candidate, name, prepared.observed)
-    return parameter.typical[1] + prepared.observed.rules.fitting.heavier * own
+    most = parameter.typical[1] + rules.heavier * _in_the_file(candidate, name, prepared.observed)
+    if effect.place == "link":
+        return most
+    return max(most, rules.lifts * _whole_mass(prepared.observed))
+
+
+def _whole_mass(observed: Observed) -> float:
+    """What all links of an arm weigh by its file, kg; infinite where one's mass is left open."""
+    beams = [link.beam for link in observed.state.links]
+    return sum(mass_declared(observed.arm_given, beams, index) for index in range(observed.arm_given.size))
 
 
 def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:

@@ -45,8 +45,9 @@ def hardest(made: Mapping[str, Split]) -> Split:
     return next(made[name] for name in ("pose blocks", "time blocks", "random rows") if name in made)
 
 
-def _pose_blocks(observed: Observed) -> Folds:
-    """Poses gathered into folds by where the tip stands, so that a fold is a part of the workspace."""
+def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
+    """The part of the workspace in which each reading lies (N,), numbered: poses gathered by where the tip stands, four
+    parts for each that is held out at a time where there are poses enough."""
     pose, parts = poses(observed), observed.rules.fitting.folds
     first = np.array([np.flatnonzero(pose == number)[0] for number in range(pose.max() + 1)])
     tip = tip_of(observed)[first]
@@ -57,7 +58,12 @@ def _pose_blocks(observed: Observed) -> Folds:
         centers.append(int(np.argmax(distance)))
         distance = np.minimum(distance, np.sum((tip - tip[centers[-1]]) ** 2, axis=1))
     nearest = np.argmin(((tip[:, None, :] - tip[None, centers, :]) ** 2).sum(axis=2), axis=1)
-    return (nearest % parts)[pose].astype(np.int64)
+    return nearest[pose].astype(np.int64)
+
+
+def _pose_blocks(observed: Observed) -> Folds:
+    """Poses gathered into folds by where the tip stands, so that a fold is made of parts of the workspace."""
+    return parts_of_workspace(observed) % observed.rules.fitting.folds
 
 
 class HeldOut:
@@ -132,6 +138,14 @@ class HeldOut:
             values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
             left[out] -= np.tensordot(self._design[out][:, :width], values, 1)
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
+
+    def better_by(self, which: Sequence[int], without: Sequence[int], together: NDArray[np.int64]) -> float:
+        """How many standard errors lower the sum of squares that fits of some parts leave held out is than that of
+        others (see `residual`): the difference over its scatter between groups of readings `together` (N,)."""
+        mine, other = (np.sum(self.residual(parts) ** 2, axis=1) for parts in (which, without))
+        gained = np.bincount(together, weights=other - mine)
+        error = float(np.std(gained, ddof=1)) * np.sqrt(len(gained))
+        return float(gained.sum()) / error if error > 0.0 else 0.0
 
     def rms(self, which: Sequence[int] | None = None) -> float:
         """The RMS length (m) of `residual`."""

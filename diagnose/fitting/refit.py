@@ -31,7 +31,7 @@ from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
-from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
+from .fit import Fit, beyond_nuisances, bounds, left_of_a_drive, solved, t_quantile, why_impossible
 from .prepare import Prepared, limits
 from .shared_weights import factors
 from .terms import Term
@@ -95,6 +95,9 @@ def refit(
     terms = _shapes_found(prepared, terms, fitted.unit)
     given = prepared
     prepared, terms = _solved(given, terms, fitted.unit)
+    if any(_against_its_load(prepared, term) for term in terms):
+        held = _shapes_found(given, [_never_against_its_load(prepared, term) for term in terms], fitted.unit)
+        prepared, terms = _solved(given, held, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
@@ -109,6 +112,26 @@ def refit(
         for place in range(len(terms))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
+
+
+def _against_its_load(prepared: Prepared, term: Term) -> tuple[str, ...]:
+    """The sizes of a term by which a drive that the arm file calls rigid would turn against a high load."""
+    candidate = term.candidate
+    if term.shared or len(term.sizes) != len(candidate.sizes) or len(term.sizes) < 2:
+        return ()
+    values = zip(candidate.sizes, term.sizes.tolist(), strict=True)
+    low = {name: bounds(candidate, name, prepared)[0] for name in candidate.sizes if left_of_a_drive(candidate, name)}
+    return tuple(name for name, value in values if low.get(name) == 0.0 and value < 0.0)
+
+
+def _never_against_its_load(prepared: Prepared, term: Term) -> Term:
+    """The term with such sizes held at nought, where physics ends."""
+    against, candidate = _against_its_load(prepared, term), term.candidate
+    if not against:
+        return term
+    kept = [k for k, name in enumerate(candidate.sizes) if name not in against]
+    less = replace(candidate, sizes=tuple(candidate.sizes[k] for k in kept))
+    return _term(prepared, less, term.sizes[kept], term.columns[:, :, kept])
 
 
 def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:

@@ -50,6 +50,52 @@ class AnswerRules:
         "A finding without which held-out readings are better by as much is dropped.",
         PROOF,
     )
+    carries: float = rule(
+        1.0,
+        "standard errors",
+        "By so much at least one finding among several must lower the sum of squares that is left of parts of the "
+        "workspace held out, or the others are said without it.",
+        "one standard error, of the difference: L. Breiman et al., Classification and Regression Trees (1984)",
+    )
+    kept_anyway: float = rule(
+        0.2,
+        "share of the mismatch",
+        "A finding that moves the tip by as much (RMS) is never dropped for that: others may take its place.",
+        JUDGED,
+    )
+    missed: float = rule(
+        0.05,
+        "share of the mismatch",
+        "It must leave as much more (RMS) where it is taken out, or it only balances others.",
+        JUDGED,
+    )
+    least_parts: int = rule(
+        10,
+        "parts of the workspace",
+        "From so many on the scatter between them tells what carries over from what does not.",
+        JUDGED,
+        rows="The scatter of fewer is off by a quarter and more.",
+    )
+    least_moved: float = rule(
+        0.2, "times the noise floor", "One of several findings that moves the tip by less (RMS) goes.", JUDGED
+    )
+    taken_over: float = rule(
+        0.7,
+        "share of what it moves",
+        "Others take up more of it than half (sum of squares) where it alone moves less: of a finding that may be "
+        "nothing by itself, they are said together.",
+        JUDGED,
+    )
+    takes_over: float = rule(
+        0.3, "share of what it moves", "Each of these others takes up as much of it (RMS) at least.", JUDGED
+    )
+    cancelled: float = rule(
+        0.2,
+        "share of what it moves",
+        "Findings that move less together than this, and of which the others take up all but this, only balance each "
+        "other, and are said together.",
+        JUDGED,
+    )
     scatter_left: float = rule(
         0.03,
         "share of the mismatch",

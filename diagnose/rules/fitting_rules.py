@@ -185,6 +185,12 @@ class FittingRules:
         "More than this and a usual extra mass does not hang on a link whose mass the arm file tells.",
         JUDGED,
     )
+    lifts: float = rule(
+        0.5,
+        "times its own mass",
+        "More extra mass at the tip than this, no arm lifts: light ones (14 kg by one of 30) come near.",
+        "KUKA LBR iiwa 14 R820, data sheet",
+    )
     largest_unnamed: float = rule(
         0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF
     )

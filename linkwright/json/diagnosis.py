@@ -80,6 +80,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "alternatives_detail": [fields(each, "effect", "at", "likeness", "worse") for each in finding.alternatives],
         "sentence": finding.reading,
         "recording": finding.recording or None,
+        "together": [[effect, list(at)] for effect, at in finding.together],
     }
 
 

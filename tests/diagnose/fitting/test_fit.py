@@ -110,3 +110,14 @@ def test_no_more_hangs_on_a_link_than_its_mass_allows(null):
     for mass, possible in ((5.0 + 0.9 * own, True), (5.0 + 1.1 * own, False)):
         reason = why_impossible(null, candidate, np.array([mass]), np.array([mass]), 0.0)
         assert (reason is None) is possible
+
+
+def test_no_more_hangs_at_the_tip_than_an_arm_lifts(null):
+    """Half of what its links weigh, where that is more than a usual extra (3 kg) and what the file says is there."""
+    candidate = null.pool.groups[group_of(null, "payload", ())].candidate
+    whole = sum(float(link.beam.mass) for link in null.observed.state.links)
+    at_the_tip = float(null.observed.state.links[-1].beam.mass) + null.observed.arm_given.payload.mass
+    most = max(0.5 * whole, 3.0 + at_the_tip)
+    for mass, possible in ((0.95 * most, True), (1.05 * most, False)):
+        reason = why_impossible(null, candidate, np.array([mass]), np.array([mass]), 0.0)
+        assert (reason is None) is possible

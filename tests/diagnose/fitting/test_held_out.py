@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.fitting.held_out import residual_held_out, rms_held_out, splits
+from diagnose.fitting.held_out import HeldOut, parts_of_workspace, residual_held_out, rms_held_out, splits
 from diagnose.residual.observed import poses
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
@@ -79,3 +79,24 @@ def test_held_out_rms_of_noise_is_a_little_above_it(null):
         own = np.sqrt(np.mean(np.sum(trial.observed.tip_residual() ** 2, axis=1)))
         ratio.append(rms_held_out(trial.observed, columns_of(null), folds) / own)
     assert 1.0 < np.mean(ratio) < 1.05
+
+
+def test_better_by_is_the_difference_over_its_scatter_between_groups(null):
+    """A true part lowers what is held out by many standard errors, one that is not there by next to none."""
+    true, other = columns_of(null)[:2]
+    residual = true[:, :, 0] * 1e-4 + noise_of(null, np.random.default_rng(5))
+    observed = with_residual(null, residual).observed
+    held, pose = HeldOut(observed, [true, other], splits(observed, 1)["pose blocks"]), poses(observed)
+    errors = [np.sum(held.residual(parts) ** 2, axis=1) for parts in ([0], [])]
+    each = np.array([np.sum((errors[1] - errors[0])[pose == k]) for k in np.unique(pose)])
+    assert held.better_by([0], [], pose) == pytest.approx(each.sum() / (each.std(ddof=1) * np.sqrt(len(each))))
+    assert held.better_by([0], [], pose) > 3.0
+    assert held.better_by([0, 1], [0], pose) < 1.0
+    assert held.better_by([0], [0], pose) == 0.0
+
+
+def test_what_is_held_out_is_made_of_parts_of_the_workspace(null):
+    part, fold = parts_of_workspace(null.observed), splits(null.observed, 1)["pose blocks"]
+    assert len(np.unique(part)) > len(np.unique(fold))
+    assert all(len(np.unique(fold[part == k])) == 1 for k in np.unique(part))
+    assert all(len(np.unique(part[poses(null.observed) == k])) == 1 for k in np.unique(poses(null.observed)))

@@ -1,12 +1,14 @@
 """The joint refit: shapes between the points of the grid, sizes that are not proportional, intervals that cover."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.chain.chain import EffectEntry
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import prepare
-from diagnose.fitting.refit import refit
+from diagnose.fitting.refit import impossible_term, refit
 from diagnose.options import Options
 from diagnose.residual.observed import observe
 from tests.diagnose.core_cases import (
@@ -119,6 +121,18 @@ def test_a_knee_of_a_hardening_drive_is_found():
         got = parameter(found, name)
         assert got.value == pytest.approx(truth, rel=0.1)
         assert got.interval[0] <= truth <= got.interval[1]
+
+
+def test_no_drive_turns_against_its_load():
+    """What is left of a drive's give under high load is not less than nought where the arm file calls it rigid."""
+    arm = made_arm()
+    arm = replace(arm, joints=tuple(replace(joint, stiffness=None) for joint in arm.joints))
+    values = {"compliance": 2e-5, "remaining": -3e-6, "knee": 17.0}
+    recording = recorded(with_effects(arm, ("joint_hardening", (2,), values)), payloads=(0.0, 10.0), noise=1e-6)
+    found = hardening_refitted(prepare(observe(arm, recording), Options()))
+    assert {each.parameter for each in found.parameters[0]} == {"compliance", "knee", "sharp"}
+    assert 0.0 < parameter(found, "compliance").value < 2e-5
+    assert impossible_term(prepare(observe(arm, recording), Options()), found) is None
 
 
 def test_a_shape_that_the_data_do_not_bound_says_so():
