@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from sections.numeric import Array
 
+from .instruments.instrument import NAMES, Instrument, Slots
+
 
 @dataclass(frozen=True)
 class RejectedRow:
@@ -36,6 +38,10 @@ class Recording:
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
     for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
     number), `date` when it was made (`2026-05-16`), empty where nobody said.
+
+    Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
+    (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
+    touched, -1 none. Where rows hold different things, each number is a reading of its own (W = 1) of the same `row`.
     """
 
     file: str
@@ -66,6 +72,31 @@ class Recording:
     settings: str = ""
     unit: str = ""
     date: str = ""
+    slots: Slots | None = None
+    touches: Slots | None = None
+    instrument: Instrument = field(default_factory=Instrument)
+
+    @property
+    def observed_as(self) -> Slots | None:
+        """What each reading is of (N, W + 1): slots and label; None where all are of the tip's place."""
+        if self.slots is None:
+            return None
+        touched = np.full(self.size, -1) if self.touches is None else self.touches
+        return np.column_stack([self.slots, touched])
+
+    def names_of_readings(self) -> list[tuple[int, ...]]:
+        """What no other reading has: the row in the file, and what the numbers are."""
+        rows = self.row[:, None] if self.slots is None else np.column_stack([self.row, self.slots])
+        return [tuple(each) for each in rows.tolist()]
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        """What the numbers in a row of `tip` are called."""
+        if self.slots is None:
+            return ("x", "y", "z")[: self.tip.shape[1]]
+        if len(self.slots) and (self.slots == self.slots[0]).all():
+            return tuple(NAMES[slot].replace(" ", "_") for slot in self.slots[0].tolist())
+        return ("reading",)
 
     @property
     def size(self) -> int:

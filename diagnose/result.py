@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from arm.chain.chain import Arm
 from sections.numeric import Array
 
@@ -283,6 +285,7 @@ class Diagnosis:
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
     or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
     together (none named: one), `differences` what is not the same in all of them.
+    `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
     arm: Arm
@@ -320,6 +323,11 @@ class Diagnosis:
     labels: Mislabelled | None = None
     recordings: tuple[OfRecording, ...] = ()
     differences: tuple[Difference, ...] = ()
+    shown: Array | None = None
+
+    def in_space(self, residual: Array) -> Array:
+        """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""
+        return residual if self.shown is None else np.einsum("nwd,nw->nd", self.shown, residual)
 
     @property
     def describes_part(self) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from diagnose.residual.recorded_conditions import conditions_of
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 
+from .instruments.instrument import ALONG, DISTANCE, Instrument
 from .recording import Recording, since_the_reading_before
 
 Sides = Literal["both", "one", "random"]
@@ -46,7 +47,9 @@ class Plan:
     between the two; `hours` is how long it all takes. `free_frame` measures in a frame that stands anywhere.
     `outliers` is the share of readings that are off by 10 to 50 standard deviations. `joint_side` and `commands` add
     encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool is
-    turned (with `turn_noise`, rad about each axis).
+    turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place) and
+    `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the recording
+    does not say where the anchor is.
     """
 
     poses: int
@@ -65,6 +68,9 @@ class Plan:
     encoder_noise: float = 2e-6
     orientation: bool = False
     turn_noise: float = 20e-6
+    slots: tuple[int, ...] = ()
+    instrument: Instrument = field(default_factory=Instrument)
+    anchor_free: bool = False
 
 
 @dataclass(frozen=True)
@@ -99,6 +105,8 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     moved = seen_of_model(state, active_effects(arm), asked)
     width = 2 if arm.planar() else 3
     nominal = columns(state.tip(), bare.size)
+    if plan.slots:
+        return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, asked), moved.tip)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
     tip = tip + _outliers(plan, random, tip.shape)
     base = None
@@ -121,6 +129,32 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         frame="free" if plan.free_frame else "known",
     )
     return Simulation(recording, moved.tip, _idle(state, arm, asked))
+
+
+def _in_part(
+    bare: Recording, tip: Array, plan: Plan, random: np.random.Generator, idle: tuple[str, ...], error: Array
+) -> Simulation:
+    """What an instrument reads of tips (N, 3) where it does not read their place."""
+    if plan.free_frame:
+        tip, _, _ = _elsewhere(random, tip, None, None)
+    numbers = [tip]
+    if ALONG in plan.slots and plan.instrument.direction is not None:
+        numbers.append(tip @ np.array(plan.instrument.direction)[:, None])
+    if DISTANCE in plan.slots and plan.instrument.anchor is not None:
+        away = tip - np.array(plan.instrument.anchor)
+        numbers.append(np.linalg.norm(away, axis=1)[:, None])
+    order = [0, 1, 2, *(slot for slot in (ALONG, DISTANCE) if slot in plan.slots)]
+    read = np.concatenate(numbers, axis=1)[:, [order.index(slot) for slot in plan.slots]]
+    read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
+    instrument = replace(plan.instrument, anchor=None) if plan.anchor_free else plan.instrument
+    recording = replace(
+        bare,
+        tip=read,
+        slots=np.tile(plan.slots, (bare.size, 1)),
+        instrument=instrument,
+        frame="free" if plan.free_frame else "known",
+    )
+    return Simulation(recording, error, idle)
 
 
 def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:

@@ -52,6 +52,7 @@ from .sentences import (
 )
 from .together import may_be_nothing
 from .unknown import describe, largest_first, rejected_forms
+from .unseen import unseen
 
 
 class Conclusion(Confirmed):
@@ -120,11 +121,12 @@ class Conclusion(Confirmed):
             next_poses_note=note,
             null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
-            figures=() if self.floors else iso_figures(self.observed.recording, arm, rules=self.rules),
+            figures=iso_figures(self.observed.recording, arm, rules=self.rules) if self._whole_places() else (),
             residual_before=before,
             residual_after=after,
             corrected=corrected,
             notes=(
+                *unseen(self.prepared),
                 *self.observed.alignment.undetermined,
                 *recording.warnings,
                 *self.noise.warnings,
@@ -137,7 +139,12 @@ class Conclusion(Confirmed):
             rms_promised=rms_length(self._left_by_names()),
             recordings=each,
             differences=apart,
+            shown=None if self.observed.view is None else self.observed.view.shown,
         )
+
+    def _whole_places(self) -> bool:
+        """Whether it is one recording, of the tip's whole place."""
+        return not self.floors and self.observed.view is None
 
     def _recordings(self, before: Array, after: Array, rejected: Sequence[RejectedRow]) -> tuple[OfRecording, ...]:
         """What comes of each of several recordings, from the tip's residuals (N, D), m, before and after."""

@@ -107,8 +107,10 @@ class Confirmed:
     def _unnamed(self) -> Unnamed:
         """What the recording leaves room for beside what is named."""
         rivals = [rival.member for others in self.alternatives for rival in others]
-        width, number = self.observed.residual.shape[1], {int(r): k for k, r in enumerate(self.observed.recording.row)}
-        readings = np.array([number[int(row)] for row in self.search.observed.recording.row], dtype=np.int64)
+        width = self.observed.residual.shape[1]
+        number = {name: k for k, name in enumerate(self.observed.recording.names_of_readings())}
+        searched = self.search.observed.recording.names_of_readings()
+        readings = np.array([number[name] for name in searched], dtype=np.int64)
         rows = (readings[:, None] * width + np.arange(width)).reshape(-1)
         return unnamed(self.search, [*self.found, *self.forms], rivals, rows)
 

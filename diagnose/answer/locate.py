@@ -99,7 +99,7 @@ def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:
 
 def _covariates(observed: Observed) -> list[tuple[str, Array]]:
     recording = observed.recording
-    place = tip_of(observed)[:, : observed.components]
+    place = tip_of(observed)[:, : observed.space]
     found: list[tuple[str, Array]] = [("position", place)]
     for index in range(observed.arm.size):
         found.append((f"q{index + 1}", recording.q[:, index : index + 1]))
@@ -129,9 +129,10 @@ def _smooth(observed: Observed, values: Array, joint: int) -> Array:
 
 
 def direction(observed: Observed, moved: Array) -> str | None:
-    """The direction in which most of a displacement (N, D) lies, about the base: radial, tangential or vertical."""
+    """The direction in which most of a displacement (N, D) lies, about the base: radial, tangential or vertical;
+    None where not all directions were measured."""
     total = float(np.sum(moved**2))
-    if total <= 0.0:
+    if total <= 0.0 or observed.view is not None:
         return None
     tip = tip_of(observed)
     flat = observed.components == 2

@@ -15,6 +15,7 @@ import numpy as np
 from arm.chain.following import completed
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import nuisances
+from diagnose.instruments.instrument import POINT
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording, since_the_reading_before
 from diagnose.residual.observed import Observed, observe
@@ -48,6 +49,10 @@ def next_poses(
     if not asked:
         return (), ""
     rules = namer.prepared.observed.rules.answer
+    if not _can_be_tried(namer.prepared.observed):
+        return (), (
+            "Poses worth recording next are worked out for positions, and for heights and distances from a known place."
+        )
     tried = _tried(namer.prepared.observed, seed)
     width = tried.residual.shape[1]
     pairs: list[_Pair] = []
@@ -101,6 +106,17 @@ def _noncentrality(pair: _Pair, rows: Sequence[int], width: int) -> float:
     return float(np.sum((full.signal - full.columns @ values) ** 2))
 
 
+def _can_be_tried(observed: Observed) -> bool:
+    """Whether it is known what the instrument would read elsewhere: the whole place, or in each row the same of what
+    is measured from a place that nobody has to find."""
+    recording, view = observed.recording, observed.view
+    if recording.slots is None or view is None:
+        return True
+    if isinstance(recording, Several) or view.names or recording.frame == "free":
+        return False
+    return bool((recording.slots == recording.slots[0]).all()) and int(recording.slots.max()) < POINT
+
+
 def _tried(observed: Observed, seed: int) -> Observed:
     """Readings at random poses within the joint ranges, with each payload on hand and from either side."""
     rng, count = np.random.default_rng(seed), observed.rules.answer.tried
@@ -131,6 +147,8 @@ def _tried(observed: Observed, seed: int) -> Observed:
         base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (count, 1)),
         orientation=np.tile(np.eye(3), (count, 1, 1)) if observed.asked.turn else None,
         seat="free" if observed.asked.turn else "unused",
+        slots=None if recording.slots is None else np.tile(recording.slots[:1], (count, 1)),
+        instrument=recording.instrument,
     )
     # A free tool stands where it was found.
     arm = replace(arm, tool=observed.arm.tool)

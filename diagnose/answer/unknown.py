@@ -81,7 +81,7 @@ def describe(
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, outside),
         decide=_decides(on),
-        predicted=predicted,
+        predicted=predicted if observed.view is None else None,  # no table of readings corrects a path
         held_out_share=share,
     )
 

@@ -83,11 +83,11 @@ class Prepared:
 
 def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base, how that on
-    the tool is turned."""
+    the tool is turned, and the places of an anchor, points and planes that were measured from."""
     parts: list[Array] = []
     names: list[str] = []
     settings: list[str] = []
-    width = observed.components
+    width = observed.space
     for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
         for effect in EFFECTS.values() if left == "free" else ():
             sizes = effect.sizes if effect.free_with == setting else ()
@@ -111,7 +111,12 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
             names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
     shape = (*observed.residual.shape, 0)
     found = np.stack(parts, axis=2) if parts else np.zeros(shape)
-    return of_each(observed, found, tuple(names), settings)
+    found, own = of_each(observed, found, tuple(names), settings)
+    if observed.view is None or not observed.view.names:
+        return found, own
+    placed = np.zeros((*observed.residual.shape, len(observed.view.names)))
+    placed[:, : observed.components] = observed.view.beside
+    return np.concatenate([found, placed], axis=2), (*own, *observed.view.names)
 
 
 def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
@@ -191,7 +196,9 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
 
 
 def _in_order(rejected: Sequence[RejectedRow]) -> tuple[RejectedRow, ...]:
-    return tuple(sorted(rejected, key=lambda each: each.row))
+    """In the order of the file, each row once though several of its numbers may be readings."""
+    first = {each.row: each for each in reversed(rejected)}
+    return tuple(first[row] for row in sorted(first))
 
 
 def _with_memory(
@@ -231,7 +238,7 @@ def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None,
     rules, width = observed.rules.fitting, observed.components
     _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
     visit = visit.reshape(-1)
-    if len(first) < rules.least_pairs or observed.which is not None:
+    if len(first) < rules.least_pairs or observed.loud_with is not None:
         return None, 1  # several instruments wander each in its own way
     told_by = told_apart(observed.recording, observed.arm, poses(observed), first, rules=rules)
     judged_by = told_by or Told(np.arange(len(first)), None)
@@ -374,9 +381,9 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
 
 
 def loudness(left: Array, observed: Observed) -> Array | None:
-    """How loud each of several recordings is beside the others (R,), their geometric mean being one, by the robust
-    scatter of the tip in what a rough model leaves (N, C); None of one."""
-    which = observed.which
+    """How loud each of several recordings (and of kinds of numbers) is beside the others (R,), their geometric mean
+    being one, by the robust scatter of the tip in what a rough model leaves (N, C); None of one."""
+    which = observed.loud_with
     if which is None:
         return None
     size = np.abs(left[:, : observed.components])
@@ -449,11 +456,17 @@ def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArr
     return found
 
 
+def _mixed(observed: Observed) -> bool:
+    """Whether each number is a reading of its own, so that neighbours in the file are of different instruments."""
+    slots = observed.recording.slots
+    return slots is not None and bool((slots != slots[0]).any())
+
+
 def _memory(scaled: Array, observed: Observed) -> float:
     """The correlation of each reading's noise with the one before, from the tip's components at neighbours of different
     visits (what a visit's readings share may be the pose's own); 0 where it is not beyond doubt."""
     across, rules = np.flatnonzero(np.diff(observed.block) != 0), observed.rules.fitting
-    if len(across) < rules.least_pairs:
+    if len(across) < rules.least_pairs or _mixed(observed):
         return 0.0
     most = rules.no_more_of_memory
     clipped = np.clip(scaled[:, : observed.components], -most, most)

@@ -36,7 +36,11 @@ def tip_of(observed: Observed) -> Array:
 
 
 def tip_axes(observed: Observed) -> Array:
-    """A displacement of the tip along each axis, alike at all readings, (1, C, D)."""
+    """A displacement of the tip along each axis, alike at all readings, (1 or N, C, D)."""
+    if observed.view is not None:
+        moved = np.zeros((*observed.residual.shape, observed.space))
+        moved[:, : observed.components] = observed.view.shown
+        return moved
     return np.eye(observed.residual.shape[1])[None, :, : observed.components]
 
 
@@ -49,6 +53,6 @@ def interactions(functions: Sequence[Array] | Array, patterns: Array) -> Array:
 
 def scaled_position(observed: Observed) -> Array:
     """Where the tip stands, (N, D), each axis from -1 to 1 or so over the recording."""
-    tip = tip_of(observed)[:, : observed.components]
+    tip = tip_of(observed)[:, : observed.space]
     spread = np.ptp(tip, axis=0)
     return (tip - tip.mean(axis=0)) / np.where(spread > 0.0, 0.5 * spread, 1.0)

@@ -32,15 +32,15 @@ def _give(observed: Observed) -> Array:
     """What one newton at the tip along each axis moves in every column, (N, C, D): the arm's compliance at each
     reading, by which any other force moves it in proportion."""
     zero, one = np.zeros(observed.rows), np.ones(observed.rows)
-    columns = np.zeros((*observed.residual.shape, observed.components))
-    for axis in range(observed.components):
+    columns = np.zeros((*observed.residual.shape, observed.space))
+    for axis in range(observed.space):
         force = [zero, zero, zero]
         force[axis] = one
         loaded = under_other_loads(observed.state, tip_force=(force[0], force[1], force[2]), weightless=True)
         twists = tuple(elastic_twists(loaded))
         moved = carried_to_tip(loaded, twists)
-        for other in range(observed.components):
-            columns[:, other, axis] = moved[other]
+        seen = observed.of_tip(np.stack([part + zero for part in moved], axis=1))
+        columns[:, : observed.components, axis] = seen
         if observed.asked.turn:
             turned = np.stack([part + zero for part in rotation_at_tip(loaded, twists)], axis=1)
             columns[:, observed.turn_columns, axis] = observed.turns(turned)
@@ -49,7 +49,7 @@ def _give(observed: Observed) -> Array:
 
 def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """The forms that are forces, with their columns (N, C, d) for one newton each (a spring: for one N/m)."""
-    width, rules = observed.components, observed.rules.patterns
+    width, rules = observed.space, observed.rules.patterns
     tip = tip_of(observed)[:, :width]
     steady = _give(observed)
     if not steady.any():
@@ -119,8 +119,8 @@ def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[in
         return None
     taken = np.concatenate([pool.nuisance, np.linalg.qr(pool.basis[:, pool.columns(list(known))])[0]], axis=1)
     left = vector - taken @ (taken.T @ vector)
-    names = tuple(_named([0.0] * observed.components))
-    give, tip = _give(observed), tip_of(observed)[:, : observed.components]
+    names = tuple(_named([0.0] * observed.space))
+    give, tip = _give(observed), tip_of(observed)[:, : observed.space]
 
     def shapes(at: Array) -> dict[str, float]:
         return {**dict(zip(names, at.tolist(), strict=False)), "core": math.exp(at[-1]), "power": rules.magnet}
@@ -139,7 +139,7 @@ def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[in
         start = pool.groups[number].candidate.shapes
         at = np.array([*(start[name] for name in names), math.log(start["core"])])
         # Half a step of the grid to begin with, whatever the coordinates are.
-        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _grid(observed.components, rules)), 0.7])])
+        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _grid(observed.space, rules)), 0.7])])
         options = {
             "maxiter": _STEPS,
             "xatol": 1e-3,

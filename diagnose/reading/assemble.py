@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from types import MappingProxyType
 
@@ -11,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.chain.chain import Arm
+from diagnose.instruments.instrument import Instrument
 from diagnose.recording import Recording, since_the_reading_before
 from diagnose.residual.observed import same_pose
 from diagnose.rules.residual_rules import ResidualRules
@@ -18,19 +18,10 @@ from diagnose.rules.rules import RULES
 from sections.numeric import Array
 from units.quantities import format_quantity
 
-from .columns import ColumnMeaning
+from .read_column import ReadColumn
 from .settings import ReadingSettings
+from .sights import Sights
 from .table import Table
-
-
-@dataclass(frozen=True)
-class ReadColumn:
-    """A column as read: what it means, its header, its values (SI), and how to say what is wrong with a cell."""
-
-    meaning: ColumnMeaning
-    header: str
-    values: Array
-    fault: Callable[[int], str]
 
 
 def assembled(
@@ -41,6 +32,7 @@ def assembled(
     arm: Arm,
     held: ReadingSettings,
     *,
+    sights: Sights | None = None,
     rules: ResidualRules = RULES.residual,
 ) -> Recording:
     """The recording that the columns make; a kind of column that joints have in part is left out and said."""
@@ -80,12 +72,16 @@ def assembled(
         header = columns["z"].header
         warnings.append(f"{header} is {height} throughout, and the arm does not leave its plane: it is not used.")
         spatial = ("x", "y")
+    orientation = _orientation(columns)
+    if sights is not None and orientation is not None:
+        warnings.append("Orientations are not used: they go with the whole place of the tip.")
+        orientation = None
     return Recording(
         file=str(path),
         q=q,
-        tip=_stacked(columns, spatial),
+        tip=_stacked(columns, spatial) if sights is None else sights.tip,
         row=table.row,
-        orientation=_orientation(columns),
+        orientation=orientation,
         time=one("time"),
         sides=sides,
         payload_mass=one("payload"),
@@ -102,12 +98,15 @@ def assembled(
         sigma=held.sigma,
         frame=held.frame,
         tool=held.tool,
-        seat=held.seat,
+        seat=held.seat if sights is None else "unused",
         warnings=tuple(warnings),
         other=MappingProxyType(strangers),
         settings=held.file,
         unit=held.unit,
         date=held.date,
+        slots=None if sights is None else sights.slots,
+        touches=None if sights is None else sights.touches,
+        instrument=Instrument() if sights is None else sights.instrument,
     )
 
 

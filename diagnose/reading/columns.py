@@ -10,7 +10,9 @@ from arm.chain.chain import Arm
 from units.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
-_WHOLE = re.compile(r"(time|payload|temperature|x|y|z|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?")
+_WHOLE = re.compile(
+    r"(time|payload|temperature|x|y|z|along|distance|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+)
 _TURNS = MappingProxyType(
     {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
 )
@@ -22,7 +24,7 @@ _KINDS = MappingProxyType(
         "time": "time",
         "payload": "mass",
         "temperature": "temperature",
-        **dict.fromkeys(("x", "y", "z", "basex", "basey", "basez"), "length"),
+        **dict.fromkeys(("x", "y", "z", "along", "distance", "basex", "basey", "basez"), "length"),
         **dict.fromkeys(("fx", "fy", "fz"), "force"),
         **dict.fromkeys(("rx", "ry", "rz"), "angle"),
     }
@@ -110,6 +112,12 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
     if base in ("qw", "qx", "qy", "qz"):
         return _bare(header, base, None, suffix, file)
     return _with_unit(header, base, None, _KINDS[base], suffix, file)
+
+
+def of_kind(header: str) -> str | None:
+    """`along` or `distance` where a header is of that, which only some recordings observe; else None."""
+    found = _WHOLE.fullmatch(header)
+    return found[1] if found is not None and found[1] in ("along", "distance") else None
 
 
 def otherwise_spelled(header: str) -> str | None:

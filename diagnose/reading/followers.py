@@ -9,8 +9,8 @@ from arm.chain.following import coordinates
 from diagnose.rules.residual_rules import ResidualRules
 from units.quantities import InputError, format_quantity
 
-from .assemble import ReadColumn
 from .columns import meaning_of
+from .read_column import ReadColumn
 from .table import Table
 
 

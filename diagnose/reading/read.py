@@ -14,6 +14,9 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.chain.chain import Arm
+from diagnose.instruments.checks import sights_checked
+from diagnose.instruments.instrument import LABELS
+from diagnose.instruments.split import laid_out
 from diagnose.mistakes.readings import checked
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
@@ -22,11 +25,13 @@ from sections.numeric import Array
 from units.quantities import InputError, shown
 from units.reading import nearest
 
-from .assemble import ReadColumn, assembled
-from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of, otherwise_spelled
+from .assemble import assembled
+from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of, of_kind, otherwise_spelled
 from .followers import with_followers
 from .formula import Formula, read_condition, read_formula
+from .read_column import ReadColumn
 from .settings import ReadingSettings, find_settings, read_settings
+from .sights import in_part, sights_of
 from .table import Table, read_table
 
 _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "basex_mm", "fx_N", "qw", "rx_deg")
@@ -59,12 +64,20 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
     columns, strangers, said = _columns(table, held, arm)
     warnings += said
     columns = with_followers(columns, table, arm, rules.residual)
-    _require(columns, table, arm, held)
-    columns, rejected, said = _faults(columns, table, rules.reading.mostly_blank)
+    partly = in_part(columns, table, held, rules.reading.some_blank)
+    _require(columns, table, arm, held, whole=not partly)
+    sights, seen = None, columns
+    bare: list[RejectedRow] = []
+    if partly:
+        sights, seen, bare, said = sights_of(columns, table, held, arm)
+        warnings += said
+    columns, rejected, said = _faults(seen, table, rules.reading.mostly_blank)
     warnings += said
+    faulty = {each.row: each for each in rejected}
+    rejected = [*rejected, *(each for each in bare if each.row not in faulty)]
     known = {each.row for each in rejected}
     rejected += [each for each in _not_unit(columns, table, rules.reading.unit_length) if each.row not in known]
-    recording = assembled(path, columns, strangers, table, arm, held, rules=rules.residual)
+    recording = assembled(path, columns, strangers, table, arm, held, sights=sights, rules=rules.residual)
     recording = replace(recording, rejected=(*table.ragged, *rejected), warnings=(*warnings, *recording.warnings))
     bad = {each.row for each in recording.rejected}
     recording = recording.kept(np.array([row not in bad for row in recording.row.tolist()], dtype=bool))
@@ -73,6 +86,8 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
     headers = {column.meaning.name: column.header for column in columns.values()}
     done = checked(recording, arm, headers, rules=rules)
+    if sights is not None:
+        done = sights_checked(laid_out(done), arm, rules=rules)
     return replace(done, rejected=tuple(sorted(done.rejected, key=lambda each: each.row)))
 
 
@@ -106,7 +121,10 @@ def _columns(
         if name not in table.columns:
             raise InputError(held.file, "ignore", f"there is no column {shown(name)}{nearest(name, table.names)}")
     for header, text in held.columns.items():
-        meaning = meaning_of(header, arm, file=held.file)
+        if header in _labels_of(held):
+            used.add(text)
+            continue
+        meaning = _meaning(header, arm, held, held.file)
         if meaning is None:
             hint = nearest(header, _known_headers(arm))
             raise InputError(held.file, f"columns.{header}", f"is no column of a recording{hint}")
@@ -121,10 +139,10 @@ def _columns(
         pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
         warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
     for header in table.names:
-        if header in held.ignore:
+        if header in held.ignore or header in _labels_of(held):
             continue
         try:
-            meaning = meaning_of(spelled.get(header, header), arm, file=table.file)
+            meaning = _meaning(spelled.get(header, header), arm, held, table.file)
         except UnitMissing as error:
             if not held.columns and not error.stranger:
                 raise
@@ -153,12 +171,25 @@ def _columns(
     return found, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
 
 
+def _meaning(header: str, arm: Arm, held: ReadingSettings, file: object) -> ColumnMeaning | None:
+    """What a header says; heights and distances are strangers to a recording that does not observe them."""
+    kind = of_kind(header)
+    if kind is not None and (held.instrument is None or kind not in held.instrument.kinds):
+        return None
+    return meaning_of(header, arm, file=file)
+
+
+def _labels_of(held: ReadingSettings) -> tuple[str, ...]:
+    """The columns of labels that a recording has."""
+    return () if held.instrument is None else tuple(LABELS[k] for k in held.instrument.kinds if k in LABELS)
+
+
 def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:
     """The headers that are ours but for how they are written, with ours; none whose like is there as it should be."""
 
     def meant(header: str) -> str:
         try:
-            meaning = meaning_of(header, arm, file=table.file)
+            meaning = _meaning(header, arm, held, table.file)
         except UnitMissing:
             return ""
         return "" if meaning is None else meaning.name
@@ -235,10 +266,12 @@ def _stamp(text: str, form: str) -> datetime.datetime | None:
         return None
 
 
-def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings) -> None:
+def _require(
+    columns: dict[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings, *, whole: bool = True
+) -> None:
     wanted = [(f"q{k + 1}", example_headers("q", arm, k)) for k in range(arm.size)]
-    wanted += [(name, example_headers(name, arm)) for name in ("x", "y")]
-    if not planar_motion(arm):
+    wanted += [(name, example_headers(name, arm)) for name in ("x", "y") if whole]
+    if whole and not planar_motion(arm):
         wanted.append(("z", example_headers("z", arm)))
     missing = [(name, would_do) for name, would_do in wanted if name not in columns]
     if missing:
@@ -247,7 +280,8 @@ def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm, held: Readi
         first, would_do = missing[0]
         also = f" (and {', '.join(name for name, _ in missing[1:])})" if len(missing) > 1 else ""
         where = "" if held.columns else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
-        raise InputError(table.file, first, f"is missing{also}; the file has {there}; write {would_do}{where}")
+        part = "; `observes: position` in recording.yaml if it was not measured" if first in ("x", "y", "z") else ""
+        raise InputError(table.file, first, f"is missing{also}; the file has {there}; write {would_do}{where}{part}")
     given = [name for name in _QUATERNION if name in columns]
     if 0 < len(given) < len(_QUATERNION):
         lacking = ", ".join(name for name in _QUATERNION if name not in given)

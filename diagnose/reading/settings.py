@@ -11,6 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
+from diagnose.instruments.instrument import Instrument
+from diagnose.instruments.settings import read_instrument
 from units.quantities import InputError, shown
 from units.reading import Mapping, load_yaml, read_text
 
@@ -32,7 +34,8 @@ class ReadingSettings:
     `sigma` (m) is the standard deviation of each component of the tip. `sides` tells whence the sides of approach are
     known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row. `seat` is
     the key `orientation`: free uses orientations, how the target is turned on the tool being free. `unit` says which
-    arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`).
+    arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`). `instrument` is what is observed, None where
+    nobody said: the tip's place.
     """
 
     file: str = ""
@@ -48,6 +51,7 @@ class ReadingSettings:
     layout: Layout = field(default_factory=Layout)
     unit: str = ""
     date: str = ""
+    instrument: Instrument | None = None
 
 
 def find_settings(recording: Path) -> Path | None:
@@ -92,6 +96,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             layout=_layout(mapping),
             unit=_name(mapping, "unit"),
             date=_date(mapping),
+            instrument=read_instrument(mapping),
         )
 
 

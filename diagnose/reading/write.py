@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from arm.chain.chain import Arm
+from diagnose.instruments.instrument import DISTANCE, KINDS, LABELS, NAMES, Slots
 from diagnose.recording import Recording
 from sections.numeric import Array
 from units.quantities import format_quantity
@@ -18,10 +19,12 @@ from units.temperature import ZERO_CELSIUS
 def recording_text(recording: Recording, arm: Arm) -> str:
     """The recording as CSV: s, deg, mm, kg, degC, N, N*m. Lengths are written to 0.01 um, angles to 1e-6 deg."""
     columns = list(recording_columns(recording, arm))
+    labels = list(label_columns(recording))
     stream = io.StringIO()
-    stream.write(",".join(name for name, _, _ in columns) + "\n")
+    stream.write(",".join([*(name for name, _, _ in columns), *(name for name, _ in labels)]) + "\n")
     for row in range(recording.size):
-        stream.write(",".join(_cell(values[row], digits) for _, values, digits in columns) + "\n")
+        cells = [_cell(values[row], digits) for _, values, digits in columns]
+        stream.write(",".join([*cells, *(_quoted(values[row]) for _, values in labels)]) + "\n")
     return stream.getvalue()
 
 
@@ -37,10 +40,49 @@ def settings_text(recording: Recording) -> str:
         for key, value in (("unit", recording.unit), ("date", recording.date))
         if value
     ]
-    return "".join(lines)
+    return "".join([*lines, *_instrument(recording)])
+
+
+def _instrument(recording: Recording) -> list[str]:
+    """The lines that say what was observed, none for the whole place."""
+    if recording.slots is None:
+        return []
+    own = recording.instrument
+    kinds = ", ".join(own.kinds)
+    lines = [f"observes: {kinds if len(own.kinds) == 1 else f'[{kinds}]'}\n"]
+    if own.direction is not None:
+        lines.append(f"direction: [{', '.join(f'{value:.9g}' for value in own.direction)}]\n")
+    if "distance" in own.kinds:
+        at = "free" if own.anchor is None else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in own.anchor)}]"
+        lines.append(f"anchor: {at}\n")
+    return lines
+
+
+def _quoted(label: str) -> str:
+    return '"' + label.replace('"', '""') + '"' if any(sign in label for sign in ',"\n;') else label
+
+
+def label_columns(recording: Recording) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Name and text of each column of labels, blank where a row touches none of that kind."""
+    if recording.slots is None or recording.touches is None:
+        return
+    for kind, name in LABELS.items():
+        touched = np.asarray(np.isin(recording.slots, KINDS[kind]).any(axis=1), dtype=np.bool_)
+        if touched.any():
+            which = zip(recording.touches.tolist(), touched.tolist(), strict=True)
+            yield name, tuple(recording.instrument.labels[at] if there else "" for at, there in which)
+
+
+def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Array, int]]:
+    """The numbers of a recording that does not hold the whole place; nan where a row holds none."""
+    for slot in sorted(set(slots[slots <= DISTANCE].tolist())):
+        values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
+        yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5
 
 
 def _cell(value: float, digits: int) -> str:
+    if value != value:  # nothing was read
+        return ""
     text = f"{value:.{digits}f}"
     if "." in text:
         text = text.rstrip("0").rstrip(".")
@@ -74,7 +116,9 @@ def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Arr
     if recording.link_temperature is not None:
         for index in range(arm.size):
             yield f"temperature_link{index + 1}_degC", recording.link_temperature[:, index] - ZERO_CELSIUS, 4
-    for axis in range(recording.tip.shape[1]):
+    if recording.slots is not None:
+        yield from _read_in_part(recording, recording.slots)
+    for axis in range(recording.tip.shape[1] if recording.slots is None else 0):
         yield f"{'xyz'[axis]}_mm", 1e3 * recording.tip[:, axis], 5
     if recording.base_target is not None:
         for axis in range(3):

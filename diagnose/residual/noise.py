@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
+from arm.chain.arrays import nominal
 from arm.chain.chain import Arm
+from diagnose.instruments.instrument import NAMES
+from diagnose.instruments.view import viewed
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
 from diagnose.rules.residual_rules import ResidualRules
@@ -76,11 +79,9 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     Outliers are sought with an F bound on the distance from the group's other readings, the scale being Qn
     first (Rousseeuw & Croux 1993, see `robust.qn`) and the pooled scatter of what is left after that.
     """
-    free = recording.frame == "free"
-    tool = recording.tool == "free"
-    place = placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
-    # Components are those of the measuring instrument: the residual is turned back into its frame.
-    residual = place.residual @ place.rotation
+    if recording.slots is not None and (recording.slots != recording.slots[0]).any():
+        return _of_each_kind(recording, arm, rules)
+    residual = _against_nominal(recording, arm, rules)
     visited = repeat_groups(recording, arm, rules=rules)
     groups = without_drift(residual, visited, rules=rules)
     width = recording.tip.shape[1]
@@ -153,6 +154,47 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     )
 
 
+def _against_nominal(recording: Recording, arm: Arm, rules: ResidualRules) -> Array:
+    """Measured less where the nominal arm would be (N, D), m, in the directions of the instrument."""
+    if recording.slots is not None:
+        tips, axes = nominal(arm, recording.q, 3)
+        return viewed(recording, tips, axes, flat=arm.planar(), rules=rules).residual
+    free, tool = recording.frame == "free", recording.tool == "free"
+    place = placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
+    # Components are those of the measuring instrument: the residual is turned back into its frame.
+    return place.residual @ place.rotation
+
+
+def _of_each_kind(recording: Recording, arm: Arm, rules: ResidualRules) -> NoiseFloor:
+    """The noise floor where each number is a reading of its own: of each kind by itself, together by mean squares."""
+    assert recording.slots is not None
+    slots = recording.slots[:, 0]
+    kinds = np.unique(slots).tolist()
+    parts = [recording.kept(slots == kind) for kind in kinds]
+    floors = [noise_floor(part, arm, rules=rules) for part in parts]
+    share = np.array([part.size for part in parts]) / recording.size
+    known = [each.rms_m for each in floors if each.rms_m is not None]
+    rms = float(np.sqrt(share @ np.square(known))) if len(known) == len(floors) else None
+    sources = {each.source for each in floors}
+    source = floors[0].source if len(sources) == 1 else "none" if "none" in sources else "declared"
+    again = [each for each in floors if each.drift_m is not None]
+    freedom = sum(each.drift_degrees_of_freedom for each in again)
+    moved = sum((each.drift_m or 0.0) ** 2 * each.drift_degrees_of_freedom for each in again)
+    return NoiseFloor(
+        None if rms is None else (rms,),
+        source,
+        sum(each.degrees_of_freedom for each in floors) if source == "repeats" else 0,
+        rms,
+        " ".join(f"{NAMES[kind]}: {each.sentence}" for kind, each in zip(kinds, floors, strict=True)),
+        float(np.sqrt(moved / freedom)) if freedom else None,
+        freedom,
+        tuple(aside for each in floors for aside in each.outliers),
+        tuple(sorted({row for each in floors for row in each.doubtful})),
+        None,
+        tuple(f"{NAMES[kind]}: {text}" for kind, each in zip(kinds, floors, strict=True) for text in each.warnings),
+    )
+
+
 def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> tuple[Rows, ...]:
     """Visits: consecutive readings at one pose and condition, as indices (from 0) into the recording.
 
@@ -168,6 +210,8 @@ def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULE
     for each in held:
         columns = each.reshape(recording.size, -1)
         changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.other_load * np.abs(columns[1:])).any(axis=1)
+    if recording.observed_as is not None:
+        changed[1:] |= (np.diff(recording.observed_as, axis=0) != 0).any(axis=1)
     if recording.velocity is not None:
         limit = 1e-3 + rules.other_speed * np.abs(recording.velocity[1:])
         changed[1:] |= (np.abs(np.diff(recording.velocity, axis=0)) > limit).any(axis=1)
@@ -335,7 +379,7 @@ def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm, rules: 
     keys: dict[tuple[int, ...], list[Rows]] = {}
     for visit in visits:
         key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
-        for held in (recording.payload_mass, recording.sides, recording.force):
+        for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
             if held is not None:
                 key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
         keys.setdefault(tuple(key), []).append(visit)

@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import columns
+from arm.chain.arrays import columns, matrices
 from arm.chain.chain import Arm, EffectEntry, FloatVector
 from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
@@ -22,11 +22,13 @@ from arm.effects.angles.encoder_offset import ENCODER_OFFSET
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
+from diagnose.instruments.view import View, viewed
 from diagnose.recording import Recording
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES, Rules
 from diagnose.several.recordings import Several
 from diagnose.several.states import joined
+from diagnose.several.views import view_of_several
 
 from .alignment import Alignment, aligned
 from .orientation import has_orientation, turn_left
@@ -52,7 +54,11 @@ class Observed:
     `rules` are those of the whole diagnosis.
 
     Of several recordings (`Several`) frame and tool are each one's own, and so is how loud its instrument is: `loud`
-    (R,) is what `scale` is multiplied by for each recording's readings (None: nothing).
+    (R,) is what `scale` is multiplied by for each recording's readings (None: nothing); where each number is a reading
+    of its own, for each kind of number as well.
+
+    `view` says what a displacement of the tip shows where something else than its place was measured; the tip's columns
+    are those readings then.
     """
 
     arm: Arm
@@ -70,6 +76,25 @@ class Observed:
     rules: Rules = RULES
     loud: Array | None = None
     wander: float = 0.0
+    view: View | None = None
+
+    @property
+    def loud_with(self) -> NDArray[np.int64] | None:
+        """Which readings (N,), numbered from 0, are as loud as each other; None where all are."""
+        slots = self.recording.slots
+        if slots is None or slots.shape[1] > 1 or (slots == slots[0]).all():
+            return self.which
+        told = slots if self.which is None else np.column_stack([self.which, slots])
+        return np.unique(told, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+    @property
+    def space(self) -> int:
+        """How many components a displacement of the tip has, 2 or 3."""
+        return self.components if self.view is None else self.view.shown.shape[2]
+
+    def of_tip(self, moved: Array) -> Array:
+        """What the instrument of the tip sees of displacements (N, 3), m, of the tip: (N, W), all of it as a rule."""
+        return moved[:, : self.components] if self.view is None else self.view.of_tip(moved)
 
     @property
     def which(self) -> NDArray[np.int64] | None:
@@ -78,7 +103,7 @@ class Observed:
 
     @property
     def components(self) -> int:
-        """How many components of the tip were measured, 2 or 3."""
+        """How many components of the tip were measured: 2 or 3, or how many numbers an instrument read."""
         return self.recording.tip.shape[1]
 
     @property
@@ -92,7 +117,7 @@ class Observed:
 
     def stacked(self, channels: Channels) -> Array:
         """Channels as (N, C), in the order of `residual`."""
-        parts = [channels.tip[:, : self.components]]
+        parts = [self.of_tip(channels.tip)]
         parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
         if channels.turn is not None:
             parts.append(self.turns(channels.turn))
@@ -102,11 +127,11 @@ class Observed:
     def turn_columns(self) -> slice:
         """Where in a row the turns of the tool stand; nowhere if there are none."""
         count = self.residual.shape[1]
-        return slice(count - (turns_measured(self.components) if self.asked.turn else 0), count)
+        return slice(count - (turns_measured(self.space) if self.asked.turn else 0), count)
 
     def turns(self, turn: Array) -> Array:
         """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3): nought where a row has none."""
-        shown = turn[:, -turns_measured(self.components) :]
+        shown = turn[:, -turns_measured(self.space) :]
         return shown * has_orientation(self.recording)[:, None]
 
     def signature(self, effect: str, settings: Settings) -> Array:
@@ -133,10 +158,10 @@ class Observed:
 
     def evened(self, columns: Array) -> Array:
         """Columns (N, ...) over how loud each reading's recording is."""
-        which = self.which
-        if which is None or self.loud is None:
+        group = self.loud_with
+        if group is None or self.loud is None:
             return columns
-        return columns / self.loud[which].reshape(-1, *(1,) * (columns.ndim - 1))
+        return columns / self.loud[group].reshape(-1, *(1,) * (columns.ndim - 1))
 
     def without_memory(self, columns: Array, correlation: float | None = None) -> Array:
         """Columns (N, ...) less what each reading shares with the one before in its recording."""
@@ -227,12 +252,12 @@ def observe(
         command=recording.commanded is not None,
         turn=bool(has_orientation(recording).any()),
     )
-    nominal, state, modelled, alignment, first = _placed(known, recording, asked, about, rules.residual)
+    nominal, state, modelled, alignment, first, view = _placed(known, recording, asked, about, rules.residual)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))
-        nominal, state, modelled, further, first = _placed(known, recording, asked, about, rules.residual)
+        nominal, state, modelled, further, first, view = _placed(known, recording, asked, about, rules.residual)
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
@@ -247,7 +272,7 @@ def observe(
         parts.append(recording.q - recording.commanded - modelled.command)
     if modelled.turn is not None:
         left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
-        parts.append(left[:, -turns_measured(recording.tip.shape[1]) :])
+        parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
     return Observed(
         known,
@@ -264,6 +289,7 @@ def observe(
         tuple(about),
         rules,
         wander=wander,
+        view=view,
     )
 
 
@@ -277,7 +303,7 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         for name, each in zip(recording.names, parts, strict=True)
         for text in each.alignment.undetermined
     )
-    width = first.components
+    width = first.space
     # The arm has the file's tool: what was found of each recording's is in its own state.
     nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, said)
     residual = np.concatenate([each.residual for each in parts])
@@ -295,14 +321,16 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         correlation,
         first.about,
         first.rules,
+        view=view_of_several([each.view for each in parts], recording.names),
     )
 
 
 def _placed(
     arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry], rules: ResidualRules
-) -> tuple[PoseState, PoseState, Channels, Alignment, Array]:
+) -> tuple[PoseState, PoseState, Channels, Alignment, Array, View | None]:
     """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
-    measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3)."""
+    measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
+    the instrument sees, where that is not the tip's place."""
     nominal = solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
@@ -316,12 +344,18 @@ def _placed(
     shape = shape_of(nominal, whole, asked)
     modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
     first, turn = _to_first_order(shape.state, arm, about, asked)
-    width = recording.tip.shape[1]
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
-    tips = (columns(nominal.tip(), recording.size) + shape.tip)[:, :width]
-    alignment = aligned(recording, shape.state, tips, rules=rules)
+    tips = columns(nominal.tip(), recording.size) + shape.tip
+    if recording.slots is not None:
+        directions = matrices(shape.state.frames.orientation, recording.size)
+        view = viewed(recording, tips, directions, flat=arm.planar(), rules=rules)
+        residual = view.residual + view.of_tip(first)
+        placed = Alignment(view.rotation, view.translation, view.tool, residual, view.undetermined)
+        return nominal, shape.state, modelled, placed, turn, view
+    width = recording.tip.shape[1]
+    alignment = aligned(recording, shape.state, tips[:, :width], rules=rules)
     placed = replace(alignment, residual=alignment.residual + first[:, :width])
-    return nominal, shape.state, modelled, placed, turn
+    return nominal, shape.state, modelled, placed, turn, None
 
 
 def _to_first_order(state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked) -> tuple[Array, Array]:
@@ -347,6 +381,9 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     with_them = shape_of(observed.nominal, (*active_effects(arm), *_entries(arm, about)), asked).tip
     without = shape_of(observed.nominal, active_effects(arm), asked).tip
     first, _ = _to_first_order(observed.state, arm, about, asked)
+    if observed.view is not None:
+        beyond = observed.view.change(with_them) - observed.view.change(without)
+        return beyond - observed.view.of_tip(first)
     return (with_them - without - first)[:, : observed.components]
 
 
@@ -359,7 +396,7 @@ def visits(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.resid
     """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
     same = same_pose(arm, rules)
     new = (np.abs(np.diff(recording.q, axis=0)) > same).any(axis=1)
-    for held in (recording.payload_mass, recording.sides, recording.force):
+    for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
         if held is not None:
             changed = np.diff(held, axis=0) != 0.0
             new |= changed if changed.ndim == 1 else changed.any(axis=1)

@@ -185,6 +185,12 @@ class AnswerRules:
     one_direction: float = rule(0.6, "share of the mismatch", "Along one direction, or it is mixed.", JUDGED)
     tried: int = rule(150, "poses", "Tried for those worth recording next.", TIME, rows="They are tried, not recorded.")
     taken: int = rule(6, "poses", "Proposed.", JUDGED, rows="They are proposed, not recorded.")
+    unseen_share: float = rule(
+        1e-3,
+        "share of the motion",
+        "A motion of which no more shows is not seen by an instrument: that much comes of how far the arm is bent.",
+        JUDGED,
+    )
     told: float = rule(
         13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
     )

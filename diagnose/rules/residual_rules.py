@@ -17,6 +17,18 @@ class ResidualRules:
         "Joints closer than this are at the same pose: what servos come back to, and finer than any grid.",
         JUDGED,
     )
+    better_start: float = rule(
+        0.9,
+        "times the RMS",
+        "A frame that turns more is where an instrument stands if it fits this much better.",
+        JUDGED,
+    )
+    level_places: float = rule(
+        1e-3,
+        "share of their extent",
+        "Places that reach less far across lie in a plane: an anchor is beside it.",
+        JUDGED,
+    )
     same_length: float = rule(2e-5, "m", "The same for slides.", JUDGED)
     same_payload: float = rule(1e-3, "kg", "A scale's noise is no new payload.", JUDGED)
     long_pause: float = rule(

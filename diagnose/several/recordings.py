@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
+from diagnose.instruments.split import as_scalars
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
 from sections.numeric import Array
@@ -68,7 +69,7 @@ class Several(Recording):
 
 _COLUMNS = (
     "q", "tip", "row", "orientation", "time", "sides", "payload_mass", "temperature", "link_temperature", "velocity",
-    "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "base_target",
+    "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "base_target", "slots", "touches",
 )  # fmt: skip
 
 
@@ -102,6 +103,7 @@ def together(
     are called.
     """
     names = tuple(names) if names is not None else names_of(recordings)
+    recordings = _alike(recordings)
     width = min(each.tip.shape[1] for each in recordings)
     notes: list[str] = []
     counts = [each.size for each in recordings]
@@ -163,6 +165,8 @@ def together(
         torque=column("torque", None, "torques"),
         force=column("force", lambda count: np.zeros((count, 3)), "a force at the tip", "none is taken to act"),
         base_target=column("base_target", None, "a target on the base"),
+        slots=None if recordings[0].slots is None else _joined_slots(recordings),
+        touches=None if all(each.touches is None for each in recordings) else _joined_touches(recordings),
         frame="free" if any(each.frame == "free" for each in recordings) else "known",
         tool="free" if any(each.tool == "free" for each in recordings) else "known",
         seat=seat,
@@ -176,6 +180,22 @@ def together(
         began=began,
         units=units,
     )
+
+
+def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:
+    """The recordings as they are where all hold the same; else each number of theirs is a reading of its own."""
+    kinds = {None if each.slots is None else tuple(map(tuple, np.unique(each.slots, axis=0))) for each in recordings}
+    if len(kinds) == 1 or all(each.slots is None for each in recordings):
+        return recordings
+    return [as_scalars(each) for each in recordings]
+
+
+def _joined_slots(recordings: Sequence[Recording]) -> NDArray[np.int64]:
+    return np.concatenate([each.slots for each in recordings if each.slots is not None])
+
+
+def _joined_touches(recordings: Sequence[Recording]) -> NDArray[np.int64]:
+    return np.concatenate([np.full(each.size, -1) if each.touches is None else each.touches for each in recordings])
 
 
 def _through(recordings: Sequence[Recording]) -> tuple[int, ...]:

@@ -23,6 +23,9 @@ compliance: 21 urad/(N*m)}'
 """
 
 
+_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor"})
+
+
 def simulate(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
     poses: Annotated[int, typer.Option("--poses", metavar="N", min=1, max=1_000_000, help="How many poses.")],
@@ -52,6 +55,18 @@ def simulate(
     commands: Annotated[bool, typer.Option("--commands", help="Commanded coordinates too.")] = False,
     base_target: Annotated[bool, typer.Option("--base-target", help="A target on the base too.")] = False,
     orientation: Annotated[bool, typer.Option("--orientation", help="How the tool is turned too.")] = False,
+    observe: Annotated[
+        str, typer.Option("--observe", help="What is read: position, some of x, y, z (e.g. z, xy), along, distance.")
+    ] = "position",
+    direction: Annotated[
+        str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
+    ] = None,
+    anchor: Annotated[
+        str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")
+    ] = None,
+    anchor_free: Annotated[
+        bool, typer.Option("--anchor-free", help="The settings do not tell where the anchor is.")
+    ] = False,
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
     ] = False,
@@ -92,6 +107,10 @@ def simulate(
                 base_target=base_target,
                 orientation=orientation,
                 declare_sigma=declare_sigma,
+                observe=observe,
+                direction=None if direction is None else _numbers(direction),
+                anchor=None if anchor is None else [each.strip() for each in anchor.split(",")],
+                anchor_free=anchor_free,
             )
         made.save(out)
     write_result(json, made.to_json())
@@ -120,6 +139,13 @@ def read_entries(texts: list[str]) -> list[dict[str, Any]]:
     return entries
 
 
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(each) for each in text.split(",")]
+    except ValueError:
+        raise InputError("", "--direction", f"needs three numbers such as '0, 0, 1', not {text!r}") from None
+
+
 def _span(text: str) -> tuple[str, str]:
     ends = text.split(" to ")
     if len(ends) > 2:
@@ -131,6 +157,6 @@ def _refuse_others_settings(settings: Path, out: Path) -> None:
     """Refuse to write over a YAML file beside the recording that is not just a simulated recording's settings."""
     if settings == out:
         raise InputError(out, "", "ends in .yaml; name a CSV file")
-    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= {"sigma", "frame", "tool"}:
+    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= _SETTINGS:
         message = "is there already and holds more than a simulation's settings; name another recording"
         raise InputError(settings, "", message)

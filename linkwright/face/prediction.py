@@ -90,7 +90,7 @@ class Prediction(Result):
 
         recording = self.found.recording
         columns: dict[str, Any] = {"row": recording.row, **joint_columns(self.arm.model, recording.q + 0.0)}
-        for axis, values in zip("xyz", self.found.residual.T, strict=False):
+        for axis, values in zip(recording.component_names, self.found.residual.T, strict=True):
             columns[f"residual_{axis}_mm"] = 1e3 * values
         columns["residual_mm"] = 1e3 * np.linalg.norm(self.found.residual, axis=1)
         columns["outside"] = np.isin(recording.row, self.found.outside)

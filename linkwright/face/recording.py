@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from arm.chain.chain import EffectEntry
 from arm.files.read import arm_from
+from diagnose.instruments.asked import observed_by
 from diagnose.reading.read import read_recording as read_file
 from diagnose.reading.read import recording_from
 from diagnose.reading.settings import read_settings
 from diagnose.reading.table import table_of
-from diagnose.reading.write import recording_columns, recording_text, settings_text
+from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from diagnose.recording import Recording as Found
 from diagnose.simulate import Plan
 from diagnose.simulate import Simulation as Made
@@ -49,6 +50,7 @@ class Recording:
         import pandas as pd
 
         columns: dict[str, Any] = {name: values for name, values, _ in recording_columns(self.found, self.arm.model)}
+        columns |= dict(label_columns(self.found))
         return pd.DataFrame(columns, index=pd.Index(self.found.row, name="row"))
 
     @property
@@ -157,13 +159,19 @@ def simulate(
     base_target: bool = False,
     orientation: bool = False,
     declare_sigma: bool = False,
+    observe: str = "position",
+    direction: Sequence[float] | None = None,
+    anchor: Sequence[Quantity] | None = None,
+    anchor_free: bool = False,
 ) -> Simulation:
     """A recording from a model, with noise and repeats: poses spread over the joint ranges.
 
     `with_` holds entries of an arm file's `effects` beside the arm's own. `noise` is the standard deviation of each
     component (text, or m), `payloads` masses (text, or kg), `temperature` from and to (text, or K), between which it
     wanders. `sides`: joints arrive from both, one, or random ones. `outliers` is a share of readings. The same `seed`
-    gives the same recording. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
+    gives the same recording. `observe` says what is read: the `position`, some of its coordinates (`z`, `xy`), the
+    height `along` a `direction`, or the `distance` from an `anchor` (lengths; `anchor_free`: the recording does
+    not tell where it is). Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
 
     >>> import linkwright as lw
     >>> lw.simulate(
@@ -189,6 +197,7 @@ def simulate(
         commands=commands,
         base_target=base_target,
         orientation=orientation,
+        **observed_by(observe, direction, _lengths(anchor), given.model, anchor_free=anchor_free),
     )
     made = simulated(given.model, plan)
     sigma = plan.noise if declare_sigma and plan.noise > 0.0 else None
@@ -204,6 +213,10 @@ def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files:
     content = {**arm.content, "effects": [each if as_in_files else plain(each) for each in entries]}
     added: tuple[EffectEntry, ...] = arm_from(Reader(content, file="with_"), catalogue_of(arm.catalogue)).effects
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
+
+
+def _lengths(anchor: Sequence[Quantity] | None) -> list[float] | None:
+    return None if anchor is None else [in_si(each, "length", "anchor") for each in anchor]
 
 
 def _span(temperature: tuple[Quantity, Quantity]) -> tuple[float, float]:

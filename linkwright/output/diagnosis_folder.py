@@ -70,7 +70,7 @@ def residuals_csv(diagnosis: Diagnosis) -> str:
     """Every reading with its residual before and after, mm (measured less modelled, in the base frame)."""
     columns = _poses(diagnosis)
     for when, residual in (("before", diagnosis.residual_before), ("after", diagnosis.residual_after)):
-        for axis, values in zip("xyz", residual.T, strict=False):
+        for axis, values in zip(diagnosis.recording.component_names, residual.T, strict=True):
             columns[f"{when}_{axis}_mm"] = (1e3 * values).round(_DIGITS)
         columns[f"{when}_mm"] = (1e3 * np.linalg.norm(residual, axis=1)).round(_DIGITS)
     return pd.DataFrame(columns).to_csv(index=False, lineterminator="\n")

@@ -60,12 +60,14 @@ def shown_component(diagnosis: Diagnosis) -> tuple[Array, str]:
     """
     width = diagnosis.recording.tip.shape[1]
     joint = diagnosis.where.joint
-    if joint is not None:
+    if joint is not None and diagnosis.shown is None:
         directions = motion_directions(diagnosis.arm, diagnosis.recording.q)[:, joint - 1, :width]
         return directions, f"along the motion of joint {joint}"
     residual = diagnosis.residual_before
     main = np.linalg.eigh(residual.T @ residual)[1][:, -1]
     main = main * (np.sign(main[np.argmax(np.abs(main))]) or 1.0)
+    if width == 1:
+        return np.broadcast_to(main, residual.shape), "of what was measured"
     words = ", ".join(f"{value:.2f}".replace("-", "−") for value in main + 0.0)
     return np.broadcast_to(main, residual.shape), f"along ({words}), where it is largest"
 

@@ -46,7 +46,7 @@ def _arm(diagnosis: Diagnosis) -> str:
     recording, arm = diagnosis.recording, diagnosis.arm
     length = np.linalg.norm(diagnosis.residual_before, axis=1)
     worst = int(np.argmax(length))
-    vector = [*diagnosis.residual_before[worst].tolist(), 0.0][:3]
+    vector = [*diagnosis.in_space(diagnosis.residual_before)[worst].tolist(), 0.0][:3]
     shown = (vector[0], vector[1], vector[2])
     at = WorstPose(tuple(recording.q[worst].tolist()), 0, float(length[worst]), shown, (), ())
     drawn = skeleton_at(arm, at)

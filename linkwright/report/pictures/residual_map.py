@@ -32,7 +32,7 @@ def states(diagnosis: Diagnosis) -> tuple[tuple[str, Array], ...]:
 
 def nominal_tips(diagnosis: Diagnosis) -> Array:
     """Where the tip nominally is at each reading (N, D), mm: measured positions may stand in a frame of their own."""
-    width = diagnosis.recording.tip.shape[1]
+    width = diagnosis.recording.tip.shape[1] if diagnosis.shown is None else diagnosis.shown.shape[2]
     return 1e3 * tip_position(diagnosis.arm, diagnosis.recording.q)[:, :width]
 
 
@@ -49,17 +49,20 @@ def arrow_maps(diagnosis: Diagnosis) -> str:
     largest = 1e3 * float(np.linalg.norm(diagnosis.residual_before, axis=1).max())
     shown: list[str] = []
     several = len(states(diagnosis)) > 1
+    displaced = [(when, diagnosis.in_space(residual)) for when, residual in states(diagnosis)]
     for *view, seen in views:
         plot = _plot(tip, (view[0], view[1]))
         scale = (plot.across[1] - plot.across[0]) / plot.width
         exaggeration = nice_below(_ARROW * _WIDTH * scale / largest) if largest > 0.0 else 1.0
         maps = [
-            _map(plot, tip, 1e3 * residual, rows, (view[0], view[1]), (when, seen), exaggeration, several=several)
-            for when, residual in states(diagnosis)
+            _map(plot, tip, 1e3 * moved, rows, (view[0], view[1]), (when, seen), exaggeration, several=several)
+            for when, moved in displaced
         ]
         shown.append(side_by_side(*maps))
     some = "" if len(rows) == len(tip) else f"{len(rows)} of {len(tip)} readings, evenly spaced. "
     words = f"{some}Arrows run from where the model has the tip to where it was measured, drawn much longer."
+    if diagnosis.shown is not None:
+        words += " Across what was measured they tell nothing."
     if diagnosis.unknown is not None:
         words += " After is what remains beside the findings and the form that describes the unexplained part best."
     return "".join(shown) + element("p", text(words), class_="lead")

@@ -1,0 +1,61 @@
+"""What an instrument that sees a part of the tip's place cannot show, whatever the arm does."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from arm.chain.jacobian import motion_directions
+from diagnose.fitting.fit import beyond_nuisances
+from diagnose.fitting.prepare import Prepared
+from diagnose.instruments.view import rigid_motions
+from diagnose.residual.observed import rms_length
+from sections.numeric import Array
+
+
+def unseen(prepared: Prepared) -> tuple[str, ...]:
+    """Sentences on what was not measured: joints whose motion does not show, and ways to move the arm as a whole that
+    do not show or are taken up by what the recording leaves free. None where the whole place was measured."""
+    observed = prepared.observed
+    if observed.view is None:
+        return ()
+    said, least = list[str](), observed.rules.answer.unseen_share
+    directions = motion_directions(observed.arm, observed.recording.q)
+    blind = [
+        str(index + 1)
+        for index in range(observed.arm.size)
+        if rms_length(observed.of_tip(directions[:, index])) <= least * rms_length(directions[:, index])
+    ]
+    if blind:
+        joints = f"joint{'s' if len(blind) > 1 else ''} {_listed(blind, 'and')}"
+        said.append(f"The instrument does not see {joints} move: nothing that goes wrong there shows.")
+    flat = observed.space == 2
+    at = observed.view.at
+    reach = max(rms_length(at), 1e-9)
+    motions = rigid_motions(at) / np.array([1.0, 1.0, 1.0, reach, reach, reach])
+    ways = (0, 1, 5) if flat else tuple(range(6))
+    shown = np.stack([_left(prepared, motions[:, :, way]) for way in ways], axis=1)
+    size = np.linalg.svd(shown, compute_uv=False)
+    lost = len(ways) - int(np.sum(size > least * np.sqrt(len(at))))
+    if lost:
+        single = [way for k, way in enumerate(ways) if np.linalg.norm(shown[:, k]) <= least * np.sqrt(len(at))]
+        shifts, turns = (["xyz"[w % 3] for w in single if (w < 3) == shift] for shift in (True, False))
+        parts = [f"shifted along {_listed(shifts, 'or')}"] if shifts else []
+        parts += [f"turned about {_listed(turns, 'or')}"] if turns else []
+        which = f" (whether it is {' or '.join(parts)}, for one)" if parts and lost > len(single) else ""
+        which = f": whether it is {' or '.join(parts)}" if parts and lost == len(single) else which
+        said.append(
+            f"It does not show {lost} of the {len(ways)} ways in which the arm as a whole may stand otherwise{which}."
+        )
+    return tuple(said)
+
+
+def _left(prepared: Prepared, moved: Array) -> Array:
+    """What shows of displacements of the tip (N, 3) beyond what the nuisances take up, as one column."""
+    observed = prepared.observed
+    columns = np.zeros(observed.residual.shape)
+    columns[:, : observed.components] = observed.of_tip(moved)
+    return beyond_nuisances(prepared, columns).reshape(-1)
+
+
+def _listed(names: list[str], word: str) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"

@@ -1,0 +1,52 @@
+"""What a simulated instrument reads, from a caller's words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from units.quantities import InputError, shown
+
+from .instrument import KINDS, Instrument
+
+_READ = ("position", "along", "distance")
+
+
+def observed_by(
+    observe: str,
+    direction: Sequence[float] | None,
+    anchor: Sequence[float] | None,
+    arm: Arm,
+    *,
+    anchor_free: bool,
+) -> dict[str, Any]:
+    """The part of a plan that says what is read; `anchor` in m. Raises `InputError`."""
+    for name, given, kind in (("direction", direction, "along"), ("anchor", anchor, "distance")):
+        if given is not None and observe != kind:
+            raise InputError("", name, f"goes with observe {kind}, not {shown(observe)}")
+    axes = "xy" if arm.planar() else "xyz"
+    if observe in ("position", axes):
+        return {}
+    if observe and set(observe) <= set(axes) and len(set(observe)) == len(observe):
+        return {"slots": tuple(sorted("xyz".index(axis) for axis in observe)), "instrument": Instrument()}
+    if observe == "along":
+        if direction is None:
+            raise InputError("", "direction", "is missing; write the direction of the height, e.g. 0, 0, 1")
+        vector = np.array([*direction, 0.0][:3], dtype=float)
+        size = float(np.linalg.norm(vector))
+        if len(vector) != 3 or not np.isfinite(size) or size <= 0.0:
+            said = f"needs three numbers of a direction that has a length, not {shown(list(direction))}"
+            raise InputError("", "direction", said)
+        x, y, z = (vector / size).tolist()
+        return {"slots": KINDS["along"], "instrument": Instrument(("along",), direction=(x, y, z))}
+    if observe == "distance":
+        if anchor is None or len(anchor) not in (2, 3):
+            would_do = "where distances are measured from, e.g. 1 m, 0 m, 0.3 m"
+            raise InputError("", "anchor", f"needs three lengths: {would_do}")
+        x, y, z = [*anchor, 0.0][:3]
+        instrument = Instrument(("distance",), anchor=(x, y, z))
+        return {"slots": KINDS["distance"], "instrument": instrument, "anchor_free": anchor_free}
+    raise InputError("", "observe", f"{shown(observe)} is not one of {', '.join(_READ)} or some of {', '.join(axes)}")

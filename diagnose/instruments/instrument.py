@@ -1,0 +1,37 @@
+"""The kinds of observation, and the slots that their readings take in a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Kind = Literal["position", "along", "distance", "same_point", "plane"]
+Slots = NDArray[np.int64]
+
+X, ALONG, DISTANCE, POINT, PLANE, COUNT = 0, 3, 4, 5, 8, 9
+"""A reading's slot says what its number is: 0 to 2 the tip's x, y, z, 3 its height along a direction, 4 its distance
+from an anchor, 5 to 7 how far from a point that is touched again, 8 from a plane (the last four read nought)."""
+
+KINDS: MappingProxyType[Kind, tuple[int, ...]] = MappingProxyType(
+    {"position": (0, 1, 2), "along": (ALONG,), "distance": (DISTANCE,), "same_point": (5, 6, 7), "plane": (PLANE,)}
+)
+"""The slots of each kind."""
+NAMES = ("x", "y", "z", "along", "distance", "x of a point", "y of a point", "z of a point", "plane")
+"""What each slot is called."""
+LABELS: MappingProxyType[Kind, str] = MappingProxyType({"same_point": "point", "plane": "plane"})
+"""The columns that say which point or plane was touched."""
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """What a recording observes. `direction` (a unit vector in the measuring frame) is that of `along`, `anchor` (m, in
+    the measuring frame) that of `distance`, None where it is free; `labels` are the points and planes touched."""
+
+    kinds: tuple[Kind, ...] = ("position",)
+    direction: tuple[float, float, float] | None = None
+    anchor: tuple[float, float, float] | None = None
+    labels: tuple[str, ...] = ()

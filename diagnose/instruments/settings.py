@@ -1,0 +1,86 @@
+"""`observes:` of recording.yaml: what an instrument reads, along which direction, from which anchor."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from units.quantities import InputError, shown
+from units.reading import Mapping, nearest
+
+from .instrument import KINDS, Instrument, Kind
+
+
+def read_instrument(mapping: Mapping) -> Instrument | None:
+    """What the settings say that a recording observes, None where they say nothing. Raises `InputError`."""
+    direction_given, anchor_given = mapping.has("direction"), mapping.has("anchor")
+    if not mapping.has("observes"):
+        for name, given in (("direction", direction_given), ("anchor", anchor_given)):
+            if given:
+                kind = "along" if name == "direction" else "distance"
+                raise mapping.error(name, f"goes with `observes: {kind}`; write that as well")
+        return None
+    raw = mapping.raw("observes")
+    of_kind: dict[str, Mapping] = {}
+    names: list[object]
+    if isinstance(raw, dict):
+        body = mapping.mapping("observes")
+        names = list(body.content)
+        of_kind = {name: body.mapping(name) for name in body.content if body.has(name)}
+    else:
+        names = cast(list[object], raw) if isinstance(raw, list) else [raw]
+    kinds: list[Kind] = []
+    for name in names:
+        if name not in KINDS:
+            near = nearest(str(name), list(KINDS)) if isinstance(name, str) else ""
+            raise mapping.error("observes", f"{shown(name)} is not one of {', '.join(KINDS)}{near}")
+        if name in kinds:
+            raise mapping.error("observes", f"names {name} twice")
+        kinds.append(cast(Kind, name))
+    if not kinds:
+        raise mapping.error("observes", f"names nothing; it is one or more of {', '.join(KINDS)}")
+    direction = anchor = None
+    for kind in kinds:
+        own = of_kind.get(kind, mapping)
+        if kind == "along":
+            direction = _direction(own)
+        if kind == "distance":
+            anchor = _anchor(own)
+        if kind in of_kind:
+            of_kind[kind].close()
+    for name, kind in (("direction", "along"), ("anchor", "distance")):
+        if mapping.has(name) and kind not in kinds:
+            raise mapping.error(name, f"goes with `observes: {kind}`; add {kind} or take it out")
+    return Instrument(tuple(kinds), direction, anchor)
+
+
+def _direction(mapping: Mapping) -> tuple[float, float, float]:
+    would_do = "the direction measured along, e.g. `direction: [0, 0, 1]`"
+    if not mapping.has("direction"):
+        raise mapping.error("direction", f"is missing; write {would_do}")
+    values = mapping.items("direction")
+    if len(values) not in (2, 3) or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in values):
+        raise mapping.error("direction", f"needs three numbers, not {shown(values)}; e.g. [0, 0, 1]")
+    vector = np.array([*cast(list[float], values), 0.0][:3], dtype=float)
+    size = float(np.linalg.norm(vector))
+    if not np.isfinite(size) or size <= 0.0:
+        raise mapping.error("direction", f"{shown(values)} has no length; write {would_do}")
+    x, y, z = (vector / size).tolist()
+    return (x, y, z)
+
+
+def _anchor(mapping: Mapping) -> tuple[float, float, float] | None:
+    would_do = "where distances are measured from, e.g. `anchor: [1 m, 0 m, 0.3 m]`, or `anchor: free`"
+    if not mapping.has("anchor"):
+        raise mapping.error("anchor", f"is missing; write {would_do}")
+    raw = mapping.raw("anchor")
+    if raw == "free":
+        return None
+    if not isinstance(raw, list):
+        raise mapping.error("anchor", f"needs three lengths or free, not {shown(raw)}; write {would_do}")
+    count = len(cast(list[object], raw))
+    if count not in (2, 3):
+        raise InputError(mapping.file, mapping.path_of("anchor"), f"needs three lengths, not {count}; write {would_do}")
+    x, y, z = [*mapping.vector("anchor", "length", count), 0.0][:3]
+    return (x, y, z)

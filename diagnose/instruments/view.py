@@ -1,0 +1,387 @@
+"""What an instrument should read where the model has the tip, and what of it a displacement of the tip shows.
+
+A reading may be a coordinate, the height along a direction, the distance from an anchor, or nought: that a point or a
+plane was touched again. Residuals are exact (distances are not linearised); what displacements and nuisances show is
+to first order about where the tip stands, as everywhere in the diagnosis.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+from sections.numeric import Array
+
+from .instrument import ALONG, COUNT, DISTANCE, PLANE, POINT, X
+
+_STEPS, _START_STEPS, _START_ROWS = 40, 6, 150
+_FOUND = 1e-12
+
+
+@dataclass(frozen=True)
+class View:
+    """A recording's readings against the model. `residual` (N, W), m, is measured less modelled; `shown` (N, W, D) what
+    a displacement of the tip along each axis of the base shows, `beside` (N, W, b) what the unknown places of anchor,
+    points and planes (`names`) do. `rotation` and `translation` bring what was measured into the base frame, `tool` is
+    added to the arm's own, in the last link's frame, m. `anchor` (3,), m, is that in the base frame (of several
+    recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands."""
+
+    residual: Array
+    shown: Array
+    beside: Array
+    names: tuple[str, ...]
+    rotation: Array
+    translation: Array
+    tool: Array
+    anchor: Array | None
+    at: Array
+    distances: NDArray[np.bool_]
+    undetermined: tuple[str, ...] = ()
+
+    def of_tip(self, moved: Array) -> Array:
+        """What displacements of the tip (N, 3), m, show to first order, (N, W)."""
+        return np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
+
+    def change(self, moved: Array) -> Array:
+        """What displacements of the tip (N, 3), m, show, (N, W): of distances exactly."""
+        found = self.of_tip(moved)
+        if self.anchor is None:
+            return found
+        away = self.at - self.anchor
+        exact = np.linalg.norm(away + moved, axis=1) - np.linalg.norm(away, axis=1)
+        return np.where(self.distances, exact[:, None], found)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the frame stands (measured to base), the tool's offset, anchor, points and planes (n, c)."""
+
+    rotation: Array
+    translation: Array
+    tool: Array
+    anchor: Array | None
+    points: Array
+    normals: Array
+    offsets: Array
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Readings against a place: `residual` (N, W), `shown` (N, W, 3), where the tip is `at` (N, 3)."""
+
+    residual: Array
+    shown: Array
+    at: Array
+
+    def rms(self) -> float:
+        """The root mean square of the residual."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+
+def viewed(
+    recording: Recording, tips: Array, directions: Array, *, flat: bool, rules: ResidualRules = RULES.residual
+) -> View:
+    """Set what was read against modelled tips (N, 3), m, with frame, tool and anchor free where the recording says so;
+    `directions` (N, 3, 3) are how an offset of the tool displaces the tip. An arm that stays in its plane is `flat`.
+    """
+    return _Viewing(recording, tips, directions, flat, rules).view()
+
+
+def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: bool) -> tuple[Array, Array, Array]:
+    """The planes that fit what was touched best: normals (count, 3), offsets (count,) m and how far their touches reach
+    along each of the plane's axes (count, 2), RMS, m; nought for labels without touches."""
+    normals, offsets, reach = np.zeros((count, 3)), np.zeros(count), np.zeros((count, 2))
+    width = 2 if flat else 3
+    for label in range(count):
+        own = at[touches == label][:, :width]
+        if len(own) == 0:
+            continue
+        middle = own.mean(axis=0)
+        _, size, axes = np.linalg.svd(own - middle, full_matrices=True)
+        normals[label, :width] = axes[-1]
+        offsets[label] = float(axes[-1] @ middle)
+        sizes = np.concatenate([size, np.zeros(3)])[: width - 1] / np.sqrt(len(own))
+        reach[label] = [*sizes, *([sizes[0]] if flat else [])]
+    return normals, offsets, reach
+
+
+class _Viewing:
+    """The fit of what is free to one recording."""
+
+    def __init__(self, recording: Recording, tips: Array, directions: Array, flat: bool, rules: ResidualRules) -> None:
+        assert recording.slots is not None
+        self.recording, self.tips, self.directions = recording, tips, directions
+        self.flat, self.rules, self.width = flat, rules, 2 if flat else 3
+        self.slots = recording.slots
+        self.touches = np.full(recording.size, -1) if recording.touches is None else recording.touches
+        self.labels = recording.instrument.labels
+        self.distances = self.slots == DISTANCE
+        self.framed = self.slots <= ALONG
+        self.points = (self.slots >= POINT) & (self.slots < PLANE)
+        known = recording.instrument.anchor is not None
+        free = recording.frame == "free"
+        # A known place in a frame that stands anywhere is an unknown place, unless more is measured in that frame.
+        self.anchor_free = bool(self.distances.any()) and (not known or (free and not self.framed.any()))
+        self.frame_free = free and bool(self.framed.any())
+        self.tool_free = recording.tool == "free"
+
+    def view(self) -> View:
+        """The view that fits best."""
+        place = self._start()
+        undetermined = np.zeros((0, 0))
+        if self.frame_free or self.tool_free or self.anchor_free:
+            place, undetermined = self._fitted(place, _STEPS)
+        seen = self.seen(place)
+        columns, names = self._labelled(seen, place)
+        if self.anchor_free:
+            columns = [-np.where(self.distances[:, :, None], seen.shown, 0.0), *columns]
+            names = [*(f"anchor {axis}" for axis in "xyz"), *names]
+        width = self.width
+        return View(
+            residual=seen.residual,
+            shown=seen.shown[:, :, :width],
+            beside=np.concatenate([np.zeros((*self.slots.shape, 0)), *columns], axis=2),
+            names=tuple(names),
+            rotation=place.rotation[:width, :width],
+            translation=place.translation[:width],
+            tool=place.tool[:width],
+            anchor=self._anchor(place),
+            at=seen.at,
+            distances=self.distances,
+            undetermined=self._sentences(undetermined),
+        )
+
+    def _anchor(self, place: _Place) -> Array | None:
+        if not self.distances.any():
+            return None
+        if place.anchor is not None:
+            return place.anchor
+        given = self.recording.instrument.anchor
+        assert given is not None
+        return place.rotation @ np.array(given) + place.translation
+
+    def seen(self, place: _Place) -> _Seen:
+        """The readings against what they should be."""
+        at = self.tips + np.einsum("nab,b->na", self.directions, place.tool)
+        rows = len(at)
+        modelled, slope = np.zeros((rows, COUNT)), np.zeros((rows, COUNT, 3))
+        modelled[:, X:ALONG] = (at - place.translation) @ place.rotation
+        slope[:, X:ALONG] = place.rotation.T
+        direction = self.recording.instrument.direction
+        if direction is not None:
+            modelled[:, ALONG] = modelled[:, X:ALONG] @ np.array(direction)
+            slope[:, ALONG] = place.rotation @ np.array(direction)
+        anchor = self._anchor(place)
+        if anchor is not None:
+            away = at - anchor
+            modelled[:, DISTANCE] = np.linalg.norm(away, axis=1)
+            slope[:, DISTANCE] = away / np.maximum(modelled[:, DISTANCE], 1e-9)[:, None]
+        touched = np.flatnonzero(self.touches >= 0)
+        label = self.touches[touched]
+        modelled[touched, POINT:PLANE] = at[touched] - place.points[label]
+        slope[touched, POINT:PLANE] = np.eye(3)
+        modelled[touched, PLANE] = np.sum(at[touched] * place.normals[label], axis=1) - place.offsets[label]
+        slope[touched, PLANE] = place.normals[label]
+        residual = self.recording.tip - np.take_along_axis(modelled, self.slots, axis=1)
+        return _Seen(residual, np.take_along_axis(slope, self.slots[:, :, None], axis=1), at)
+
+    def _touched(self, place: _Place) -> _Place:
+        """The place with the points and planes that fit the touches best: for points their middle."""
+        count = len(self.labels)
+        if not count:
+            return place
+        at = self.tips + np.einsum("nab,b->na", self.directions, place.tool)
+        points = np.stack([at[self.touches == label].mean(axis=0) if (self.touches == label).any() else np.zeros(3)
+                           for label in range(count)])  # fmt: skip
+        normals, offsets, _ = touched_planes(at, self.touches, count, flat=self.flat)
+        # The side from which a plane is looked at is nobody's: it stays the same from fit to fit.
+        same = np.where(np.sum(normals * place.normals, axis=1) < 0.0, -1.0, 1.0)
+        return replace(place, points=points, normals=normals * same[:, None], offsets=offsets * same)
+
+    def _start(self) -> _Place:
+        count = len(self.labels)
+        nothing = _Place(
+            np.eye(3), np.zeros(3), np.zeros(3), None, np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+        )
+        place = self._touched(nothing)
+        if self.anchor_free:
+            place = replace(place, anchor=self._trilaterated())
+        if not self.frame_free:
+            return place
+        rows = np.unique(np.linspace(0, len(self.tips) - 1, _START_ROWS).astype(int))
+        few = _Viewing(
+            replace(self.recording.kept(_marked(rows, len(self.tips))), tool="known"),
+            self.tips[rows], self.directions[rows], self.flat, self.rules,
+        )  # fmt: skip
+        best, least = place, np.inf
+        for rotation in self._rotations():
+            tried = replace(place, rotation=rotation, translation=self._shift(rotation))
+            found, _ = few._fitted(tried, _START_STEPS)  # its own kind
+            rms = few.seen(found).rms()
+            # An earlier start turns less: it stays unless another fits clearly better.
+            if rms < self.rules.better_start * least:
+                best, least = replace(place, rotation=found.rotation, translation=found.translation), rms
+        return best
+
+    def _rotations(self) -> Iterator[Array]:
+        """Where frames may stand: as the base does, as the heights say, and turned anyhow."""
+        yield np.eye(3)
+        direction = self.recording.instrument.direction
+        if direction is not None and (rows := (self.slots == ALONG).any(axis=1)).sum() > self.width + 1:
+            at = self.tips[rows] - self.tips[rows].mean(axis=0)
+            read = self.recording.tip[rows][self.slots[rows] == ALONG]
+            up = np.linalg.lstsq(at, read - read.mean(), rcond=1e-6)[0]
+            if np.linalg.norm(up) > 0.0:
+                yield Rotation.align_vectors(up[None], np.array([direction]))[0].as_matrix()
+        if self.flat:
+            yield from (Rotation.from_rotvec([0.0, 0.0, k * np.pi / 4.0]).as_matrix() for k in range(1, 8))
+            return
+        yield from Rotation.create_group("O").as_matrix()
+
+    def _shift(self, rotation: Array) -> Array:
+        """Where the frame stands best once it is turned so (3,), m."""
+        count = len(self.labels)
+        nowhere, each = np.zeros(3), np.zeros((count, 3))
+        place = _Place(rotation, nowhere, nowhere, nowhere, each, each, np.zeros(count))
+        seen = self.seen(place)
+        found = np.linalg.lstsq(-seen.shown[self.framed], seen.residual[self.framed], rcond=1e-9)[0]
+        return np.asarray(found, dtype=np.float64)
+
+    def _trilaterated(self) -> Array:
+        """The anchor that distances tell by their squares (3,), m: linear in its place and one number more."""
+        rows = self.distances.any(axis=1)
+        read = self.recording.tip[self.distances]
+        middle = self.tips[rows].mean(axis=0)
+        at = self.tips[rows] - middle
+        design = np.column_stack([-2.0 * at, np.ones(len(at))])
+        size = np.maximum(np.linalg.norm(design, axis=0), 1e-12)
+        values = np.linalg.lstsq(design / size, read**2 - np.sum(at**2, axis=1), rcond=1e-6)[0] / size
+        # What the places reached leave open (a plane of them) goes across it.
+        across = np.linalg.svd(at, full_matrices=True)[2][-1]
+        missing = float(values[3] - values[:3] @ values[:3])
+        spread = np.linalg.svd(at, compute_uv=False)
+        level = spread[-1] < self.rules.level_places * spread[0]
+        return middle + values[:3] + (across * np.sqrt(max(missing, 0.0)) if level else 0.0)
+
+    def _fitted(self, place: _Place, steps: int) -> tuple[_Place, Array]:
+        """Gauss and Newton's steps for frame, tool and anchor, and what these cannot tell of them (m, k)."""
+        width, turns = self.width, 1 if self.flat else 3
+        undetermined = np.zeros((0, 0))
+        for _ in range(steps):
+            place = self._touched(place)
+            seen = self.seen(place)
+            center = seen.at.mean(axis=0)
+            reach = max(float(np.sqrt(np.mean(np.sum((seen.at - center) ** 2, axis=1)))), 1e-9)
+            columns: list[Array] = []
+            if self.frame_free:
+                inside = self.framed if self.anchor_free else self.framed | self.distances
+                framed = np.where(inside[:, :, None], seen.shown, 0.0)
+                turned = np.stack([np.cross(axis, seen.at - center) for axis in np.eye(3)], axis=2)[:, :, -turns:]
+                columns += [-framed[:, :, :width], -np.einsum("nwa,nak->nwk", framed, turned) / reach]
+            if self.anchor_free:
+                columns.append(-np.where(self.distances[:, :, None], seen.shown, 0.0))
+            if self.tool_free:
+                columns.append(np.einsum("nwa,nab->nwb", seen.shown, self.directions[:, :, :width]))
+            own = sum(part.shape[2] for part in columns)
+            labelled, _ = self._labelled(seen, place)
+            design = np.concatenate([*columns, *labelled], axis=2).reshape(-1, own + sum(p.shape[2] for p in labelled))
+            step, undetermined = _determined(design, seen.residual.reshape(-1), own, self.rules.undetermined)
+            at = 0
+            if self.frame_free:
+                shift, turn = np.zeros(3), np.zeros(3)
+                shift[:width], turn[-turns:] = step[:width], step[width : width + turns] / reach
+                rotation = Rotation.from_rotvec(turn).as_matrix()
+                moved = rotation @ (place.translation - center) + center + shift
+                place = replace(place, rotation=rotation @ place.rotation, translation=moved)
+                at = width + turns
+            if self.anchor_free and place.anchor is not None:
+                place, at = replace(place, anchor=place.anchor + step[at : at + 3]), at + 3
+            if self.tool_free:
+                tool = place.tool.copy()
+                tool[:width] += step[at : at + width]
+                place = replace(place, tool=tool)
+            if np.abs(step).max(initial=0.0) < _FOUND:
+                break
+        return self._touched(place), undetermined
+
+    def _labelled(self, seen: _Seen, place: _Place) -> tuple[list[Array], list[str]]:
+        """How readings move with the points and planes touched, (N, W, 2 or 3) each."""
+        found: list[Array] = []
+        names: list[str] = []
+        for label, name in enumerate(self.labels):
+            rows = self.touches == label
+            point = self.points & rows[:, None]
+            if point.any():
+                found.append(-np.where(point[:, :, None], seen.shown[:, :, : self.width], 0.0))
+                names += [f"point {name} {axis}" for axis in "xyz"[: self.width]]
+                continue
+            plane = (self.slots == PLANE) & rows[:, None]
+            if not plane.any():
+                continue
+            away = seen.at - seen.at[rows].mean(axis=0)
+            normal = place.normals[label]
+            tangents = np.linalg.svd(normal[None])[2][1:] if not self.flat else np.array([[-normal[1], normal[0], 0.0]])
+            tilts = np.stack([np.ones(len(away)), *(away @ tangent for tangent in tangents)], axis=1)
+            found.append(np.where(plane[:, :, None], tilts[:, None, :], 0.0))
+            names += [f"plane {name} {what}" for what in ("offset", "tilt", "other tilt")[: tilts.shape[1]]]
+        return found, names
+
+    def _sentences(self, undetermined: Array) -> tuple[str, ...]:
+        """What the readings do not tell of tool and anchor, in words."""
+        if not undetermined.size:
+            return ()
+        said: list[str] = []
+        shares = np.sum(undetermined**2, axis=0)
+        if self.tool_free:
+            own = shares[len(shares) - self.width :]
+            axes = [axis for axis, part in zip("xyz", own.tolist(), strict=False) if part > self.rules.named_part]
+            if axes:
+                said.append(
+                    f"The target's place on the tool along {' and '.join(axes)} cannot be told from what was measured, "
+                    "and is left as the arm file has it."
+                )
+        if self.anchor_free:
+            first = (self.width + (1 if self.flat else 3)) if self.frame_free else 0
+            if shares[first : first + self.width].sum() > self.rules.named_part:
+                said.append(
+                    "The places reached lie on a line or closer: where the anchor stands about it cannot be told."
+                )
+        return tuple(said)
+
+
+def _determined(design: Array, target: Array, own: int, share: float) -> tuple[Array, Array]:
+    """Least squares of a target (n,) by columns (n, k) in the directions that the readings tell: the step of the first
+    `own`, and which directions of them are not told (m, own), those that move less than a share of the best."""
+    beside = design[:, own:]
+    if beside.shape[1]:
+        basis, size, _ = np.linalg.svd(beside, full_matrices=False)
+        basis = basis[:, size > 1e-9 * size[0]]
+        design, target = design[:, :own] - basis @ (basis.T @ design[:, :own]), target - basis @ (basis.T @ target)
+    u, s, vt = np.linalg.svd(design[:, :own], full_matrices=False)
+    told = s > share * s[0]
+    return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+
+
+def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    found = np.zeros(count, dtype=bool)
+    found[rows] = True
+    return found
+
+
+def rigid_motions(at: Array) -> Array:
+    """What each of the six ways to move the arm as a whole displaces its tips (N, 3) by, (N, 3, 6)."""
+    shifts = np.broadcast_to(np.eye(3), (len(at), 3, 3))
+    turns = np.stack([np.cross(axis, at) for axis in np.eye(3)], axis=2)
+    return np.concatenate([shifts, turns], axis=2)
+
+
+AXES = tuple(f"{what} {axis}" for what, axis in itertools.product(("along", "about"), "xyz"))
+"""What `rigid_motions` are, in their order."""

@@ -1,0 +1,20 @@
+"""A column as read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sections.numeric import Array
+
+from .columns import ColumnMeaning
+
+
+@dataclass(frozen=True)
+class ReadColumn:
+    """A column as read: what it means, its header, its values (SI), and how to say what is wrong with a cell."""
+
+    meaning: ColumnMeaning
+    header: str
+    values: Array
+    fault: Callable[[int], str]

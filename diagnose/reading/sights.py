@@ -1,0 +1,156 @@
+"""What each row of a file observes: the columns of every kind, where they are filled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from diagnose.instruments.instrument import KINDS, LABELS, NAMES, PLANE, POINT, Instrument, Kind, Slots
+from diagnose.mistakes.row_lists import rows_text
+from diagnose.recording import RejectedRow
+from sections.numeric import Array
+from units.quantities import InputError
+
+from .columns import example_headers
+from .read_column import ReadColumn
+from .settings import ReadingSettings
+from .table import Table
+
+_NUMBERS = tuple((name, slot) for slot, name in enumerate(NAMES[:POINT]))
+
+
+@dataclass(frozen=True)
+class Sights:
+    """What rows hold: numbers `tip` (N, W), nought where there is none, `slots` (N, W) that say what each is (-1:
+    none), `touches` (N,) and the `instrument`."""
+
+    tip: Array
+    slots: Slots
+    touches: Slots
+    instrument: Instrument
+
+
+def in_part(columns: Mapping[str, ReadColumn], table: Table, held: ReadingSettings, some_blank: float) -> bool:
+    """Whether something else than the whole place may have been measured: where the settings say so, and where cells of
+    x, y or z are blank in so many rows that nobody forgot them."""
+    if held.instrument is not None:
+        return True
+    given = [columns[name] for name in ("x", "y", "z") if name in columns]
+    if not given or held.columns:
+        return False
+    blank = np.stack([_blank(table, each.header) for each in given], axis=1)
+    return float(np.mean(blank.any(axis=1) & ~blank.all(axis=1))) > some_blank
+
+
+def _blank(table: Table, header: str) -> Array:
+    if header not in table.columns:
+        return np.zeros(len(table.row), dtype=bool)
+    return np.array([table.text(header, index).lower() in ("", "nan") for index in range(len(table.row))])
+
+
+def sights_of(
+    columns: dict[str, ReadColumn], table: Table, held: ReadingSettings, arm: Arm
+) -> tuple[Sights | None, dict[str, ReadColumn], list[RejectedRow], list[str]]:
+    """What each row observes, the other columns, the rows that hold nothing usable, and what else is to be said. None
+    where every row holds the whole place of the tip."""
+    instrument = held.instrument or Instrument()
+    flat, total = arm.planar(), len(table.row)
+    rest = {name: column for name, column in columns.items() if name not in dict(_NUMBERS)}
+    said: list[str] = []
+    numbers: list[tuple[int, Array]] = []
+    reasons: dict[int, list[str]] = {}
+    for name, slot in _NUMBERS:
+        if not any(slot in KINDS[kind] for kind in instrument.kinds):
+            continue
+        if name not in columns:
+            continue
+        column = columns[name]
+        if flat and name == "z":
+            said.append(f"{column.header} is not used: the arm does not leave its plane.")
+            continue
+        for index in np.flatnonzero(~np.isfinite(column.values)).tolist():
+            fault = column.fault(index)
+            if not fault.lower().endswith(("is blank", "is nan")):
+                reasons.setdefault(index, []).append(fault)
+        if name == "distance":
+            for index in np.flatnonzero(column.values < 0.0).tolist():
+                reasons.setdefault(index, []).append(f"{column.header} is negative; a distance cannot be")
+            negative = column.values < 0.0
+            if negative.any() and negative.sum() > 0.5 * np.isfinite(column.values).sum():
+                row = int(table.row[int(np.argmax(negative))])
+                raise InputError(table.file, column.header, f"is negative in most rows (row {row}); no distance is")
+        numbers.append((slot, column.values))
+    touches, labels = np.full(total, -1), list[str]()
+    for kind in instrument.kinds:
+        if kind in LABELS:
+            own, slots = _labelled(table, held, kind, touches, labels, flat=flat)
+            numbers += [(slot, np.where(own, 0.0, np.nan)) for slot in slots]
+    _all_there(instrument, {slot for slot, _ in numbers}, table, held, arm)
+    if not numbers:
+        raise InputError(table.file, "", f"holds nothing that is observed; write {example_headers('x', arm)}, say")
+    values = np.stack([each for _, each in numbers], axis=1)
+    there = np.isfinite(values)
+    if instrument.kinds == ("position",) and there.all() and len(numbers) == (2 if flat else 3):
+        return None, columns, [], said
+    slots = np.where(there, np.array([slot for slot, _ in numbers]), -1)
+    for index in np.flatnonzero(~there.any(axis=1)).tolist():
+        reasons.setdefault(index, []).append("nothing that is observed is filled in")
+    rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
+    sound = np.array([index not in reasons for index in range(total)], dtype=bool)
+    _enough_touches(table, touches, labels, slots, sound, flat=flat)
+    if held.instrument is None:
+        some = table.row[~there.all(axis=1)]
+        said.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
+    sights = Sights(np.where(there, values, 0.0), slots, touches, replace(instrument, labels=tuple(labels)))
+    return sights, rest, rejected, said
+
+
+def _labelled(
+    table: Table, held: ReadingSettings, kind: Kind, touches: Slots, labels: list[str], *, flat: bool
+) -> tuple[Array, tuple[int, ...]]:
+    """Which rows touched something of a kind, and in what slots; `touches` and `labels` get theirs."""
+    name = LABELS[kind]
+    header = held.columns.get(name, name)
+    if header not in table.columns:
+        where = held.file if name in held.columns else table.file
+        raise InputError(where, name, f"is missing: a column of labels, each that of one {name} that rows touch")
+    text = [table.text(header, index) for index in range(len(table.row))]
+    own = np.array([bool(each) and each.lower() != "nan" for each in text])
+    both = own & (touches >= 0)
+    if both.any():
+        raise InputError(table.file, name, f"row {table.row[int(np.argmax(both))]} names a point and a plane; keep one")
+    first = len(labels)
+    labels += sorted({each for each, there in zip(text, own.tolist(), strict=True) if there})
+    number = {label: first + k for k, label in enumerate(labels[first:])}
+    for index in np.flatnonzero(own).tolist():
+        touches[index] = number[text[index]]
+    return own, ((PLANE,) if kind == "plane" else (POINT, POINT + 1) if flat else (POINT, POINT + 1, POINT + 2))
+
+
+def _all_there(instrument: Instrument, slots: set[int], table: Table, held: ReadingSettings, arm: Arm) -> None:
+    """Whether every kind that the settings name has a column."""
+    for kind in instrument.kinds:
+        if not slots & set(KINDS[kind]):
+            name = "x" if kind == "position" else kind
+            said = f"`observes: {kind}` ({held.file})" if held.file else f"observing {kind}"
+            raise InputError(table.file, name, f"is missing, which {said} needs; write {example_headers(name, arm)}")
+
+
+def _enough_touches(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, *, flat: bool) -> None:
+    """Whether each label has more touches than any place or plane would fit."""
+    for label, name in enumerate(labels):
+        rows = (touches == label) & sound
+        plane = bool((slots[touches == label] == PLANE).any())
+        least = (3 if flat else 4) if plane else 2
+        if int(rows.sum()) < least:
+            what = "plane" if plane else "point"
+            many = f"{int(rows.sum())} row{'s' if rows.sum() != 1 else ''} only"
+            raise InputError(
+                table.file,
+                what,
+                f"'{name}' has {many} ({rows_text(table.row[touches == label])}): any {what} fits that; touch it from "
+                f"{least} postures or more, or blank the label",
+            )

@@ -1,0 +1,38 @@
+"""What the instruments of several recordings see, as one: each has an anchor, points and planes of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnose.instruments.view import View
+
+
+def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View | None:
+    """The views of several recordings, in their order, as one; None where the tip's place was measured in all."""
+    found = [view for view in views if view is not None]
+    if len(found) < len(views) or not found:
+        return None
+    width = sum(view.beside.shape[2] for view in found)
+    beside = np.zeros((sum(len(view.residual) for view in found), found[0].residual.shape[1], width))
+    row, column = 0, 0
+    for view in found:
+        count, own = len(view.residual), view.beside.shape[2]
+        beside[row : row + count, :, column : column + own] = view.beside
+        row, column = row + count, column + own
+    anchors = [np.zeros(3) if view.anchor is None else view.anchor for view in found]
+    each = np.concatenate(
+        [np.broadcast_to(a.reshape(-1, 3), view.at.shape) for a, view in zip(anchors, found, strict=True)]
+    )
+    return replace(
+        found[0],
+        residual=np.concatenate([view.residual for view in found]),
+        shown=np.concatenate([view.shown for view in found]),
+        beside=beside,
+        names=tuple(f"{own}, {name}" for view, name in zip(found, names, strict=True) for own in view.names),
+        anchor=None if all(view.anchor is None for view in found) else each,
+        at=np.concatenate([view.at for view in found]),
+        distances=np.concatenate([view.distances for view in found]),
+    )

@@ -1,0 +1,136 @@
+"""`observes:` of recording.yaml: what each row holds, and what cannot be."""
+
+import numpy as np
+import pytest
+
+from diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
+from diagnose.reading.read import read_recording
+from diagnose.reading.write import recording_text, settings_text
+from diagnose.simulate import Plan, simulate
+from tests.diagnose.instruments.spatial_arm import RANGE, placed, spatial_arm
+from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+from units.quantities import InputError
+
+Q = poses(24)
+TIP = planar_tip(Q)
+ANCHOR = np.array([0.5, -1.0])
+DISTANCES = np.linalg.norm(TIP - ANCHOR, axis=1)
+
+
+def _file(tmp_path, settings, columns):
+    (tmp_path / "r.yaml").write_text(settings)
+    return written(tmp_path / "r.csv", columns)
+
+
+def _read(tmp_path, settings, columns, arm=None):
+    return read_recording(_file(tmp_path, settings, columns), arm or planar_arm())
+
+
+def _only(*names, **further):
+    own = table(Q, TIP, **further)
+    return {name: cells for name, cells in own.items() if name[0] == "q" or name in names or name in further}
+
+
+def test_a_column_that_was_not_measured_may_be_absent_or_blank(tmp_path):
+    absent = _read(tmp_path, "observes: position", _only("y_mm"))
+    assert absent.slots.tolist() == [[1]] * 24
+    assert absent.tip[:, 0] == pytest.approx(TIP[:, 1], abs=1e-9)
+
+    blank = _read(tmp_path, "frame: known", table(Q, TIP) | {"x_mm": [""] * 24})
+    assert blank.tip == pytest.approx(absent.tip)
+    assert any("Only what was measured counts" in text for text in blank.warnings)
+
+
+def test_blank_cells_here_and_there_cost_their_rows_as_ever(tmp_path):
+    columns = table(Q, TIP)
+    columns["x_mm"][5] = ""
+    recording = _read(tmp_path, "frame: known", columns)
+
+    assert recording.slots is None
+    assert [each.row for each in recording.rejected] == [6]
+
+
+def test_rows_that_hold_different_things_are_readings_of_one_number_each(tmp_path):
+    columns = _only("x_mm", "y_mm", distance_mm=1e3 * DISTANCES)
+    for row in range(24):
+        for name in ("x_mm", "y_mm") if row % 2 else ("distance_mm",):
+            columns[name][row] = ""
+    recording = _read(tmp_path, "observes: [position, distance]\nanchor: [500 mm, -1 m]", columns)
+
+    assert recording.instrument.anchor == (0.5, -1.0, 0.0)
+    assert recording.tip.shape == (36, 1)
+    assert sorted(set(recording.row[recording.slots[:, 0] == DISTANCE].tolist())) == list(range(2, 25, 2))
+    one = recording.row == 3
+    assert recording.slots[one, 0].tolist() == [0, 1]
+    assert recording.tip[one, 0] == pytest.approx(TIP[2], abs=1e-9)
+
+
+def test_everything_measured_is_a_recording_as_ever(tmp_path):
+    assert _read(tmp_path, "observes: position", table(Q, TIP)).slots is None
+
+
+def test_heights_and_distances_are_strangers_where_nobody_says_that_they_are_observed(tmp_path):
+    recording = _read(tmp_path, "frame: known", _only("x_mm", "y_mm", distance_mm=1e3 * DISTANCES))
+
+    assert recording.slots is None
+    assert recording.other["distance_mm"] == pytest.approx(1e3 * DISTANCES, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("settings", "columns", "words"),
+    [
+        ("observes: positon", _only("x_mm"), r"observes: 'positon' is not one of .*did you mean 'position'"),
+        ("observes: [along, along]\ndirection: [0, 1, 0]", _only("x_mm"), "names along twice"),
+        ("observes: along", _only(along_mm=TIP[:, 1]), r"direction: is missing"),
+        ("observes: along\ndirection: [0, 0, 0]", _only(along_mm=TIP[:, 1]), r"\[0, 0, 0\] has no length"),
+        ("direction: [0, 0, 1]", _only("x_mm", "y_mm"), "goes with `observes: along`"),
+        ("observes: along\ndirection: [0, 1, 0]", _only("x_mm", "y_mm"), r"along: is missing.*along_mm or along_m"),
+        ("observes: distance", _only(distance_mm=DISTANCES), r"anchor: is missing.*anchor: free"),
+        ("observes: distance\nanchor: [1, 0, 0]", _only(distance_mm=DISTANCES), r"anchor\[1\]"),
+        ("observes: distance\nanchor: free", _only(distance_mm=-1e3 * DISTANCES), "distance_mm: is negative in most"),
+        ("observes: distance\nanchor: [500 mm, -1 m]", _only(distance_mm=DISTANCES), "numbers were 1000 times larger"),
+        ("observes: distance\nanchor: [5 m, 1 m]", _only(distance_mm=1e3 * DISTANCES), "the middle reading is"),
+        ("observes: same_point", _only("x_mm"), "point: is missing: a column of labels"),
+    ],
+)
+def test_what_cannot_be_is_one_line(tmp_path, settings, columns, words):
+    with pytest.raises(InputError, match=words) as caught:
+        _read(tmp_path, settings, columns)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_anchor_that_every_reading_could_satisfy(tmp_path):
+    q = np.repeat(Q[:2], 6, axis=0)
+    distances = np.linalg.norm(planar_tip(q) - ANCHOR, axis=1)
+    columns = {k: v for k, v in table(q, planar_tip(q), distance_mm=1e3 * distances).items() if k[0] not in "xy"}
+
+    with pytest.raises(InputError, match="anchor: is free, and the distances are from 2 places"):
+        _read(tmp_path, "observes: distance\nanchor: free", columns)
+
+
+def test_a_single_row_far_off_is_set_aside(tmp_path):
+    far = DISTANCES.copy()
+    far[4] += 0.05
+    recording = _read(tmp_path, "observes: distance\nanchor: [500 mm, -1 m]", _only(distance_mm=1e3 * far))
+
+    assert [each.row for each in recording.rejected] == [5]
+
+
+@pytest.mark.parametrize(
+    ("slots", "instrument"),
+    [((2,), {}), ((ALONG,), {"direction": (0.0, 0.6, 0.8)}), ((DISTANCE,), {"anchor": (0.2, 1.1, 0.4)})],
+)
+def test_what_is_simulated_is_read_back_as_it_was(tmp_path, slots, instrument):
+    arm, kind = spatial_arm(), {2: "position", ALONG: "along", DISTANCE: "distance"}[slots[0]]
+    plan = Plan(poses=9, repeats=2, noise=0.0, slots=slots, instrument=Instrument((kind,), **instrument))
+    made = simulate(arm, plan).recording
+    (tmp_path / "s.csv").write_text(recording_text(made, arm))
+    (tmp_path / "s.yaml").write_text(settings_text(made))
+    again = read_recording(tmp_path / "s.csv", arm)
+
+    assert np.abs(made.q).max() <= RANGE
+    assert again.instrument.kinds == (kind,)
+    assert again.tip == pytest.approx(made.tip, abs=1e-8)
+    tip = placed(made.q)[0]
+    read = {2: tip[:, 2], ALONG: tip @ [0.0, 0.6, 0.8], DISTANCE: np.linalg.norm(tip - [0.2, 1.1, 0.4], axis=1)}
+    assert made.tip[:, 0] == pytest.approx(read[slots[0]], abs=1e-12)
