@@ -25,7 +25,8 @@ from diagnose.residual.recorded_conditions import conditions_of
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 
-from .instruments.instrument import ALONG, DISTANCE, Instrument
+from .instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
+from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
 
 Sides = Literal["both", "one", "random"]
@@ -94,6 +95,8 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         raise ValueError("a recording has at least one pose and one reading of it")
     random = np.random.default_rng(plan.seed)
     bare = _visited(arm, plan, random)
+    if plan.slots and min(plan.slots) > DISTANCE:
+        bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
     asked = Asked(
         bare.size,
@@ -135,6 +138,8 @@ def _in_part(
     bare: Recording, tip: Array, plan: Plan, random: np.random.Generator, idle: tuple[str, ...], error: Array
 ) -> Simulation:
     """What an instrument reads of tips (N, 3) where it does not read their place."""
+    if bare.touches is not None:
+        return Simulation(bare, error, idle)
     if plan.free_frame:
         tip, _, _ = _elsewhere(random, tip, None, None)
     numbers = [tip]
@@ -155,6 +160,32 @@ def _in_part(
         frame="free" if plan.free_frame else "known",
     )
     return Simulation(recording, error, idle)
+
+
+def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
+    """The readings brought to where the arm, with all its physics, touches points or planes."""
+    visit = np.repeat(np.arange(bare.size // plan.repeats), plan.repeats)
+    off = plan.noise * random.standard_normal((bare.size, 3)) + _outliers(plan, random, (bare.size, 3))
+
+    def tips(q: Array) -> Array:
+        state = _state(replace(bare, q=q), arm)
+        moved = seen_of_model(state, active_effects(arm), Asked(bare.size))
+        return columns(state.tip(), bare.size) + moved.tip
+
+    planes = plan.slots == (PLANE,)
+    found = touched(arm, bare.q, visit, off, tips, random, planes=planes)
+    q = _written(found.q, arm)
+    named = replace(plan.instrument, labels=tuple(f"{number + 1}" for number in range(found.count)))
+    whole = replace(
+        bare,
+        q=q,
+        tip=np.zeros((bare.size, len(plan.slots))),
+        slots=np.tile(plan.slots, (bare.size, 1)),
+        touches=found.label,
+        instrument=named,
+    ).kept(found.keep)
+    last = since_the_reading_before(whole.q)
+    return replace(whole, row=np.arange(1, whole.size + 1), last_moves=last)
 
 
 def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:

@@ -109,7 +109,8 @@ def refuted_by(
     repeats = split(left, visit, memory)
     enough = repeats.freedom[0] >= rules.enough_repeats
     means = np.stack([np.bincount(visit, weights=column) / np.bincount(visit) for column in left.T], axis=1)
-    returns = split(means, _conditions(observed)[_first(visit)])
+    conditions = np.unique(_conditions(observed)[_first(visit)], return_inverse=True)[1].reshape(-1).astype(np.int64)
+    returns = split(means, conditions)
     come_back = returns.freedom[0] >= rules.enough_returns
     least = _rounding(observed, left.shape[1])
     # Readings of a visit are rounded alike: of all of them together no less is off than of one.

@@ -51,6 +51,10 @@ def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
     pose, parts = poses(observed), observed.rules.fitting.folds
     first = np.array([np.flatnonzero(pose == number)[0] for number in range(pose.max() + 1)])
     tip = tip_of(observed)[first]
+    if observed.recording.touches is not None:
+        # What is touched is one place or plane however the arm stands: parts of the joints' space are left out then.
+        q = observed.recording.q
+        tip = (q / np.maximum(np.ptp(q, axis=0), 1e-12))[first]
     cells = max(parts, min(4 * parts, len(first) // 2))
     centers = [int(np.argmin(np.sum((tip - tip.mean(axis=0)) ** 2, axis=1)))]
     distance = np.sum((tip - tip[centers[0]]) ** 2, axis=1)

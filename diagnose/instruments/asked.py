@@ -12,7 +12,7 @@ from units.quantities import InputError, shown
 
 from .instrument import KINDS, Instrument
 
-_READ = ("position", "along", "distance")
+_READ = ("position", "along", "distance", "same_point", "plane")
 
 
 def observed_by(
@@ -49,4 +49,7 @@ def observed_by(
         x, y, z = [*anchor, 0.0][:3]
         instrument = Instrument(("distance",), anchor=(x, y, z))
         return {"slots": KINDS["distance"], "instrument": instrument, "anchor_free": anchor_free}
+    if observe in ("same_point", "plane"):
+        slots = KINDS[observe][:2] if arm.planar() else KINDS[observe]
+        return {"slots": slots, "instrument": Instrument((observe,))}
     raise InputError("", "observe", f"{shown(observe)} is not one of {', '.join(_READ)} or some of {', '.join(axes)}")

@@ -32,7 +32,10 @@ class View:
     a displacement of the tip along each axis of the base shows, `beside` (N, W, b) what the unknown places of anchor,
     points and planes (`names`) do. `rotation` and `translation` bring what was measured into the base frame, `tool` is
     added to the arm's own, in the last link's frame, m. `anchor` (3,), m, is that in the base frame (of several
-    recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands."""
+    recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands; `settled` (N, 3) the
+    same but on the points and planes that were touched: how far off these it is told is what was measured, and nothing
+    may be made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring frame, and distances.
+    """
 
     residual: Array
     shown: Array
@@ -44,6 +47,8 @@ class View:
     anchor: Array | None
     at: Array
     distances: NDArray[np.bool_]
+    framed: NDArray[np.bool_]
+    settled: Array
     undetermined: tuple[str, ...] = ()
 
     def of_tip(self, moved: Array) -> Array:
@@ -156,8 +161,20 @@ class _Viewing:
             anchor=self._anchor(place),
             at=seen.at,
             distances=self.distances,
+            framed=self.framed,
+            settled=self._settled(place, seen.at),
             undetermined=self._sentences(undetermined),
         )
+
+    def _settled(self, place: _Place, at: Array) -> Array:
+        """Where the tips (N, 3) are, those that touch something just there."""
+        found = at.copy()
+        points, planes = self.points.any(axis=1), (self.slots == PLANE).any(axis=1)
+        found[points] = place.points[self.touches[points]]
+        normals, label = place.normals[self.touches[planes]], self.touches[planes]
+        off = np.sum(at[planes] * normals, axis=1) - place.offsets[label]
+        found[planes] = at[planes] - off[:, None] * normals
+        return found
 
     def _anchor(self, place: _Place) -> Array | None:
         if not self.distances.any():

@@ -31,7 +31,10 @@ def run_of(clock: Array) -> Array:
 
 
 def tip_of(observed: Observed) -> Array:
-    """Where the arm file's tip stands at each reading, (N, 3), m; undeformed, for what is found must not move it."""
+    """Where the arm file's tip stands at each reading, (N, 3), m; undeformed, for what is found must not move it. Where
+    it touched a point or a plane, it stands there."""
+    if observed.recording.touches is not None and observed.view is not None:
+        return observed.view.settled
     return columns(observed.nominal.tip(), observed.rows)
 
 

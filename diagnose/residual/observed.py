@@ -19,6 +19,8 @@ from arm.chain.chain import Arm, EffectEntry, FloatVector
 from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
+from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
@@ -136,7 +138,15 @@ class Observed:
 
     def signature(self, effect: str, settings: Settings) -> Array:
         """What an effect moves in every column (N, C), m and rad."""
-        return self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
+        found = self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
+        if self.view is not None and effect == INSTRUMENT_SCALE.id:
+            # Positions are too far out in proportion; a distance has no origin, and a touch no number.
+            found[:, : self.components][~self.view.framed] = 0.0
+        stretch = settings.values.get("stretch", 0.0) if effect == LINK_LENGTH.id else 0.0
+        if self.view is not None and stretch != 0.0:
+            # In proportion, touches are what they are told by: an arm of no length would touch anything.
+            found[:, : self.components] -= stretch * self.view.of_tip(self.view.at - self.view.settled)
+        return found
 
     def drive_moved(self, joint: int) -> Array:
         """What one unit of motion (rad, m) of a joint (from 0) moves in every column (N, C), m and rad."""

@@ -35,4 +35,6 @@ def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View 
         anchor=None if all(view.anchor is None for view in found) else each,
         at=np.concatenate([view.at for view in found]),
         distances=np.concatenate([view.distances for view in found]),
+        framed=np.concatenate([view.framed for view in found]),
+        settled=np.concatenate([view.settled for view in found]),
     )

@@ -56,7 +56,11 @@ def simulate(
     base_target: Annotated[bool, typer.Option("--base-target", help="A target on the base too.")] = False,
     orientation: Annotated[bool, typer.Option("--orientation", help="How the tool is turned too.")] = False,
     observe: Annotated[
-        str, typer.Option("--observe", help="What is read: position, some of x, y, z (e.g. z, xy), along, distance.")
+        str,
+        typer.Option(
+            "--observe",
+            help="position, some of x, y, z (xy), along, distance, same_point or plane.",
+        ),
     ] = "position",
     direction: Annotated[
         str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")

@@ -171,7 +171,8 @@ def simulate(
     wanders. `sides`: joints arrive from both, one, or random ones. `outliers` is a share of readings. The same `seed`
     gives the same recording. `observe` says what is read: the `position`, some of its coordinates (`z`, `xy`), the
     height `along` a `direction`, or the `distance` from an `anchor` (lengths; `anchor_free`: the recording does
-    not tell where it is). Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
+    not tell where it is), or that the `same_point` or `plane` was touched again. Raises `InputError`,
+    and `MissingProperty` where the arm lacks a figure.
 
     >>> import linkwright as lw
     >>> lw.simulate(

@@ -1,8 +1,11 @@
 """`observes:` of recording.yaml: what each row holds, and what cannot be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from arm.chain.chain import Joint
 from diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
 from diagnose.reading.read import read_recording
 from diagnose.reading.write import recording_text, settings_text
@@ -106,6 +109,58 @@ def test_an_anchor_that_every_reading_could_satisfy(tmp_path):
 
     with pytest.raises(InputError, match="anchor: is free, and the distances are from 2 places"):
         _read(tmp_path, "observes: distance\nanchor: free", columns)
+
+
+def _touching(label, text, rows=24):
+    own = {name: cells for name, cells in table(Q, TIP).items() if name[0] == "q"}
+    return {name: cells[:rows] for name, cells in (own | {label: text}).items()}
+
+
+@pytest.mark.parametrize(
+    ("kind", "columns", "words"),
+    [
+        ("same_point", _touching("point", ["a"] * 23 + ["lonely"]), r"point: 'lonely' has 1 row only \(row 24\)"),
+        ("plane", _touching("plane", ["a"] * 22 + ["b"] * 2), r"plane: 'b' has 2 rows only .*3 postures or more"),
+        ("[same_point, plane]", _touching("point", ["a"] * 24) | {"plane": ["b"] * 24}, "row 1 names a point and a"),
+    ],
+)
+def test_labels_that_tell_nothing(tmp_path, kind, columns, words):
+    with pytest.raises(InputError, match=words):
+        _read(tmp_path, f"observes: {kind}", columns)
+
+
+def test_a_plane_that_is_touched_on_a_line(tmp_path):
+    """All joints still but a slide at the end, which goes straight."""
+    arm = spatial_arm()
+    arm = replace(arm, joints=(*arm.joints[:-1], Joint(type="prismatic", axis=(1.0, 0.0, 0.0), range=(0.0, 0.5))))
+    q = np.zeros((8, 5))
+    q[:, 4] = np.linspace(0.0, 0.4, 8)
+    columns = {f"q{k + 1}_deg": [f"{np.degrees(x):.6f}" for x in q[:, k]] for k in range(4)}
+    columns |= {"q5_mm": [f"{1e3 * x:.5f}" for x in q[:, 4]], "plane": ["plate"] * 8}
+
+    with pytest.raises(InputError, match="plane: 'plate' is touched on a line only"):
+        _read(tmp_path, "observes: plane", columns, arm)
+
+
+@pytest.mark.parametrize(("kind", "slots"), [("same_point", (5, 6, 7)), ("plane", (8,))])
+def test_simulated_touches_touch_and_are_read_back(tmp_path, kind, slots):
+    arm = spatial_arm()
+    plan = Plan(poses=24, repeats=2, sides="one", noise=20e-6, slots=slots, instrument=Instrument((kind,)))
+    made = simulate(arm, plan).recording
+    (tmp_path / "s.csv").write_text(recording_text(made, arm))
+    (tmp_path / "s.yaml").write_text(settings_text(made))
+    again = read_recording(tmp_path / "s.csv", arm)
+
+    assert made.size >= 24
+    assert again.touches.tolist() == made.touches.tolist()
+    tip = placed(made.q)[0]
+    for label in range(len(made.instrument.labels)):
+        own = tip[made.touches == label]
+        off = own - own.mean(axis=0)
+        if kind == "plane":
+            off = off @ np.linalg.svd(off)[2][-1][:, None]
+        assert 5e-6 < np.sqrt(np.mean(off**2)) < 30e-6
+        assert np.ptp(made.q[made.touches == label], axis=0).max() > 0.3
 
 
 def test_a_single_row_far_off_is_set_aside(tmp_path):
