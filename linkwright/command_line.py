@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -57,6 +58,10 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 where the command has commands of its own. What they work with they import inside their functions, for the help of all
 commands imports every one of these modules."""
 
+STATUSES = (
+    "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which), "
+    "130 interrupted (the best so far is kept), 141 nobody reads the output."
+)
 HELP = """Design robot arms for the least worst-case position error.
 
 Example: linkwright optimize problem.yaml --out result
@@ -84,7 +89,8 @@ def command_line(asked: str = "") -> typer.Typer:
 
     Nothing that the word cannot come to is imported.
     """
-    made: Any = typer.Typer(help=HELP, callback=_start, invoke_without_command=True, **PLAIN)
+    root: dict[str, Any] = {**PLAIN, "add_completion": True}
+    made: Any = typer.Typer(help=HELP, epilog=STATUSES, callback=_start, invoke_without_command=True, **root)
     for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
         module: Any = import_module(f"linkwright.commands.{COMMANDS[name]}")
         if hasattr(module, "group"):
@@ -105,7 +111,7 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         if reconfigure is not None:
             reconfigure(errors="replace")  # a terminal that cannot show a symbol shows a question mark
     given = sys.argv[1:] if arguments is None else list(arguments)
-    asked = next((word for word in given if word != "--"), "")
+    asked = next((word for word in _typed() or given if word != "--"), "")
     try:
         with results_alone(given):
             status: object = command_line(asked)(args=given, prog_name="linkwright", standalone_mode=False)
@@ -132,6 +138,12 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _failed("linkwright: there is not enough memory for this; ask for less at once", NO_ANSWER)
     return status if isinstance(status, int) else 0
+
+
+def _typed() -> list[str]:
+    """What is being typed where a shell asks how it goes on, by the protocols of bash and fish, and of zsh."""
+    words = os.environ.get("COMP_WORDS") or os.environ.get("_TYPER_COMPLETE_ARGS") or ""
+    return words.split()[1:] if "_LINKWRIGHT_COMPLETE" in os.environ else []
 
 
 def _usage_error() -> type[Exception]:

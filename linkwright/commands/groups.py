@@ -9,7 +9,8 @@ from typing import Any
 import typer
 
 PLAIN: Mapping[str, Any] = MappingProxyType({"add_completion": False, "pretty_exceptions_enable": False})
-"""How every level of the command line is set up: no completion scripts, and a defect shows a plain traceback."""
+"""How every level of the command line is set up: completion scripts come from the root alone, and a defect shows a
+plain traceback."""
 Commands = Mapping[str, tuple[Callable[..., None], str]]
 
 

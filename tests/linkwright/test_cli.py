@@ -9,6 +9,8 @@ import pytest
 import linkwright as lw
 from arm.chain.chain import Arm, Joint, Link
 from linkwright import command_line
+from linkwright.cli import INTERRUPTED
+from linkwright.command_line import NO_ANSWER, READER_GONE, WRONG_INPUT
 from linkwright.commands import evaluate
 from linkwright.screen.console import PLAIN_WIDTH
 
@@ -221,3 +223,19 @@ def test_an_interrupt_while_modules_load_is_quiet(process):
     for module in ("linkwright.commands.evaluate", "casadi"):
         done = process(f"\"$PYTHON\" -c '{INTERRUPTED_AT}' {module} evaluate arm.yaml")
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [("linkwright opt", ["optimize"]), ("linkwright materials sh", ["show"]), ("linkwright evaluate --js", ["--json"])],
+)
+def test_a_shell_completes_commands_and_options(process, words, expected):
+    """By the protocol of click's completion scripts: the words so far, and which of them is meant."""
+    told = f"COMP_WORDS='{words}' COMP_CWORD={words.count(' ')} _LINKWRIGHT_COMPLETE=complete_bash"
+    assert process(f"{told} $PYTHON -m linkwright").stdout.split() == expected
+
+
+def test_help_tells_the_exit_statuses(linkwright):
+    """Those that `linkwright.cli` and `linkwright.command_line` give."""
+    _, out, _ = linkwright("--help")
+    assert all(str(status) in out for status in (0, NO_ANSWER, WRONG_INPUT, INTERRUPTED, READER_GONE))
