@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs lock clean
+.PHONY: help demo pictures test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -32,6 +32,7 @@ help:
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; half an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
+	@echo "make notebooks  run examples/notebooks; make docs then shows what they print and draw"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -173,6 +174,10 @@ FUZZ_INPUTS ?= 100000
 FUZZ_SEED ?= 1
 fuzz: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.fuzz --inputs $(FUZZ_INPUTS) --seed $(FUZZ_SEED)
+
+# Plots as data, which the site draws.
+notebooks: $(DEV)
+	@PLOTLY_RENDERER=plotly_mimetype $(ONE_THREAD) $(BIN)/python -m handbook.notebooks
 
 # Fetches nothing; a warning fails it (told to be quiet it would count none). The pages open from the disk; a search needs `python -m http.server -d build/handbook`.
 docs: $(DEV)

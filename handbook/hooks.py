@@ -3,13 +3,17 @@ the site."""
 
 from __future__ import annotations
 
+from pathlib import Path, PurePosixPath
+
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+from plotly.offline import get_plotlyjs
 
 from handbook.commands import command_pages
 from handbook.examples import example_pages
 from handbook.links import relinked
+from handbook.notebooks import notebook_pages
 from handbook.python_face import python_pages
 from handbook.sources import DOCS, ROOT, sources_here
 
@@ -18,6 +22,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Put the pages that are made into the navigation, where it names the folder that they stand in."""
     folders = {"commands": list(command_pages()), "python": list(python_pages())}
     folders["examples"] = list(sources_here().examples.values())
+    folders["notebooks"] = list(sources_here().notebooks.values())
     config.nav = [_expanded(entry, folders) for entry in config.nav or []]
     return config
 
@@ -25,21 +30,31 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that are made, the files to download and the style."""
     sources = sources_here()
-    pages = {**command_pages(), **python_pages(), **example_pages(sources)}
+    pages = {**command_pages(), **python_pages(), **example_pages(sources), **notebook_pages(sources.notebooks)}
     for source, page in sources.pages.items():
         if not source.startswith((f"{DOCS}/", "examples/")):
             pages[page] = relinked((ROOT / source).read_text(encoding="utf-8"), source, page, sources.place)
     for page, text in pages.items():
         files.append(File.generated(config, page, content=text))
+    for source, page in sources.notebooks.items():
+        place = str(PurePosixPath(page).with_suffix(".ipynb"))
+        files.append(File.generated(config, place, abs_src_path=str(ROOT / source)))
     for source, place in sources.downloads.items():
         if not source.startswith(f"{DOCS}/"):
             files.append(File.generated(config, place, abs_src_path=str(ROOT / source)))
-    files.append(File.generated(config, "assets/own.css", abs_src_path=str(ROOT / "handbook" / "style.css")))
+    own = Path(__file__).parent
+    files.append(File.generated(config, "assets/own.css", abs_src_path=str(own / "style.css")))
+    files.append(File.generated(config, "assets/plots.js", abs_src_path=str(own / "plots.js")))
+    files.append(File.generated(config, "assets/plotly.js", content=get_plotlyjs()))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001
-    """Turn the links of a page of docs/."""
+    """Turn the links of a page of docs/; load what draws where something is to be drawn."""
+    if '<div class="plot">' in markdown:
+        up = "../" * page.file.src_uri.count("/")
+        scripts = "".join(f'<script src="{up}assets/{name}.js"></script>' for name in ("plotly", "plots"))
+        return f"{markdown}\n\n{scripts}\n"
     sources = sources_here()
     source = f"{DOCS}/{page.file.src_uri}"
     return relinked(markdown, source, page.file.src_uri, sources.place) if source in sources.pages else markdown
@@ -50,7 +65,11 @@ def _expanded(entry: object, folders: dict[str, list[str]]) -> object:
     if isinstance(entry, dict):
         return {title: _expanded(inside, folders) for title, inside in entry.items()}
     if isinstance(entry, list):
-        return [_expanded(inside, folders) for inside in entry]
+        pages: list[object] = []
+        for inside in entry:
+            expanded = _expanded(inside, folders)
+            pages += expanded if isinstance(expanded, list) else [expanded]
+        return pages
     if isinstance(entry, str) and entry.endswith("/"):
         return folders[entry.rstrip("/")]
     return entry
