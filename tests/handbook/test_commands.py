@@ -1,0 +1,143 @@
+"""Every command that README, docs and examples show: it parses, names files that are there, and the quick ones print
+what the page says."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from handbook.commands import command_named
+from handbook.sources import ROOT
+from linkwright.cli import run
+from linkwright.command_line import COMMANDS
+from tests.handbook.pages import PAGES, Shown, shown, spoken
+
+ALL = [each for page in PAGES for each in shown(page)]
+
+
+def parsed(words):
+    """What the command line itself makes of the words: the values by the parameters' names."""
+    command, rest = command_named(words[0]), list(words[1:])
+    if hasattr(command, "commands"):
+        command, rest = command.commands[rest[0]], rest[1:]
+    return command.make_context(words[0], rest).params
+
+
+def test_commands_are_found():
+    """The checks below would pass on none."""
+    assert len(ALL) > 50
+    assert {each.words[0] for each in ALL} > {"evaluate", "optimize", "diagnose", "materials", "sections", "simulate"}
+
+
+@pytest.mark.parametrize("each", ALL, ids=str)
+def test_shown_command_parses(each):
+    """Options, arguments and their number; a file of an example that is named is there."""
+    given = parsed(each.words).values()
+    files = [value for values in given for value in (values if isinstance(values, list | tuple) else [values])]
+    named = [value for value in files if isinstance(value, Path) and value.parts[:1] == ("examples",)]
+    assert [value for value in named if not (ROOT / value).exists()] == []
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_examples_of_the_help_parse(name):
+    """They are what `--help` and the reference show."""
+    command = command_named(name)
+    for each in [command, *getattr(command, "commands", {}).values()]:
+        text = " ".join((each.help or "").split())
+        for example in text.split("Example: linkwright ")[1:]:
+            parsed(shlex.split(example))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_spoken_commands_are_there(page):
+    """Within sentences: the command, the command of its group, and every option that is named with it."""
+    wrong = []
+    for words in spoken(page, set(COMMANDS)):
+        if not words or words[0].rstrip(",.") == "...":
+            continue
+        if words[0] not in COMMANDS:
+            wrong.append(words)
+            continue
+        command = command_named(words[0])
+        if hasattr(command, "commands"):
+            own = [command.commands[word] for word in words[1:2] if word in command.commands]
+            if not own and re.fullmatch(r"[a-z]+", words[1] if len(words) > 1 else "..."):
+                wrong.append(words)
+            command = own[0] if own else command
+        known = {option for parameter in command.params for option in parameter.opts} | {"--help"}
+        asked = {found for word in words for found in re.findall(r"^\[?(--[a-z-]+)", word)}
+        if not asked <= known and not hasattr(command, "commands"):
+            wrong.append(words)
+    assert wrong == []
+
+
+def test_spoken_targets_are_there():
+    """`make ...` within sentences and blocks."""
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert set(re.findall(r"(?:`|^)make ([a-z-]+)", text, re.MULTILINE)) <= targets, page
+
+
+ARM = """\
+chain:
+  - joint: {range: [-90 deg, 90 deg]}
+    link: {length: 400 mm, section: {shape: circle, diameter: 60 mm}, material: my-alloy}
+"""
+
+
+def agree(printed, status, out, err):
+    """Nothing where all that the page shows is printed, in order, warnings first; a line `...` leaves lines out.
+    Blanks count as one."""
+    lines = [" ".join(line.split()) for line in (err + out).splitlines() if line.strip()]
+    here = 0
+    for wanted in (" ".join(line.split()) for line in printed if line.strip() and line.strip() != "..."):
+        if wanted not in lines[here:]:
+            return f"status {status}: '{wanted}' is not among\n" + "\n".join(lines[here:])
+        here = lines.index(wanted, here) + 1
+    return ""
+
+
+def followed(page, folder, patch, capsys, *, only=None):
+    """Run a page's commands in order in a folder; the sentences on those that print something else."""
+    patch.chdir(folder)
+    for name in ("LINKWRIGHT_CATALOGUE", "LINKWRIGHT_SECTIONS"):
+        patch.delenv(name, raising=False)
+    patch.setenv("XDG_CONFIG_HOME", str(folder))
+    own = f"{folder}/linkwright/"  # pages name the files there by themselves
+    wrong = []
+    for each in shown(ROOT / page):
+        if only is None or each.words[0] in only:
+            status = run(each.words)
+            printed = capsys.readouterr()
+            assert status in (0, 2), each
+            said = agree(each.printed, status, printed.out.replace(own, ""), printed.err.replace(own, ""))
+            wrong += [f"{each}\n{said}"] if said else []
+    return wrong
+
+
+@pytest.mark.parametrize("page", ["docs/materials.md", "docs/sections.md"])
+def test_catalogue_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
+    """All their commands, one after the other, from an empty catalogue."""
+    (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
+    table = re.search(r"^\$ cat supplier.csv\n(.*?)^\$", (ROOT / page).read_text(encoding="utf-8"), re.M | re.DOTALL)
+    if table:
+        (tmp_path / "supplier.csv").write_text(table[1], encoding="utf-8")
+    assert followed(page, tmp_path, monkeypatch, capsys) == []
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/formats.md", "docs/workshop.md", "docs/recordings.md"])
+def test_quick_commands_print_what_is_shown(page, monkeypatch, capsys, tmp_path):
+    """From the project's folder, as there: what evaluates, lists or draws."""
+    shutil.copytree(ROOT / "examples", tmp_path / "examples", ignore=shutil.ignore_patterns("real", "notebooks"))
+    quick = {"evaluate", "actuators", "effects", "materials", "sections", "export", "import", "inverse"}
+    assert followed(page, tmp_path, monkeypatch, capsys, only=quick) == []
+
+
+def test_disagreement_is_seen():
+    """The comparison compared."""
+    assert agree(("a  b", "...", "d"), 0, "a b\nc\nd\n", "") == ""
+    assert agree(("a", "d"), 0, "d\na\n", "") != ""
+    assert not Shown(ROOT / "README.md", "linkwright doctor", ("doctor",), ()).printed
