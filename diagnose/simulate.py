@@ -50,7 +50,8 @@ class Plan:
     encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool is
     turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place) and
     `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the recording
-    does not say where the anchor is.
+    does not say where the anchor is. `at` are readings
+    that name what to record in its place: poses, sides, payloads, temperatures and times are theirs.
     """
 
     poses: int
@@ -72,6 +73,7 @@ class Plan:
     slots: tuple[int, ...] = ()
     instrument: Instrument = field(default_factory=Instrument)
     anchor_free: bool = False
+    at: Recording | None = None
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     if plan.poses < 1 or plan.repeats < 1:
         raise ValueError("a recording has at least one pose and one reading of it")
     random = np.random.default_rng(plan.seed)
-    bare = _visited(arm, plan, random)
+    bare = _visited(arm, plan, random) if plan.at is None else plan.at
     if plan.slots and min(plan.slots) > DISTANCE:
         bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
@@ -129,7 +131,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         joint_side=_encoders(bare.q, moved.joint_side, plan, random, 1.0),
         commanded=_encoders(bare.q, moved.command, plan, random, -1.0, noisy=False),
         base_target=base,
-        frame="free" if plan.free_frame else "known",
+        frame="free" if plan.free_frame else bare.frame,
     )
     return Simulation(recording, moved.tip, _idle(state, arm, asked))
 

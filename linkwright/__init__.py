@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from linkwright.face.exchange.imported import import_arm
     from linkwright.face.inverse import inverse
     from linkwright.face.planning.budget import budget
+    from linkwright.face.planning.plan import plan
     from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
     from linkwright.face.recording import read_recording, read_recordings, simulate
@@ -53,6 +54,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.exchange.imported": ("import_arm",),
         "linkwright.face.inverse": ("inverse",),
         "linkwright.face.planning.budget": ("budget",),
+        "linkwright.face.planning.plan": ("plan",),
         "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
         "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
@@ -88,6 +90,7 @@ __all__ = [
     "limits",
     "materials",
     "optimize",
+    "plan",
     "predict",
     "read_arm",
     "read_problem",

@@ -42,6 +42,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "compare": "compare",
         "predict": "predict",
         "compensate": "compensate",
+        "plan": "planning.plan",
         "budget": "planning.budget",
         "import": "exchange.import_",
         "export": "exchange.export",

@@ -51,7 +51,7 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
         if length <= 0.0:
             continue
         value = norm / length
-        if value > _largest(candidate, name):
+        if value > largest_size(candidate, name):
             continue  # could not be that large: it cannot be seen at all
         tip = raw[:, : prepared.observed.components, place]
         rms = value * rms_length(tip)
@@ -62,7 +62,7 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
     return worst
 
 
-def _largest(candidate: Candidate, name: str) -> float:
+def largest_size(candidate: Candidate, name: str) -> float:
     """The largest size that is physically possible."""
     if candidate.share:
         return math.inf

@@ -23,7 +23,7 @@ def recording_text(recording: Recording, arm: Arm) -> str:
     stream = io.StringIO()
     stream.write(",".join([*(name for name, _, _ in columns), *(name for name, _ in labels)]) + "\n")
     for row in range(recording.size):
-        cells = [_cell(values[row], digits) for _, values, digits in columns]
+        cells = [cell(values[row], digits) for _, values, digits in columns]
         stream.write(",".join([*cells, *(_quoted(values[row]) for _, values in labels)]) + "\n")
     return stream.getvalue()
 
@@ -80,7 +80,8 @@ def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Arr
         yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5
 
 
-def _cell(value: float, digits: int) -> str:
+def cell(value: float, digits: int) -> str:
+    """A number with so many decimals at most, nothing where there is none."""
     if value != value:  # nothing was read
         return ""
     text = f"{value:.{digits}f}"

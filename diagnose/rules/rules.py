@@ -9,6 +9,7 @@ from .compare_rules import CompareRules
 from .fitting_rules import FittingRules
 from .mistake_rules import MistakeRules
 from .pattern_rules import PatternRules
+from .plan_rules import PlanRules
 from .reading_rules import ReadingRules
 from .residual_rules import ResidualRules
 from .search_rules import SearchRules
@@ -27,6 +28,7 @@ class Rules:
     search: SearchRules = field(default_factory=SearchRules)
     answer: AnswerRules = field(default_factory=AnswerRules)
     compare: CompareRules = field(default_factory=CompareRules)
+    plan: PlanRules = field(default_factory=PlanRules)
 
 
 RULES = Rules()

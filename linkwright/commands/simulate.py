@@ -28,8 +28,13 @@ _SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "ancho
 
 def simulate(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
-    poses: Annotated[int, typer.Option("--poses", metavar="N", min=1, max=1_000_000, help="How many poses.")],
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The recording to write, a CSV file.")],
+    poses: Annotated[
+        int | None, typer.Option("--poses", metavar="N", min=1, max=1_000_000, help="How many poses.")
+    ] = None,
+    at: Annotated[
+        Path | None, typer.Option("--at", metavar="PLAN", help="Poses, sides, payloads and times of `linkwright plan`.")
+    ] = None,
     effects: Annotated[
         list[str] | None,
         typer.Option("--with", metavar="EFFECT", help="An entry of the arm file's `effects`; may be repeated."),
@@ -81,7 +86,10 @@ def simulate(
     from linkwright.face.recording import with_effects
     from linkwright.screen.console import console, waiting
 
-    check_target(out, arm, catalogue)
+    if (poses is None) == (at is None):
+        message = "is missing; say how many, or name a plan with --at" if at is None else "goes without --at; drop one"
+        raise InputError("", "--poses", message)
+    check_target(out, arm, catalogue, at)
     if out == OUTPUT:
         raise InputError("", "--out", "needs the name of a file; the settings are written beside it")
     settings = out.with_suffix(".yaml")
@@ -95,7 +103,7 @@ def simulate(
             with_effects(given, entries, as_in_files=True)
             made = lw.simulate(
                 given,
-                poses=poses,
+                poses=1 if poses is None else poses,
                 with_=entries,
                 noise=noise,
                 repeats=repeats,
@@ -115,6 +123,7 @@ def simulate(
                 direction=None if direction is None else _numbers(direction),
                 anchor=None if anchor is None else [each.strip() for each in anchor.split(",")],
                 anchor_free=anchor_free,
+                at=at,
             )
         made.save(out)
     write_result(json, made.to_json())

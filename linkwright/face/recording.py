@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any, Literal
 from arm.chain.chain import EffectEntry
 from arm.files.read import arm_from
 from diagnose.instruments.asked import observed_by
+from diagnose.plan.written import read_plan
 from diagnose.reading.read import read_recording as read_file
 from diagnose.reading.read import recording_from
 from diagnose.reading.settings import read_settings
 from diagnose.reading.table import table_of
 from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from diagnose.recording import Recording as Found
+from diagnose.residual.observed import visits
 from diagnose.simulate import Plan
 from diagnose.simulate import Simulation as Made
 from diagnose.simulate import simulate as simulated
@@ -163,16 +165,18 @@ def simulate(
     direction: Sequence[float] | None = None,
     anchor: Sequence[Quantity] | None = None,
     anchor_free: bool = False,
+    at: File | None = None,
 ) -> Simulation:
     """A recording from a model, with noise and repeats: poses spread over the joint ranges.
 
     `with_` holds entries of an arm file's `effects` beside the arm's own. `noise` is the standard deviation of each
     component (text, or m), `payloads` masses (text, or kg), `temperature` from and to (text, or K), between which it
-    wanders. `sides`: joints arrive from both, one, or random ones. `outliers` is a share of readings. The same `seed`
-    gives the same recording. `observe` says what is read: the `position`, some of its coordinates (`z`, `xy`), the
-    height `along` a `direction`, or the `distance` from an `anchor` (lengths; `anchor_free`: the recording does
-    not tell where it is), or that the `same_point` or `plane` was touched again. Raises `InputError`,
-    and `MissingProperty` where the arm lacks a figure.
+    wanders. `at` is a plan (or a recording), whose poses, sides, payloads and times are taken instead of `poses`,
+    `repeats`, `payloads`, `sides`, `temperature` and `hours`. `sides`: joints arrive from both, one, or random ones.
+    `outliers` is a share of readings. The same `seed` gives the same recording. `observe` says what is read: the
+    `position`, some of its coordinates (`z`, `xy`), the height `along` a `direction`, or the `distance` from an
+    `anchor` (lengths; `anchor_free`: the recording does not tell where it is), or that the `same_point` or `plane` was
+    touched again. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
 
     >>> import linkwright as lw
     >>> lw.simulate(
@@ -183,10 +187,13 @@ def simulate(
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
     given = with_effects(arm_of(arm), with_)
+    if at is not None and observe in ("same_point", "plane"):
+        raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
+    readings = None if at is None else read_plan(at, given.model)
     plan = _plan(
-        poses=poses,
+        poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,
         noise=in_si(noise, "length", "noise"),
-        repeats=repeats,
+        repeats=repeats if readings is None else 1,
         payloads=tuple(in_si(each, "mass", "payloads") for each in payloads),
         sides=sides,
         temperature=None if temperature is None else _span(temperature),
@@ -199,6 +206,7 @@ def simulate(
         base_target=base_target,
         orientation=orientation,
         **observed_by(observe, direction, _lengths(anchor), given.model, anchor_free=anchor_free),
+        at=readings,
     )
     made = simulated(given.model, plan)
     sigma = plan.noise if declare_sigma and plan.noise > 0.0 else None

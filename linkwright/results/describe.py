@@ -21,6 +21,7 @@ _DESCRIBED = MappingProxyType(
         "Imported": "imported",
         "Exported": "exported",
         "Budget": "budget",
+        "Planned": "planning",
     }
 )
 """The module that describes each class of results, loaded when asked for."""

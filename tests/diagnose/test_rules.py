@@ -37,6 +37,7 @@ NO_RULES = {
     "patterns/library.py": {"_STEP"},
     "patterns/pool.py": {"_RANK"},
     "patterns/unknown_weights.py": {"_ROUNDING", "_SAG", "_SPANNED"},
+    "plan/tried.py": {"_WRITTEN_ANGLE, _WRITTEN_LENGTH"},
     "predict.py": {"_HAIR"},
     "reading/formula.py": {"_LONGEST, _DEEPEST"},
     "reading/read.py": {"_LARGEST", "_LEVEL"},

@@ -1,0 +1,227 @@
+"""The steps in order: what may be visited, what is to be seen there, which visits, their order, what they promise."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.chain import Arm
+from diagnose.fitting.prepare import nuisances
+from diagnose.options import Progress
+from diagnose.patterns.library import Candidate, candidates, columns_of
+from diagnose.patterns.pool import orthonormal
+from diagnose.recording import Recording
+from diagnose.residual.observed import Observed, observe
+from diagnose.several.recordings import together
+from sections.numeric import Array
+
+from .asked import Asked, seen_axes
+from .design import Patterns, chosen_visits
+from .order import in_order, returns_of, with_time
+from .planned import Planned
+from .promise import Promise, another_cause, is_asked, promised, seen_columns, usual_size
+from .tried import Tried, tried_visits
+from .written import plan_text, read_plan, to_record
+
+
+class NothingToSee(Exception):
+    """Nothing of what was asked for moves anything that the instrument sees."""
+
+
+def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None) -> Planned:
+    """The visits from which the causes asked for are seen smallest and told from others, in an order to record them.
+
+    `after` is a recording that is there already: what it shows counts, and the plan goes on from it.
+    Raises ValueError where the boxes to avoid leave too few poses or the instrument sees nothing of a planar arm,
+    `NothingToSee`, and what `arm.errors.model.beams_of` raises.
+    """
+    began = time.perf_counter()
+    axes = seen_axes(asked.instrument, arm)
+    tell("poses to try", 0.0)
+    tried = tried_visits(arm, asked)
+    patterns = _patterns(arm, asked, tried, axes, after)
+    rng = np.random.default_rng(asked.seed)
+    many = returns_of(asked)
+    chosen, back = chosen_visits(
+        patterns,
+        asked.poses - many,
+        (lambda visit: _returned(tried, visit, asked)) if many else lambda _: (),
+        asked.rules.plan,
+        rng,
+        lambda share: tell("choosing visits", 0.05 + 0.6 * share),
+    )
+    order = in_order(chosen, back, tried.payload, tried.q, tried.sides, asked)
+    recording, promise = _checked(arm, asked, tried, order, axes, after)
+    random: list[Promise] = []
+    for k in range(asked.rules.plan.rivals):
+        tell("poses at random, to compare", 0.7 + 0.3 * k / asked.rules.plan.rivals)
+        random.append(_checked(arm, asked, tried, _at_random(tried, asked, many, rng), axes, after)[1])
+    tell("done", 1.0)
+    returned = tuple(k + 1 for k, visit in enumerate(order.tolist()) if visit in back)
+    correlation = with_time(tried.q[order], tried.sides[order])
+    return Planned(
+        arm, asked, recording, axes, promise, tuple(random), returned, correlation, tried.size,
+        time.perf_counter() - began, after,
+    )  # fmt: skip
+
+
+def _returned(tried: Tried, visit: int, asked: Asked) -> Sequence[int]:
+    """The pose and sides of a visit under each payload, as numbers of what was tried."""
+    same = (tried.q == tried.q[visit]).all(axis=1) & (tried.sides == tried.sides[visit]).all(axis=1)
+    return [int(np.flatnonzero(same & (tried.payload == mass))[0]) for mass in asked.payloads]
+
+
+def _at_random(tried: Tried, asked: Asked, many: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """As many visits at poses spread over the ranges, under any payload and from any side, in an order of the same
+    kind."""
+    usable = np.flatnonzero(tried.random) if tried.random.sum() >= asked.poses else np.arange(tried.size)
+    drawn = rng.permutation(usable)[: asked.poses - many + 1].tolist()
+    back = list(_returned(tried, drawn[-1], asked)) if many else []
+    chosen = drawn[: asked.poses - many]
+    return in_order(chosen, back, tried.payload, tried.q, tried.sides, asked)
+
+
+def _checked(
+    arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: str, after: Recording | None
+) -> tuple[Recording, Promise]:
+    """The visits as a recording, and what it will show by the file that holds it."""
+    made = to_record(arm, tried.q[order], tried.sides[order], tried.payload[order], asked)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "plan.csv"
+        path.write_text(plan_text(made, arm, axes), encoding="utf-8")
+        read = replace(read_plan(path, arm, rules=asked.rules), file="", frame=asked.frame, tool=asked.tool)
+    return read, promised(arm, read if after is None else going_on(after, read, arm), axes, asked)
+
+
+def going_on(before: Recording, then: Recording, arm: Arm) -> Recording:
+    """A recording and a plan after it, as a diagnosis takes both: of the first what a plan has too."""
+    return together([_as_plan(before), then], arm)
+
+
+def _as_plan(before: Recording) -> Recording:
+    """The readings with no more than what a plan holds."""
+    return Recording(
+        file=before.file,
+        q=before.q,
+        tip=before.tip,
+        row=before.row,
+        time=before.time,
+        sides=before.sides,
+        payload_mass=before.payload_mass,
+        last_moves=before.last_moves,
+        frame=before.frame,
+        tool=before.tool,
+    )
+
+
+def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: str, after: Recording | None) -> Patterns:
+    """What the causes look like at every visit tried. Raises `NothingToSee`."""
+    there = to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1))
+    observed = _in_any_order(arm, replace(there, frame=asked.frame, tool=asked.tool), asked)
+    chosen = _one_of_each(observed, asked)
+    scale = [_usual(candidate, columns, observed, axes, asked) for candidate, columns in chosen]
+    beside = nuisances(observed)[0]
+    rows = _rows(observed, [beside, *(c * s for (_, c), s in zip(chosen, scale, strict=True))], axes, asked)
+    known = np.zeros((rows.shape[2],) * 2)
+    if after is not None:
+        recorded = _in_any_order(arm, _as_plan(after), asked)
+        own = nuisances(recorded)[0]
+        found = [columns_of(recorded, candidate) for candidate, _ in chosen]
+        nothing = np.zeros((recorded.rows, recorded.residual.shape[1], 1))
+        parts = [
+            nothing * s if columns is None or columns.shape[2] != len(s) else columns * s
+            for columns, s in zip(found, scale, strict=True)
+        ]
+        taken = _rows(recorded, [own], axes, asked).reshape(len(axes) * recorded.rows, own.shape[2])
+        left = _rows(recorded, parts, axes, asked).reshape(len(taken), -1)
+        base = orthonormal(taken)
+        left = left - base @ (base.T @ left)
+        known[beside.shape[2] :, beside.shape[2] :] = left.T @ left
+    return _to_choose(chosen, rows * np.sqrt(asked.repeats), beside.shape[2], known, asked)
+
+
+def _in_any_order(arm: Arm, recording: Recording, asked: Asked) -> Observed:
+    """Readings without what their order tells, which comes later."""
+    return observe(arm, replace(recording, time=None, last_moves=None), rules=asked.rules)
+
+
+def _one_of_each(observed: Observed, asked: Asked) -> list[tuple[Candidate, Array]]:
+    """Each cause with its columns (V, C, d): of its variants with most sizes the one in the middle, and of those asked
+    for the first and the last as well."""
+    families: dict[object, list[tuple[Candidate, Array]]] = {}
+    for candidate, columns in candidates(observed):
+        families.setdefault(candidate.family, []).append((candidate, columns))
+    chosen: list[tuple[Candidate, Array]] = []
+    for variants in families.values():
+        most = max(columns.shape[2] for _, columns in variants)
+        full = [each for each in variants if each[1].shape[2] == most]
+        if is_asked(full[0][0].effect, full[0][0].at, asked.effects):
+            chosen += [full[k] for k in sorted({0, len(full) // 2, len(full) - 1})]
+        elif not asked.pairs_only and most <= asked.rules.plan.widest_rival:
+            chosen.append(full[len(full) // 2])
+    return chosen
+
+
+def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: str, asked: Asked) -> Array:
+    """The usual size of each column (d,); of products with unknown weights what is as large as the scatter."""
+    if len(candidate.sizes) == columns.shape[2]:
+        return np.array([usual_size(candidate, name) for name in candidate.sizes])
+    rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, asked.sigma) ** 2, axis=1), axis=0))
+    return 1.0 / np.where(rms > 0.0, rms, 1.0)
+
+
+def _rows(observed: Observed, parts: Sequence[Array], axes: str, asked: Asked) -> Array:
+    """Columns (V, C, d) one beside another, as the instrument's readings have them, over their scatter."""
+    return seen_columns(observed, np.concatenate(parts, axis=2), axes, asked.sigma)
+
+
+def _to_choose(
+    chosen: Sequence[tuple[Candidate, Array]], rows: Array, beside: int, known: Array, asked: Asked
+) -> Patterns:
+    """What the choice goes by: causes that the nuisances swallow wherever the arm stands, and pairs that no pose tells,
+    are left out. Raises `NothingToSee`."""
+    flat = rows.reshape(-1, rows.shape[2])
+    base = orthonormal(flat[:, :beside])
+    left = flat[:, beside:] - base @ (base.T @ flat[:, beside:])
+    total, whole = left.T @ left + known[beside:, beside:], np.sum(flat[:, beside:] ** 2, axis=0)
+    rules = asked.rules
+    seen = total.diagonal() > rules.patterns.visible**2 * (whole + known.diagonal()[beside:])
+    starts = np.cumsum([0, *(columns.shape[2] for _, columns in chosen)])
+    spans = [np.arange(a, b)[seen[a:b]] for a, b in pairwise(starts.tolist())]
+    own = [
+        span[span < start + len(each.sizes)] if is_asked(each.effect, each.at, asked.effects) else span[:0]
+        for span, start, (each, _) in zip(spans, starts[:-1].tolist(), chosen, strict=True)
+    ]
+    columns = np.concatenate(own or [np.zeros(0)])
+    if not len(columns):
+        raise NothingToSee
+    owner = np.repeat(np.arange(len(chosen)), np.diff(starts)).tolist()
+    kept = np.flatnonzero(seen)
+    asks = columns.astype(np.int64)
+    rivals = [k for k, span in enumerate(spans) if 0 < len(span) <= rules.plan.widest_rival]
+    against = np.zeros((len(asks), len(rivals)), dtype=bool)
+    for number, rival in enumerate(rivals):
+        block = np.linalg.pinv(total[np.ix_(spans[rival], spans[rival])], rcond=1e-9, hermitian=True)
+        mixed = total[np.ix_(asks, spans[rival])]
+        likeness = np.einsum("ad,de,ae->a", mixed, block, mixed) / total[asks, asks]
+        other = np.array([another_cause(chosen[owner[column]][0], chosen[rival][0]) for column in asks.tolist()])
+        against[:, number] = other & (likeness < rules.plan.never**2)
+    place = np.cumsum(seen) - 1
+    whole_rows = np.concatenate([rows[:, :, :beside], rows[:, :, beside + kept]], axis=2)
+    inside = np.concatenate([np.arange(beside), beside + kept])
+    return Patterns(
+        whole_rows,
+        beside,
+        known[np.ix_(inside, inside)],
+        place[asks],
+        tuple(slice(int(place[spans[k][0]]), int(place[spans[k][-1]]) + 1) for k in rivals),
+        against,
+        rules.answer.told,
+    )

@@ -1,0 +1,221 @@
+"""What a recording at given readings will show, by the diagnosis' own test, patterns and criterion.
+
+Nothing of the search is asked: the readings are taken as they stand in the file, a sound arm is simulated at them, and
+the gate is calibrated on its noise as a diagnosis would.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.effects import EFFECTS
+from diagnose.answer.detectable import detectable, largest_size
+from diagnose.fitting.prepare import Prepared, limits, nuisances
+from diagnose.patterns.library import Candidate, candidates, parameter_of
+from diagnose.patterns.pool import make_pool
+from diagnose.recording import Recording
+from diagnose.residual.observed import Observed, observe
+from diagnose.result import Detectable
+from diagnose.rules.rules import Rules
+from diagnose.search.calibrate import given_model, one_more
+from diagnose.simulate import Plan, simulate
+from sections.numeric import Array
+
+from .asked import Asked, Place, view
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another cause: how alike the patterns are (0 to 1), and the size from which on the two are told apart; infinite
+    where that is beyond what is possible."""
+
+    effect: str
+    at: tuple[int, ...]
+    likeness: float
+    told: float
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The smallest size of a parameter that will be seen (SI unit of `kind`), `rms` (m) how far that moves the tip,
+    what is usual at most, its rivals, hardest first, and how many `others` there are, alike or not. Places count from
+    1."""
+
+    effect: str
+    at: tuple[int, ...]
+    parameter: str
+    kind: str
+    smallest: float
+    rms: float
+    usual: float
+    rivals: tuple[Rival, ...]
+    others: int
+
+    @property
+    def not_told(self) -> tuple[Rival, ...]:
+        """The causes from which it is not told at sizes that are usual."""
+        return tuple(rival for rival in self.rivals if rival.told > self.usual)
+
+    @property
+    def told(self) -> float:
+        """The size from which on it is told from every cause but those."""
+        return max([self.smallest, *(rival.told for rival in self.rivals if rival.told <= self.usual)])
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What readings will show: a `Shown` for each cause asked for, and those that they cannot show at all."""
+
+    shown: tuple[Shown, ...]
+    unseen: tuple[tuple[str, tuple[int, ...]], ...]
+
+    @property
+    def pairs(self) -> int:
+        """How many pairs there are of a cause asked for, as far as it is seen, and another."""
+        return sum(each.others for each in self.shown)
+
+    @property
+    def told(self) -> int:
+        """How many of those are told apart at usual sizes."""
+        return sum(each.others - len(each.not_told) for each in self.shown if each.smallest <= each.usual)
+
+
+def promised(arm: Arm, recording: Recording, axes: str, asked: Asked) -> Promise:
+    """What an instrument that sees the tip's components `axes` will show at these readings."""
+    prepared = _sound(arm, recording, axes, asked)
+    rules, pool = asked.rules, prepared.pool
+    everything = np.ones(len(pool.groups), dtype=bool)
+    test = one_more(
+        pool,
+        given_model(pool, prepared.vector, ()),
+        prepared.criterion,
+        prepared.visits,
+        len(axes),
+        draws=rules.search.draws,
+        rng=np.random.default_rng(asked.seed),
+        among=(everything,),
+    )[0]
+    found = detectable(prepared, test, 1.0, rules.search.false_alarm)
+    wanted = [each for each in found if is_asked(each.effect, tuple(n - 1 for n in each.at), asked.effects)]
+    shown = tuple(_shown(prepared, each, asked) for each in wanted)
+    there = {(each.effect, each.at) for each in wanted}
+    known = [group.candidate for group in pool.groups] + list(pool.invisible)
+    absent = dict.fromkeys(
+        (each.effect, each.numbers) for each in known if is_asked(each.effect, each.at, asked.effects)
+    )
+    return Promise(shown, tuple(each for each in absent if each not in there))
+
+
+def is_asked(effect: str, at: tuple[int, ...], asked: Sequence[Place]) -> bool:
+    """Whether an effect at places (from 0) is among those asked for: none named are all."""
+    return not asked or any(effect == name and (not places or places == at) for name, places in asked)
+
+
+def seen_columns(observed: Observed, columns: Array, axes: str, sigma: float) -> Array:
+    """Columns (N, C, d) as the instrument's readings have them, over their scatter, (N, k, d)."""
+    width = observed.components
+    return np.einsum("kc,ncd->nkd", view(axes, width), columns[:, :width]) / sigma
+
+
+def _sound(arm: Arm, recording: Recording, axes: str, asked: Asked) -> Prepared:
+    """The recording that a sound arm would give, ready to be searched."""
+    weightless = arm.with_links(
+        tuple(replace(link, mass=0.0) if link.section is None and link.mass is None else link for link in arm.links)
+    )
+    made = simulate(weightless, Plan(1, noise=asked.sigma, at=recording, seed=asked.seed)).recording
+    observed = observe(arm, made, rules=asked.rules)
+    observed = replace(observed, scale=np.full(observed.residual.shape[1], asked.sigma))
+
+    def white(columns: Array) -> Array:
+        rows = seen_columns(observed, columns, axes, asked.sigma)
+        return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
+
+    beside, names = nuisances(observed)
+    patterns = list(candidates(observed))
+    own = asked.rules.fitting
+    pool = make_pool(
+        white(beside), [(each, white(columns), limits(each, columns, rules=own)) for each, columns in patterns],
+        rules=asked.rules,
+    )  # fmt: skip
+    seen = {id(group.candidate) for group in pool.groups}
+    columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
+    vector = pool.projected(white(observed.residual[:, :, None])[:, 0])
+    return Prepared(observed, vector, pool, columns, beside, names, ())
+
+
+def _shown(prepared: Prepared, found: Detectable, asked: Asked) -> Shown:
+    """What was found detectable, with its rivals."""
+    pool, at = prepared.pool, tuple(number - 1 for number in found.at)
+    number = next(
+        k
+        for k, group in enumerate(pool.groups)
+        if (group.candidate.effect, group.candidate.at) == (found.effect, at)
+        and group.visible == found.visible
+        and found.parameter in group.candidate.sizes
+    )
+    candidate = pool.groups[number].candidate
+    usual = usual_size(candidate, found.parameter)
+    rivals = rivals_of(prepared, number, found.parameter, asked)
+    others = len({group.candidate.family for group in pool.groups if _may_be(candidate, group.candidate, asked)})
+    return Shown(found.effect, found.at, found.parameter, found.kind, found.value, found.rms, usual, rivals, others)
+
+
+def usual_size(candidate: Candidate, name: str) -> float:
+    """The largest usual size of a parameter; the whole of what an arm file has data for but leaves out."""
+    if candidate.share:
+        return 1.0
+    return max(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical)
+
+
+def rivals_of(prepared: Prepared, number: int, parameter: str, asked: Asked) -> tuple[Rival, ...]:
+    """What a group's parameter might be taken for, hardest to tell first: each other cause by its likest variant."""
+    pool = prepared.pool
+    group = pool.groups[number]
+    place = group.candidate.sizes.index(parameter)
+    pattern = np.linalg.pinv(group.back)[:, place]
+    length = float(np.linalg.norm(pattern))
+    mixed = pool.gram[:, group.start : group.stop] @ (pattern / length)
+    shared = np.sqrt(np.minimum(np.add.reduceat(mixed**2, pool.starts), 1.0))
+    largest = largest_size(group.candidate, parameter)
+    price = prepared.criterion.price
+    hardest: dict[object, Rival] = {}
+    for other in np.flatnonzero(shared**2 >= asked.rules.search.rivalling).tolist():
+        candidate = pool.groups[other].candidate
+        if not _may_be(group.candidate, candidate, asked):
+            continue
+        likeness = float(shared[other])
+        told = _told_from(likeness, length, float(price[other] - price[number]), asked.rules)
+        rival = Rival(candidate.effect, candidate.numbers, likeness, told if told <= largest else math.inf)
+        known = hardest.get(candidate.family)
+        if known is None or (known.told, known.likeness) < (rival.told, rival.likeness):
+            hardest[candidate.family] = rival
+    return tuple(sorted(hardest.values(), key=lambda each: (-each.told, -each.likeness)))
+
+
+def _may_be(one: Candidate, other: Candidate, asked: Asked) -> bool:
+    """Whether one might be taken for the other, and that is asked."""
+    if not another_cause(one, other) or other.only is not None:
+        return False
+    return not asked.pairs_only or is_asked(other.effect, other.at, asked.effects)
+
+
+def another_cause(one: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are two causes: not the same effect at places that they share."""
+    return one.effect != other.effect or not (set(one.at) & set(other.at) or one.at == other.at)
+
+
+def _told_from(likeness: float, length: float, dearer: float, rules: Rules) -> float:
+    """The size, of a pattern of this `length` for size one, from which on a rival is refused with high power: its
+    criterion is worse by the non-centrality that it leaves and by what it costs more."""
+    if likeness >= rules.plan.never and dearer <= 0.0:
+        return math.inf
+    search = rules.search
+    margin = max((search.refuted if likeness >= search.alike else search.confident) - dearer, 0.0)
+    sure = math.sqrt(rules.answer.told) - math.sqrt(search.confident)
+    needed = math.sqrt(margin) + sure if margin > 0.0 else 0.0
+    return needed / (length * math.sqrt(max(1.0 - likeness**2, 1e-12)))

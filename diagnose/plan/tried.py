@@ -1,0 +1,123 @@
+"""Visits that may be chosen: poses within the joint ranges and clear of boxes, every payload, sides of approach."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from arm.chain.arrays import columns
+from arm.chain.chain import Arm
+from arm.chain.following import completed
+from arm.chain.kinematics import place
+from diagnose.rules.plan_rules import PlanRules
+from sections.numeric import Array
+
+from .asked import Asked, Box
+
+_WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
+
+
+@dataclass(frozen=True)
+class Tried:
+    """V visits: joint coordinates `q` (V, n), `sides` (V, n) of +1 and -1, `payload` (V,) kg. `random` (V,) marks those
+    at poses spread over the ranges, the others being corners."""
+
+    q: Array
+    sides: Array
+    payload: Array
+    random: NDArray[np.bool_]
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return len(self.q)
+
+
+def tried_visits(arm: Arm, asked: Asked) -> Tried:
+    """Poses spread over the joint ranges (a Sobol sequence) and at their corners, each under every payload and from two
+    opposite sides, each joint's drawn by itself.
+
+    Raises ValueError where the boxes leave fewer poses than are asked for.
+    """
+    rules, rng = asked.rules.plan, np.random.default_rng(asked.seed)
+    low = np.array([joint.range[0] for joint in arm.joints])
+    high = np.array([joint.range[1] for joint in arm.joints])
+    run = approach(arm, rules)
+    low, high = low + run, high - run
+    sobol = qmc.Sobol(arm.size, scramble=True, rng=rng)
+    poses: list[Array] = []
+    count = 0
+    for _ in range(rules.searched if asked.avoid else 1):
+        unit = sobol.random(2 ** math.ceil(math.log2(rules.tried)))
+        found = _clear(arm, low + (high - low) * unit, run, asked.avoid)
+        poses.append(found)
+        count += len(found)
+        if count >= rules.tried:
+            break
+    spread = count = min(count, rules.tried)
+    moving = np.flatnonzero(high > low)
+    ends = itertools.islice(itertools.product((0.0, 1.0), repeat=len(moving)), 2 * rules.corners * len(moving) + 2)
+    corners = np.array(list(ends)).reshape(-1, len(moving))
+    corners = corners[rng.permutation(len(corners))[: rules.corners]]
+    at_ends = np.tile(0.5 * (low + high), (len(corners), 1))
+    at_ends[:, moving] = low[moving] + (high - low)[moving] * corners
+    ends_clear = _clear(arm, at_ends, run, asked.avoid)
+    q = np.concatenate([np.concatenate(poses)[:count], ends_clear])
+    if len(q) < asked.poses:
+        raise ValueError(f"the boxes to avoid leave {len(q)} poses of the {asked.poses} asked for, of many tried")
+    sides = rng.choice([-1.0, 1.0], (len(q), arm.size))
+    random = np.arange(len(q)) < spread
+    each = [(q, sign * sides, np.full(len(q), payload), random) for payload in asked.payloads for sign in (1.0, -1.0)]
+    parts = [np.concatenate(part) for part in zip(*each, strict=True)]
+    return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool))
+
+
+def approach(arm: Arm, rules: PlanRules) -> Array:
+    """From how far before a pose each joint comes (n,), rad and m."""
+    far = np.array([rules.run if joint.revolute else rules.slide_run for joint in arm.joints])
+    span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
+    return np.minimum(far, rules.most_run * span)
+
+
+def _clear(arm: Arm, q: Array, run: Array, boxes: tuple[Box, ...]) -> Array:
+    """Whole poses (P, n) as they are written, without those where the arm, there or on either way to it, meets a
+    box."""
+    step = np.array([_WRITTEN_ANGLE if joint.revolute else _WRITTEN_LENGTH for joint in arm.joints])
+    whole = completed(arm, np.round(q / step) * step)
+    if not boxes:
+        return whole
+    keep = np.ones(len(whole), dtype=bool)
+    for sign in (0.0, 1.0, -1.0):
+        keep &= ~meets(arm, completed(arm, whole + sign * run), boxes)
+    return whole[keep]
+
+
+def meets(arm: Arm, q: Array, boxes: tuple[Box, ...]) -> NDArray[np.bool_]:
+    """Whether the straight lines from joint to joint, up to the tip, meet one of some boxes at poses q (P, n)."""
+    frames = place(arm, [q[:, index] for index in range(arm.size)])
+    point, hit = np.zeros((len(q), 3)), np.zeros(len(q), dtype=bool)
+    for joint, link in zip(frames.joints, frames.links, strict=True):
+        for step in (joint.lead, link.vector):
+            along = columns(step, len(q))
+            for box in boxes:
+                hit |= _crosses(point, along, np.array(box))
+            point = point + along
+    return hit
+
+
+def _crosses(start: Array, along: Array, box: Array) -> NDArray[np.bool_]:
+    """Whether segments from `start` (P, 3) by `along` (P, 3) have a point in a box (2, 3): where they are within all
+    three pairs of planes at once."""
+    low, high = box.min(axis=0), box.max(axis=0)
+    still = np.abs(along) < 1e-12
+    unit = np.where(still, 1.0, along)
+    first, last = (low - start) / unit, (high - start) / unit
+    inside = (start >= low) & (start <= high)
+    enter = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(first, last))
+    leave = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(first, last))
+    return np.maximum(enter.max(axis=1), 0.0) <= np.minimum(leave.min(axis=1), 1.0)

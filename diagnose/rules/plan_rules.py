@@ -1,0 +1,61 @@
+"""Rules of planning: what is tried for a recording, in which order it is made, and what counts as told apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .rule import JUDGED, TIME, rule
+
+
+@dataclass(frozen=True)
+class PlanRules:
+    """How a recording is planned."""
+
+    tried: int = rule(
+        300, "poses", "Spread over the joint ranges, of which a plan is chosen.", TIME, rows="They are tried alone."
+    )
+    corners: int = rule(
+        64, "poses", "At the ends of the joint ranges, beside those.", TIME, rows="They are tried, not recorded."
+    )
+    searched: int = rule(
+        16, "times `tried`", "Poses looked at, at most, for those that keep clear of the boxes to avoid.", TIME
+    )
+    run: float = rule(0.0873, "rad", "A joint comes from as far (5 deg): beyond any play.", "usual")
+    slide_run: float = rule(0.01, "m", "A slide comes from as far.", "usual")
+    most_run: float = rule(0.05, "share of the range", "No joint comes from farther.", JUDGED)
+    widest_rival: int = rule(
+        6, "coefficients", "Curves of more could look like anything; poses are not chosen to tell them.", TIME
+    )
+    known: float = rule(
+        0.02,
+        "share of a visit",
+        "Of what an average visit tells is taken as known beforehand, so that the first few poses can be weighed.",
+        JUDGED,
+    )
+    closest: int = rule(
+        8,
+        "visits",
+        "Whose gain is worked out exactly, of all tried the best by its slope.",
+        TIME,
+        rows="They are tried.",
+    )
+    passes: int = rule(3, "passes", "Of exchange over all visits, at most.", TIME)
+    settled: float = rule(5e-3, "logarithm of the sizes", "A pass that brings no more is the last.", JUDGED)
+    never: float = rule(
+        0.9999, "correlation", "Patterns as alike over all poses tried are told apart by no pose.", JUDGED
+    )
+    returns: int = rule(
+        3,
+        "visits",
+        "To one pose, at the beginning, in the middle and at the end; with several payloads one in each of two blocks.",
+        JUDGED,
+        rows="They are part of what is planned.",
+    )
+    least_beside: int = rule(
+        4, "times the returns", "Fewer visits than that leave no room for returns.", JUDGED, rows="Nothing is judged."
+    )
+    orders: int = rule(400, "draws", "Of which the order is taken that goes least with any joint.", TIME)
+    rivals: int = rule(5, "plans", "At random, whose middle figure a plan is set beside.", TIME)
+    between_readings: float = rule(2.0, "s", "From reading to reading, for the clock of a plan.", "usual")
+    between_visits: float = rule(20.0, "s", "For a move, for the clock of a plan.", "usual")
+    between_payloads: float = rule(300.0, "s", "To change the payload, for the clock of a plan.", "usual")

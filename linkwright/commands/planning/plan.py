@@ -1,0 +1,90 @@
+"""`linkwright plan`: which poses, payloads and sides are worth recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import linkwright as lw
+from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from linkwright.output.files import OUTPUT, check_target, write_result
+from units.quantities import InputError
+
+HELP = """Which poses, payloads and sides are worth recording, in which order, and what they will show.
+
+Example: linkwright plan arm.yaml --poses 30 --for joint_compliance,backlash --out plan.csv
+"""
+
+
+def plan(
+    arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
+    poses: Annotated[int, typer.Option("--poses", metavar="N", help="How many visits: a pose, a payload, sides.")],
+    effects: Annotated[
+        str,
+        typer.Option("--for", metavar="EFFECTS", help="What to see: 'backlash, joint_compliance:2'; else everything."),
+    ] = "",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The plan: a recording whose tip is still blank.")
+    ] = None,
+    instrument: Annotated[
+        str, typer.Option("--instrument", help="What it sees: tracker (x, y, z), x, y, z, xy, xz or yz.")
+    ] = "tracker",
+    sigma: Annotated[
+        str | None,
+        typer.Option("--sigma", metavar="LENGTH", help="What each component scatters by; 15 um by default."),
+    ] = None,
+    repeats: Annotated[int, typer.Option("--repeats", metavar="N", help="Readings in a row at each visit.")] = 3,
+    payload: Annotated[
+        list[str] | None,
+        typer.Option("--payload", metavar="MASS", help="May be repeated; else without and with the arm's own."),
+    ] = None,
+    frame: Annotated[str, typer.Option("--frame", help="Where the instrument stands: known, or free.")] = "known",
+    tool: Annotated[str, typer.Option("--tool", help="Where the target sits on the tool: known, or free.")] = "known",
+    avoid: Annotated[
+        list[str] | None,
+        typer.Option("--avoid", metavar="BOX", help="'0.5 m, -1 m, 0 m to 2 m, 1 m, 0.4 m'; may be repeated."),
+    ] = None,
+    after: Annotated[
+        Path | None,
+        typer.Option("--after", metavar="RECORDING", help="Go on from it: what it could not tell apart is asked."),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="The same seed gives the same plan.")] = 1,
+    json: JsonFile = None,
+    markdown: MarkdownFile = None,
+    catalogue: CatalogueFile = None,
+) -> None:
+    """Run the command."""
+    from linkwright.results.planning import describe
+
+    for target in (out, json, markdown):
+        check_target(target, arm, after, catalogue)
+    if out == OUTPUT:
+        raise InputError("", "--out", "needs the name of a file; --json - writes to standard output")
+    given = lw.read_arm(arm, catalogue=catalogue)
+    with asked_of(arm), as_options(for_="--for", payloads="--payload"):
+        found = lw.plan(
+            given,
+            poses=poses,
+            for_=[each for each in effects.split(",") if each.strip()],
+            instrument=instrument,
+            sigma=sigma,
+            repeats=repeats,
+            payloads=payload,
+            frame=frame,  # pyright: ignore[reportArgumentType] - what it can be is checked there
+            tool=tool,  # pyright: ignore[reportArgumentType]
+            avoid=[_box(text) for text in avoid or []],
+            after=after,
+            seed=seed,
+        )
+    if out is not None:
+        found.save(out)
+    write_result(json, found.to_json())
+    tell(describe(found.found), markdown, out, json)
+
+
+def _box(text: str) -> tuple[list[str], list[str]]:
+    """Two corners, as `--avoid` has them."""
+    low, _, high = text.partition(" to ")
+    return low.split(","), high.split(",")

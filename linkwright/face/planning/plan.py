@@ -1,0 +1,224 @@
+"""Which poses, payloads and sides are worth recording, and what they will show."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from arm.effects import EFFECTS
+from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place
+from diagnose.plan.planned import Planned
+from diagnose.plan.planning import NothingToSee
+from diagnose.plan.planning import plan as planned
+from diagnose.plan.written import plan_text
+from diagnose.result import Diagnosis as Found
+from diagnose.rules.rules import RULES
+from linkwright.face.arm import Arm, arm_of
+from linkwright.face.diagnosis import Diagnosis, diagnose
+from linkwright.face.given import File, Quantity, in_si
+from linkwright.face.progress import Progress, told
+from linkwright.face.recording import Recording, recording_columns
+from linkwright.face.result import Result, figure_of
+from linkwright.json.planning import plan_json
+from linkwright.output.files import write_file
+from linkwright.results.planning import cause
+from units.quantities import InputError, NoAnswer, shown
+from units.reading import nearest
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+
+_NOISE = 15e-6
+_MOST_POSES, _MOST_READINGS = 500, 5000
+
+
+@dataclass(frozen=True, repr=False)
+class Plan(Result):
+    """Readings to take, in their order, and what they will show; `found` holds everything in SI."""
+
+    _command = "plan"
+
+    arm: Arm
+    found: Planned
+
+    @property
+    def visits(self) -> pd.DataFrame:
+        """A row for each visit by the columns of a recording: `q1_deg`, `dir1`, `payload_kg`, ..."""
+        import pandas as pd
+
+        visits = self.found.visits
+        tip = {f"{axis}_mm" for axis in "xyz"}
+        columns: dict[str, Any] = {
+            name: values for name, values, _ in recording_columns(visits, self.arm.model) if name not in tip
+        }
+        return pd.DataFrame(columns, index=pd.RangeIndex(1, visits.size + 1, name="visit"))
+
+    @property
+    def shown(self) -> pd.DataFrame:
+        """The smallest size of each cause that will be seen, in `unit`, and what poses at random show (nan: nothing);
+        from which size on it is told from other causes, and how many it is not told from."""
+        import pandas as pd
+
+        keys = ("effect", "at", "parameter", "unit", "usual", "smallest", "random", "told_from", "not_told")
+        rows = [{**{key: each[key] for key in keys[:-1]}, "not_told": len(each["not_told"])} for each in self._shown]
+        return pd.DataFrame(rows, columns=list(keys))
+
+    @property
+    def _shown(self) -> list[dict[str, Any]]:
+        return self._content()["shown"]
+
+    def text(self) -> str:
+        """The plan as CSV: a recording whose tip is still blank."""
+        return plan_text(self.found.recording, self.arm.model, self.found.axes)
+
+    def save(self, folder: File) -> None:
+        """Write the plan as CSV, as `plan --out` does. Raises `InputError`."""
+        write_file(Path(folder), self.text())
+
+    def plot(self) -> go.Figure:
+        """The smallest size of each cause over what is usual at most: this plan, and poses at random."""
+        found = self.found.promise.shown
+        names = [cause(each.effect, each.at) for each in found]
+        random = [self.found.at_random(each) for each in found]
+        bars = [
+            {"type": "bar", "name": "planned", "x": names, "y": [each.smallest / each.usual for each in found]},
+            {
+                "type": "bar",
+                "name": "at random",
+                "x": names,
+                "y": [
+                    size / each.usual if math.isfinite(size) else None for size, each in zip(random, found, strict=True)
+                ],
+            },
+        ]
+        axis = {"title": {"text": "smallest size over what is usual"}, "type": "log"}
+        return figure_of({"data": bars, "layout": {"yaxis": axis}})
+
+    def _content(self) -> Mapping[str, Any]:
+        return plan_json(self.found)
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Shown": self.shown, "Visits": self.visits}
+
+
+def plan(
+    arm: Arm | File,
+    *,
+    poses: int = 30,
+    for_: Iterable[str] = (),
+    instrument: str = "tracker",
+    sigma: Quantity | None = None,
+    repeats: int = 3,
+    payloads: Sequence[Quantity] | None = None,
+    frame: Literal["known", "free"] = "known",
+    tool: Literal["known", "free"] = "known",
+    avoid: Sequence[tuple[Sequence[Quantity], Sequence[Quantity]]] = (),
+    after: Recording | Diagnosis | File | None = None,
+    seed: int = 1,
+    progress: Progress | None = None,
+) -> Plan:
+    """What to record, so that causes are seen small and told apart: `poses` visits of `repeats` readings each.
+
+    `for_` names effects (`"backlash"`, or `"backlash:2"` at one joint or link); none: all that a diagnosis can seek.
+    `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), each with a scatter of `sigma` (text, or m;
+    15 um, or what the recording `after` scatters by). `payloads` are masses (text, or kg); by default none and the
+    arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
+    already, or its diagnosis: what that could not tell apart is planned for. The same `seed` gives the same plan.
+    Raises `InputError`, `MissingProperty`, and `NoAnswer` where nothing of what is asked for can be seen.
+
+    >>> import linkwright as lw
+    >>> found = lw.plan("examples/welding-arm/arm.yaml", poses=10, for_=["backlash:2"], repeats=2)
+    >>> len(found.visits), list(found.shown["effect"])
+    (10, ['backlash'])
+    """
+    given = arm_of(arm)
+    effects = tuple(_place(name, given) for name in for_)
+    least = RULES.search.least_visits
+    if not least <= poses <= _MOST_POSES:
+        raise InputError("", "poses", f"is from {least} (fewer tell nothing) to {_MOST_POSES}, not {poses}")
+    if repeats < 1 or poses * repeats > _MOST_READINGS:
+        raise InputError("", "repeats", f"is at least 1, and {_MOST_READINGS} readings in all at most, not {repeats}")
+    if instrument not in INSTRUMENTS:
+        hint = nearest(instrument, list(INSTRUMENTS))
+        raise InputError("", "instrument", f"{shown(instrument)} is not one of {', '.join(INSTRUMENTS)}{hint}")
+    for key, value in (("frame", frame), ("tool", tool)):
+        if value not in ("known", "free"):
+            raise InputError("", key, f"is known or free, not {shown(value)}")
+    noise = None if sigma is None else in_si(sigma, "length", "sigma")
+    if noise is not None and noise <= 0.0:
+        raise InputError("", "sigma", "must be positive")
+    boxes = tuple(_box(each) for each in avoid)
+    before = _diagnosed(after, given, progress)
+    apart = () if before is None or effects else _undecided(before)
+    if noise is None:
+        noise = _NOISE if before is None else _scatter(before)
+    asked = Asked(
+        poses, effects or apart, instrument, noise, repeats, _payloads(payloads, given), frame, tool, boxes, seed,
+        pairs_only=bool(apart),
+    )  # fmt: skip
+    with told(progress) as hear:
+        try:
+            found = planned(given.model, asked, hear, None if before is None else before.recording)
+        except NothingToSee:
+            raise NoAnswer("nothing of what is asked for moves anything that this instrument sees") from None
+        except ValueError as error:
+            raise InputError("", "instrument" if "plane" in str(error) else "avoid", str(error)) from None
+    return Plan(given, found)
+
+
+def _place(name: str, arm: Arm) -> Place:
+    effect, _, number = str(name).strip().partition(":")
+    if effect not in EFFECTS:
+        raise InputError("", "for_", f"there is no effect {shown(effect)}{nearest(effect, list(EFFECTS))}")
+    if not number:
+        return effect, ()
+    if not number.isdigit() or not 1 <= int(number) <= arm.model.size:
+        raise InputError("", "for_", f"{shown(name)} names no joint or link from 1 to {arm.model.size}")
+    return effect, (int(number) - 1,)
+
+
+def _box(corners: tuple[Sequence[Quantity], Sequence[Quantity]]) -> Box:
+    if len(corners) != 2 or any(len(corner) != 3 for corner in corners):
+        raise InputError("", "avoid", "needs two corners of three coordinates each, e.g. 0 m, 0 m, 0 m")
+    low, high = (tuple(in_si(each, "length", "avoid") for each in corner) for corner in corners)
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
+def _payloads(given: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
+    if given is None:
+        return tuple(dict.fromkeys((0.0, arm.model.payload.mass)))
+    masses = tuple(dict.fromkeys(in_si(each, "mass", "payloads") for each in given))
+    if not masses or any(mass < 0.0 for mass in masses):
+        raise InputError("", "payloads", "needs masses that are not negative, e.g. '0 kg'")
+    return masses
+
+
+def _diagnosed(after: Recording | Diagnosis | File | None, arm: Arm, progress: Progress | None) -> Found | None:
+    if after is None:
+        return None
+    found = (after if isinstance(after, Diagnosis) else diagnose(arm, after, progress=progress)).found
+    if found.recordings:
+        raise InputError("", "after", "is one recording here, not several; name the last")
+    if found.recording.slots is not None:
+        raise InputError(
+            "", "after", f"{found.recording.file} does not hold the tip's whole place, which a plan goes on from"
+        )
+    return found
+
+
+def _undecided(before: Found) -> tuple[Place, ...]:
+    """The findings that have other names, and those; nothing where all is decided."""
+    open_ = [each for each in before.findings if each.alternatives]
+    places = [(each.effect, each.at) for finding in open_ for each in (finding, *finding.alternatives)]
+    return tuple(dict.fromkeys((effect, tuple(number - 1 for number in at)) for effect, at in places))
+
+
+def _scatter(before: Found) -> float:
+    """What each component scatters by: the noise floor's, or what was declared."""
+    if before.noise_floor:
+        return before.noise_floor / math.sqrt(before.recording.tip.shape[1])
+    return before.recording.sigma or _NOISE

@@ -1,0 +1,141 @@
+"""A plan described: what it will show beside poses at random, what it tells apart and what not, and its visits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from diagnose.answer.sentences import name_of
+from diagnose.plan.planned import Planned
+from diagnose.plan.promise import Shown
+from units.quantities import format_quantity
+
+from .document import Column, Description, Fact, Facts, Item, Lines, Value, count, length, number, section, table
+from .figures_in_words import figure, mm, percent, pose
+
+_FIRST = 12
+
+
+def cause(effect: str, at: Sequence[int]) -> str:
+    """A cause and where it acts, in words."""
+    return name_of(effect, at)
+
+
+def describe(found: Planned) -> Description:
+    """The plan: figures, what will be seen, what is told from what, the visits."""
+    asked, promise = found.asked, found.promise
+    gains = _gains(found)
+    better = math.exp(sum(map(math.log, gains)) / len(gains)) if gains else math.nan
+    pairs, told = promise.pairs, promise.told
+    facts = Facts(
+        (
+            Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
+            Fact("noise", length(asked.sigma, 3), f"each of {', '.join(found.axes)}"),
+            Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
+            Fact("smaller than at random", number(better, 3), "times, on average"),
+            Fact("pairs told apart", count(told), f"of {pairs} at usual sizes; at random {found.told_at_random}"),
+        )
+    )
+    seen = sorted(promise.shown, key=lambda each: each.smallest / each.usual)
+    items: list[Item] = [facts]
+    if seen:
+        columns = (
+            "cause",
+            "smallest size seen",
+            "at random",
+            Column("usual, at most", detail=True),
+            "told from others",
+        )
+        rows = [_row(found, each) for each in seen]
+        more = max(0, len(rows) - _FIRST)
+        items.append(
+            section(
+                "What it will show",
+                table(columns, rows, first=_FIRST, rest=f"and {more} more causes" if more else ""),
+                lead="With a probability of 90 %, as a diagnosis would find it. Told from others: from that size on.",
+            )
+        )
+    items.append(section("What it will not tell", Lines(_not_told(seen, promise.unseen))))
+    items.append(section("Visits", _visits(found), detail=True))
+    items.append(Lines(_how(found)))
+    headline = f"{asked.poses} visits tell {told} of {pairs} pairs of causes apart"
+    if gains:
+        headline += f" and show sizes {figure(better, 3)} times smaller than poses at random"
+    return Description(
+        f"{found.arm.name}: what to record", f"{headline}.", tuple(items), headline, f"{found.arm.name}: "
+    )
+
+
+def _gains(found: Planned) -> list[float]:
+    """How many times smaller each size is than at random, where both show it."""
+    sizes = [(found.at_random(each), each.smallest) for each in found.promise.shown]
+    return [random / smallest for random, smallest in sizes if math.isfinite(random)]
+
+
+def _returns(found: Planned) -> str:
+    if not found.returns:
+        return "none to one pose"
+    return f"{len(found.returns)} of the visits to one pose ({', '.join(map(str, found.returns))})"
+
+
+def _row(found: Planned, each: Shown) -> tuple[str | Value, ...]:
+    return (
+        f"{cause(each.effect, each.at)}, {each.parameter}",
+        _size(each.smallest, each.kind),
+        _size(found.at_random(each), each.kind),
+        _size(each.usual, each.kind),
+        _size(each.told, each.kind) if len(each.not_told) < each.others else Value("–"),
+    )
+
+
+def _size(value: float, kind: str) -> Value:
+    return Value(format_quantity(value, kind, digits=3) if math.isfinite(value) else "–")
+
+
+def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]]]) -> tuple[str, ...]:
+    """Sentences on what stays open: pairs (once each), and what is not seen."""
+    lines: list[str] = []
+    for each in seen:
+        if not each.not_told:
+            continue
+        names = [cause(rival.effect, rival.at) for rival in each.not_told]
+        shown = f"{', '.join(names[:4])}{f' and {len(names) - 4} more' if len(names) > 4 else ''}"
+        lines.append(f"{cause(each.effect, each.at)} is not told from {shown}.")
+    if len(lines) > _FIRST:
+        lines = [
+            *lines[:_FIRST],
+            f"And {len(lines) - _FIRST} more are not told from something (--json).",
+        ]
+    if unseen:
+        lines.append(f"Not seen at any possible size: {', '.join(cause(*each) for each in unseen)}.")
+    if any(rival.likeness > 0.9999 for each in seen for rival in each.not_told):
+        lines.append("What is alike at every pose only another sensor tells apart (`linkwright effects show`).")
+    return tuple(lines) or ("Every cause is told from every other at usual sizes.",)
+
+
+def _visits(found: Planned) -> Item:
+    visits = found.visits
+    rows: list[tuple[str | Value, ...]] = []
+    for row in range(visits.size):
+        sides = "" if visits.sides is None else " ".join("+" if side > 0 else "-" for side in visits.sides[row])
+        mass = 0.0 if visits.payload_mass is None else float(visits.payload_mass[row])
+        rows.append((count(row + 1), pose(found.arm, visits.q[row].tolist()), sides, Value(f"{mass:g} kg")))
+    return table(("visit", "pose", "each joint comes upwards or downwards", "payload"), rows)
+
+
+def _how(found: Planned) -> tuple[str, ...]:
+    asked = found.asked
+    lines = [
+        "Come to each visit from some degrees before (dirN 1) or beyond (-1) in every joint, farther than any play.",
+        f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: drift is told from "
+        "place.",
+        f"Rests on a sound arm simulated at the plan's readings (noise {mm(asked.sigma, 3)}, frame {asked.frame}, tool "
+        f"{asked.tool}) and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
+        f"proven best. At random: the middle of {len(found.random)} plans of the same kind.",
+    ]
+    if asked.avoid:
+        where = "at each visit and where it is come from, not on the ways between visits"
+        lines.append(f"Boxes are kept clear by the lines from joint to joint, {where}.")
+    if found.after is not None:
+        lines.append(f"With what {found.after.file} shows already; sizes are those of both together.")
+    return tuple(lines)

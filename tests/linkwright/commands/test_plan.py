@@ -1,0 +1,93 @@
+"""`linkwright plan`: its file and figures, the loop from `one of several` to a name, and wrong input in one line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import linkwright as lw
+
+ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"
+PLAY = [{"effect": "backlash", "at": 2, "total": "3 arcmin"}]
+
+
+def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
+    """From one side and under one load play looks like a drive that hardens; the deciding visits name it."""
+    first, plan = tmp_path / "first.csv", tmp_path / "plan.csv"
+    lw.simulate(ARM, poses=10, sides="one", payloads=["0 kg"], with_=PLAY).save(first)
+    before = lw.diagnose(ARM, first)
+    assert before.verdict == "alias_class"
+    arguments = ("--poses", "10", "--payload", "0 kg", "--payload", "3 kg", "--out", str(plan))
+    status, said, err = linkwright(
+        "plan", str(ARM), "--after", str(first), *arguments, "--json", str(tmp_path / "p.json")
+    )
+    assert (status, err) == (0, "")
+    content = json.loads((tmp_path / "p.json").read_text(encoding="utf-8"))
+    names = {each.effect for finding in before.found.findings for each in (finding, *finding.alternatives)}
+    assert {each["effect"] for each in content["shown"]} == names
+    assert content["pairs_told"] == content["pairs"] > content["pairs_told_random"]
+    assert "first.csv" in " ".join(said.split())
+    assert "Every cause is told from every other" in " ".join(said.split())
+    lines = plan.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "time_s,q1_deg,q2_deg,q3_deg,dir1,dir2,dir3,payload_kg,x_mm,y_mm"
+    assert len(lines) == 31 == content["readings"] + 1
+    second = lw.simulate(ARM, at=plan, with_=PLAY, seed=2)
+    assert second.found.size == 30
+    after = lw.diagnose(ARM, [lw.read_recording(first, ARM), second])
+    assert after.verdict == "named"
+    assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
+    again = lw.plan(ARM, poses=10, after=before, payloads=["0 kg", 3.0])
+    assert again.text() == plan.read_text(encoding="utf-8")
+
+
+def test_figures_are_those_of_the_plan(tmp_path):
+    """The same seed, the same plan; tables, picture and file agree."""
+    found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3)
+    assert (
+        found.to_json() == lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=[1.0], seed=3).to_json()
+    )
+    assert list(found.shown["unit"]) == ["mrad"] * 3
+    assert list(found.visits.columns) == [
+        "time_s", "q1_deg", "q2_deg", "q3_deg", "dir1", "dir2", "dir3", "payload_kg"
+    ]  # fmt: skip
+    assert len(found.visits) == 9
+    assert len(repr(found)) < 250
+    assert len(found.plot().data) == 2
+    found.save(tmp_path / "plan.csv")
+    assert len((tmp_path / "plan.csv").read_text(encoding="utf-8").splitlines()) == 19
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--poses", "5"), "from 8"),
+        (("--poses", "9", "--for", "backlsh"), "did you mean 'backlash'"),
+        (("--poses", "9", "--for", "backlash:7"), "from 1 to 3"),
+        (("--poses", "9", "--instrument", "z"), "out of the plane"),
+        (("--poses", "9", "--instrument", "tracking"), "tracker"),
+        (("--poses", "9", "--avoid", "0 m, 0 m"), "two corners"),
+        (("--poses", "9", "--avoid", "-3 m, -3 m, -3 m to 3 m, 3 m, 3 m"), "leave 0 poses"),
+        (("--poses", "9", "--payload", "-1 kg"), "not negative"),
+        (("--poses", "9", "--sigma", "0 um"), "positive"),
+        (("--poses", "9", "--frame", "loose"), "known or free"),
+        (("--poses", "9", "--out", "-"), "name of a file"),
+    ],
+)
+def test_wrong_input_is_one_line(linkwright, options, said):
+    status, _, err = linkwright("plan", str(ARM), *options)
+    assert status == 2
+    assert err.count("\n") == 1
+    assert said in err
+
+
+def test_what_nothing_shows_has_no_answer(linkwright):
+    """Without temperatures nothing warms."""
+    status, _, err = linkwright("plan", str(ARM), "--poses", "9", "--for", "thermal_expansion")
+    assert status == 1
+    assert "nothing of what is asked for" in err
+
+
+def test_simulate_takes_poses_or_a_plan(linkwright, tmp_path):
+    status, _, err = linkwright("simulate", str(ARM), "--out", str(tmp_path / "r.csv"))
+    assert status == 2
+    assert "--poses" in err
