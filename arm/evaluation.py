@@ -11,6 +11,7 @@ import numpy as np
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm, Calibrated, LoadCase
+from arm.chain.prices import fixed_price
 from arm.chain.vectors import is_zero
 from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from arm.errors.lost_motion import played
@@ -251,23 +252,24 @@ def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:
 
 
 def material_cost(arm: Arm, masses: Sequence[float]) -> float | None:
-    """What the links' materials and the actuators cost together (EUR); None where a price is not known."""
+    """What links, joints and drives cost together (EUR); None where a price is not known."""
     return _cost(arm, masses, {})
 
 
 def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float | None:
     total = 0.0
     for index, (link, mass) in enumerate(zip(arm.links, masses, strict=True)):
-        if link.material is None or not link.material.has("cost"):
+        if link.material is None:
+            continue
+        if not link.material.has("cost"):
             unknown["cost"] = f"the material of link {index + 1} has no cost"
             return None
         total += mass * link.material.need("cost", arm.temperature)
-    for index, joint in enumerate(arm.joints):
-        if joint.actuator is not None and joint.actuator.cost is None:
-            unknown["cost"] = f"no price is known of {joint.actuator.name}, the actuator of joint {index + 1}"
-            return None
-        total += 0.0 if joint.actuator is None else joint.actuator.cost or 0.0
-    return total
+    fixed, lacking = fixed_price(arm.joints, arm.links)
+    if lacking:
+        unknown["cost"] = lacking
+        return None
+    return total + fixed
 
 
 def effects_at(

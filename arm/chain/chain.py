@@ -49,7 +49,7 @@ class Joint:
     drive that is stiffer under more load, each the load (N*m) at which it ends and its stiffness; `stiffness` is then
     that of the softest. None: the same under any load. `counterbalance` takes load off the drive, `motor_on_base` (kg)
     is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
-    it.
+    it. `cost` (EUR) is what the joint costs with its drive; None: what its actuator does.
     """
 
     type: JointType = "revolute"
@@ -68,6 +68,7 @@ class Joint:
     counterbalance: Counterbalance | None = None
     motor_on_base: float = 0.0
     follows: Following | None = None
+    cost: float | None = None
 
     @property
     def driven(self) -> bool:
@@ -88,7 +89,8 @@ class Link:
     at `center_of_mass` m from its joint (the middle by default). `height_direction` is the direction in the
     link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
     `section_name` is the stock size that the section was named by, `material_given` what the file said of the
-    material; both are for writing it back. `masses` hang on its ends.
+    material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
+    machining, fittings; for a rigid link all of it.
     """
 
     length: float
@@ -102,6 +104,7 @@ class Link:
     section_name: str | None = None
     material_given: object = field(default=None, compare=False)
     masses: tuple[PointMass, ...] = ()
+    cost: float | None = None
 
     @property
     def elastic(self) -> bool:

@@ -119,8 +119,13 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             counterbalance=read_counterbalance(mapping) if _balanced(mapping, turns) else None,
             motor_on_base=0.0 if motor is None or motor.on else motor.mass,
             follows=follows,
+            cost=_cost(mapping),
         )
         return joint, motor
+
+
+def _cost(mapping: Mapping) -> float | None:
+    return not_negative(mapping, "cost", "cost", 0.0) if mapping.has("cost") else None
 
 
 def _balanced(mapping: Mapping, turns: bool) -> bool:
@@ -159,6 +164,7 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
     with mapping.reading("length"):
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
+        link = replace(link, cost=_cost(mapping))
         rigid = mapping.boolean("rigid", False)
         height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
         if any(height):

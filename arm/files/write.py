@@ -120,6 +120,8 @@ def _joint(joint: Joint) -> dict[str, Any]:
         out["stiffness"] = format_quantity(joint.stiffness, kind)
     if joint.mass != mass:
         out["mass"] = format_quantity(joint.mass, "mass")
+    if joint.cost is not None:
+        out["cost"] = format_quantity(joint.cost, "cost")
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)
     if joint.counterbalance is not None:
@@ -160,6 +162,8 @@ def _link(link: Link) -> dict[str, Any]:
         body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
         if link.center_of_mass is not None:
             body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
+    if link.cost is not None:
+        body["cost"] = format_quantity(link.cost, "cost")
     if _masses(link):
         body["masses"] = _masses(link)
     return body

@@ -10,6 +10,7 @@ import pandas as pd
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import section_directions
+from arm.chain.prices import price_of
 from arm.descriptions.bodies import rod
 from arm.descriptions.formats import Exported
 from arm.errors.model import beams_of
@@ -38,8 +39,8 @@ def parts(arm: Arm) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for number, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams_of(arm), strict=True), start=1):
         drive = joint.actuator
-        if drive is not None or joint.mass > 0.0:
-            price = None if drive is None else drive.cost
+        if drive is not None or joint.mass > 0.0 or joint.cost is not None:
+            price = price_of(joint) if drive is not None or joint.cost is not None else None
             rows.append(
                 {
                     "part": f"drive of joint {number}",
@@ -56,7 +57,9 @@ def parts(arm: Arm) -> pd.DataFrame:
         center, inertia = axes.T @ body.center, axes.T @ body.inertia @ axes
         price = None
         if link.material is not None and link.material.has("cost"):
-            price = body.mass * link.material.need("cost", arm.temperature)
+            price = body.mass * link.material.need("cost", arm.temperature) + (link.cost or 0.0)
+        elif link.material is None:
+            price = link.cost
         section = "" if link.section is None else shape_words(link.section.shape, link.section.given())
         rows.append(
             {

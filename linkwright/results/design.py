@@ -97,7 +97,8 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
         if each.name == "max_error" or not each.told(evaluation):
             continue
         at = None if each.where is None else each.where(evaluation)
-        note = each.note if at is None else f"{each.note}, at {pose(evaluation.arm, at)}"
+        note = each.note_for(evaluation.arm)
+        note = note if at is None else f"{note}, at {pose(evaluation.arm, at)}"
         found.append((each.title_for(evaluation.arm), amount(value, each.unit), note))
         if each.name == FIRST_FREQUENCY.name and evaluation.frequency_of_drives is not None:
             drives = amount(evaluation.frequency_of_drives.value, each.unit)

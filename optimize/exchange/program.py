@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain.prices import fixed_price
 from arm.errors.model import ErrorModel
 from arm.worst.workspace import climbing_bounds, joint_box
 from optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
@@ -113,17 +114,12 @@ def carried_mass(problem: Problem) -> float:
 
 
 def drives_cost(problem: Problem) -> float:
-    """What the arm's actuators cost together (EUR); raises `InputError` where the problem asks for a cost and the
-    price of one is not known."""
-    total = 0.0
-    for number, joint in enumerate(problem.arm.joints, start=1):
-        if joint.actuator is not None and joint.actuator.cost is None:
-            if not problem.needs("cost"):
-                return 0.0
-            message = f"no price is known of {joint.actuator.name} (joint {number}); give one in your own file"
-            raise InputError(problem.file, "cost", message)
-        total += 0.0 if joint.actuator is None else joint.actuator.cost or 0.0
-    return total
+    """What of the arm's cost (EUR) no section decides: drives, rigid links, machining; raises `InputError` where the
+    problem asks for a cost and one of these has no price."""
+    total, lacking = fixed_price(problem.arm.joints, problem.arm.links)
+    if lacking and problem.needs("cost"):
+        raise InputError(problem.file, "cost", f"{lacking}; `cost` in the arm file gives one")
+    return 0.0 if lacking else total
 
 
 def anchored(space: DesignSpace) -> bool:

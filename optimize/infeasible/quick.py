@@ -17,6 +17,7 @@ import numpy as np
 from arm.actuators import Actuator
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm
+from arm.chain.prices import fixed_price
 from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of, error_model
 from arm.limits.sideways import sideways_compliance
 from arm.limits.slowest_pose import least_frequency
@@ -109,6 +110,14 @@ def _lengths(problem: Problem, link: int) -> tuple[float, float]:
     return (own, own) if problem.link_length is None else problem.link_length
 
 
+def _cheapest_rest(problem: Problem) -> float:
+    """The least that drives, rigid links and work at links can cost, EUR."""
+    chosen = problem.actuators or ((),) * len(problem.arm.joints)
+    kept = [joint for joint, own in zip(problem.arm.joints, chosen, strict=True) if not own]
+    picked = sum(min(each.cost or 0.0 for each in own) for own in chosen if own)
+    return fixed_price(kept, problem.arm.links)[0] + picked
+
+
 def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:
     rigid = sum(link.mass or 0.0 for link in problem.arm.links if link.section is None)
     ideal = _ideal(problem)
@@ -123,7 +132,7 @@ def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> 
             if most < limit.value:
                 return OutOfReach(limit, most, f"the heaviest sections and materials weigh{beside}")
     if limit.name == "cost":
-        drives = sum(min((each.cost or 0.0 for each in own), default=0.0) for own in _drives(problem))
+        drives = _cheapest_rest(problem)
         least = drives + _least_sum(problem, {k: each.cheapest for k, each in extremes.items()})
         return OutOfReach(limit, least, "the cheapest sections and materials cost")
     return None

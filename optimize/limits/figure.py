@@ -198,7 +198,7 @@ class Figure:
         note: a few words for tables, beside the value.
         where: the pose at which an evaluation has it, if that is worth telling.
         needs: the material properties without which a limit on it cannot be judged.
-        titled: the title for a certain arm, where that differs.
+        titled, noted: the title and the note for a certain arm, where those differ.
         minimised: whether a problem can minimise it.
         traded: whether a trade-off can have it as an axis.
         at_poses: whether a limit may name the poses at which it holds, and its value (SI) there.
@@ -221,6 +221,7 @@ class Figure:
     where: Callable[[Evaluation], tuple[float, ...] | None] | None = None
     needs: tuple[str, ...] = ()
     titled: Callable[[Arm], str] | None = None
+    noted: Callable[[Arm], str] | None = None
     minimised: bool = False
     traded: bool = True
     at_poses: Callable[[Evaluation, Sequence[tuple[float, ...]]], float | None] | None = None
@@ -268,6 +269,10 @@ class Figure:
         if self.value(evaluation) is not None or self.name in evaluation.unknown:
             return True
         return self.everywhere and self.assumed is None
+
+    def note_for(self, arm: Arm) -> str:
+        """The note beside the figure of an arm."""
+        return self.note if self.noted is None else self.noted(arm)
 
     def title_for(self, arm: Arm) -> str:
         """The title for a certain arm."""

@@ -33,8 +33,17 @@ TOTAL_MASS = Figure(
 
 def _cost_title(arm: Arm) -> str:
     """What the cost of an arm is that of."""
+    priced = any(joint.cost is not None for joint in arm.joints) or any(link.cost is not None for link in arm.links)
     driven = any(joint.actuator is not None for joint in arm.joints)
-    return "cost of material and actuators" if driven else "material cost"
+    return "cost" if priced else "cost of material and actuators" if driven else "material cost"
+
+
+def _cost_note(arm: Arm) -> str:
+    """What that does not hold."""
+    unpriced = [str(number) for number, link in enumerate(arm.links, start=1) if link.cost is None]
+    if len(unpriced) == len(arm.links):
+        return "without machining"
+    return f"without machining of link {', '.join(unpriced)}" if unpriced else "with what the arm file says of links"
 
 
 COST = Figure(
@@ -49,6 +58,7 @@ COST = Figure(
     needs=("cost",),
     note="without machining",
     titled=_cost_title,
+    noted=_cost_note,
     minimised=True,
 )
 REACH = Figure(
