@@ -14,7 +14,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.actuators import Actuator
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm
 from arm.chain.prices import fixed_price
@@ -149,15 +148,6 @@ def _least_sum(problem: Problem, per_length: dict[int, float]) -> float:
         more = min(max(missing, 0.0), spans[k][1] - spans[k][0])
         total, missing = total + more * per_length[k], missing - more
     return total
-
-
-def _drives(problem: Problem) -> list[tuple[Actuator, ...]]:
-    """For each joint the actuators that it may have; its own where none are chosen."""
-    chosen = problem.actuators or tuple(() for _ in problem.arm.joints)
-    return [
-        own or (() if joint.actuator is None else (joint.actuator,))
-        for own, joint in zip(chosen, problem.arm.joints, strict=True)
-    ]
 
 
 def _ideal(problem: Problem) -> Arm:

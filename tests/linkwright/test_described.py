@@ -26,7 +26,7 @@ from linkwright.results.document import (
 )
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
-from tests.linkwright.test_report import Page
+from tests.linkwright.reports.test_report import Page
 
 KINDS = (
     "evaluation",

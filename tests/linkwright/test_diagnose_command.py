@@ -31,7 +31,7 @@ from linkwright.results.diagnoses.words import effect_words, interval, value
 from linkwright.results.figures_in_words import figure, mm
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
-from tests.linkwright.test_report import Page
+from tests.linkwright.reports.test_report import Page
 from units.quantities import read_quantity
 from units.units import kinds
 

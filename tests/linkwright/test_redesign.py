@@ -18,7 +18,7 @@ from linkwright.redesigning import (
 )
 from optimize.problem import read_problem
 from tests.diagnose.made_diagnosis import made_arm, softer, write_recording
-from tests.linkwright.test_report import Page
+from tests.linkwright.reports.test_report import Page
 from units.quantities import InputError
 
 PROBLEM = """\
