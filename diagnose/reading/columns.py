@@ -142,14 +142,17 @@ def looks_like_ours(header: str) -> bool:
     return found[found.re.groups] is not None or found[1] in ("dir", "qw", "qx", "qy", "qz")
 
 
+def units_for(base: str, arm: Arm, index: int | None = None) -> tuple[str, ...]:
+    """The units that a column's header can carry, such as `deg`, `rad`, by what it holds and of which joint."""
+    if index is None:
+        return _SUFFIXES[_KINDS[base]]
+    return _SUFFIXES[(_TURNS if arm.joints[index].revolute else _SLIDES)[base]]
+
+
 def example_headers(base: str, arm: Arm, index: int | None = None) -> str:
     """The headers that would do for a column, such as `q2_deg or q2_rad`."""
-    if index is None:
-        kind, name = _KINDS[base], base
-    else:
-        kind = (_TURNS if arm.joints[index].revolute else _SLIDES)[base]
-        name = f"{base}{index + 1}"
-    return " or ".join(f"{name}_{suffix}" for suffix in _SUFFIXES[kind][:2])
+    name = base if index is None else f"{base}{index + 1}"
+    return " or ".join(f"{name}_{suffix}" for suffix in units_for(base, arm, index)[:2])
 
 
 def unit_in_header(suffix: str) -> str:

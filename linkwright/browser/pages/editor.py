@@ -19,6 +19,8 @@ from .frame import Problem, heading, row, stack
 Place = tuple[str | int, ...]
 _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""
+_LONG = 20
+"""Letters of a value that need a wide field."""
 _KEY = re.compile(r"([A-Za-z_][\w-]*)|\[([0-9]{1,4})\]|\.")
 
 
@@ -91,7 +93,10 @@ class YamlEditor:
 
     def _field(self, place: Place, value: Any) -> None:
         below = place[3:] if place[0] == "chain" else place[1:] or place
-        field = ui.input(".".join(map(str, below)), value=_shown(value)).props("dense outlined")
+        words = _shown(value)
+        field = ui.input(".".join(map(str, below)), value=words).props("dense outlined")
+        if len(words) > _LONG:
+            field.classes("lw-wide")
 
         async def commit() -> None:
             await self._edit(lambda text: text.set(place, _meant(field.value or "", value)), place, field.value)

@@ -2,24 +2,48 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from nicegui import ui
 
 from linkwright.browser.server.desk import Desk
 
 from .arm import ArmPage
+from .catalogues import CataloguesPage
+from .diagnosis import DiagnosisPage
 from .optimise import ProblemPage
 from .results import show_one, show_results
+from .tradeoff import TradeoffPage
+
+
+class _Page(Protocol):
+    async def begin(self) -> None: ...
+
+
+async def _begun(page: _Page) -> None:
+    """Show the page as it is at once, and what takes a moment once the browser has it."""
+    await ui.context.client.connected()
+    await page.begin()
 
 
 def add_pages(desk: Desk) -> None:
     """Add every page of a server. NiceGUI keeps pages for the whole process, so there is one server in each."""
 
     async def arm() -> None:
-        await ArmPage(desk).begin()
+        await _begun(ArmPage(desk))
 
     async def optimise() -> None:
         lead = "The best design within a problem's limits. Stop leaves the best so far."
-        await ProblemPage(desk, "Optimise", lead).begin()
+        await _begun(ProblemPage(desk, "Optimise", lead))
+
+    async def tradeoff() -> None:
+        await _begun(TradeoffPage(desk))
+
+    async def diagnosis() -> None:
+        await _begun(DiagnosisPage(desk))
+
+    async def catalogues() -> None:
+        await _begun(CataloguesPage())
 
     def results() -> None:
         show_results(desk)
@@ -27,5 +51,14 @@ def add_pages(desk: Desk) -> None:
     def result(number: int) -> None:
         show_one(desk, number)
 
-    for address, page in (("/", arm), ("/optimise", optimise), ("/results", results), ("/results/{number}", result)):
+    pages = {
+        "/": arm,
+        "/optimise": optimise,
+        "/tradeoff": tradeoff,
+        "/diagnosis": diagnosis,
+        "/catalogues": catalogues,
+        "/results": results,
+        "/results/{number}": result,
+    }
+    for address, page in pages.items():
         ui.page(address)(page)

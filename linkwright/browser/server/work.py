@@ -96,6 +96,7 @@ def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
     arm, recording, settings = (root / asked[name] for name in ("arm", "recording", "settings"))
     found = lw.diagnose(lw.read_arm(arm), recording, settings=settings, thorough=asked["thorough"], progress=_Told())
     _kept(found, out, arm, recording, settings)
+    (out / settings.name).write_bytes(settings.read_bytes())
     return repr(found), True
 
 

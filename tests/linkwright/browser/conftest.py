@@ -70,7 +70,7 @@ def chromium():
 def page(chromium, request):
     """A page whose errors and refused loads are failures, and which is nowhere wider than its window."""
     made = chromium.new_page(viewport={"width": request.param, "height": 900})
-    made.set_default_timeout(60_000)
+    made.set_default_timeout(120_000)
     complaints = []
     made.on("pageerror", lambda error: complaints.append(str(error)))
     made.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)

@@ -5,6 +5,7 @@ import re
 import pytest
 
 import linkwright as lw
+from linkwright.browser.server.shelf import Shelf
 
 from .conftest import ROOT
 
@@ -88,3 +89,106 @@ def test_stop_leaves_the_best_so_far(server, page):
     page.get_by_text("stopped, so this is the best until then").wait_for()
     for name in ("arm.yaml", "problem.yaml"):
         (server.folder / name).unlink()
+
+
+def test_a_front_is_traced_and_clicked(server, page):
+    """Each point gives its design, and that an arm file to download."""
+    problem = """\
+arm: example-arm.yaml
+workspace: {path: [[600 mm, 100 mm], [600 mm, 200 mm]]}
+subject_to: {mass: "<= 20 kg", max_error: "<= 0.5 mm", section_size: [40 mm, 100 mm]}
+choose: {section: [circle], same: [size, material], material: [aluminium-6061-t6]}
+"""
+    (server.folder / "example-problem.yaml").write_text(problem, encoding="utf-8")
+    page.goto(server.url + "tradeoff")
+    page.get_by_text("least worst error of example arm").wait_for()
+    earlier = [kept.id for kept in Shelf(server.folder).all() if kept.kind == "tradeoff"]
+    if earlier:  # traced at another width: opened again, which is shown in the same way
+        page.goto(f"{server.url}results/{earlier[0]}")
+    else:
+        page.get_by_label("Accuracy").click()
+        page.get_by_role("option", name="30 %: a first look").click()
+        page.get_by_role("button", name="Trace").click()
+    page.get_by_role("heading", name="Design 1", exact=True).wait_for()
+    points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator(".point")
+    points.last.wait_for()
+    page.locator(".js-plotly-plot .nsewdrag").scroll_into_view_if_needed()
+    box = points.last.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    heading = page.get_by_role("heading", name=re.compile(r"Design ([2-9]|\d\d)"))
+    heading.wait_for()
+    number = int(heading.inner_text().split()[1])
+    told = dict(zip(*[iter(page.locator(".lw-table").first.locator("td").all_inner_texts())] * 2, strict=True))
+    with page.expect_download() as download:
+        page.get_by_role("link", name=f"arm file of design {number}").click()
+    arm = server.folder / "clicked.yaml"
+    arm.write_bytes(download.value.path().read_bytes())
+    found = lw.evaluate(arm, server.folder / "example-problem.yaml")
+    assert float(told["mass of the links"].split()[0]) == pytest.approx(found.mass_kg, rel=1e-3)
+    assert float(told["worst error"].split()[0]) == pytest.approx(found.max_error_mm, rel=1e-3)
+    arm.unlink()
+
+
+def test_a_dropped_recording_is_diagnosed(server, page, tmp_path):
+    """Foreign columns are proposed; one that is read wrongly is corrected; the report names what was put in."""
+    offset = {"effect": "encoder_offset", "at": 2, "offset": "0.3 deg"}
+    made = lw.simulate(server.folder / "example-arm.yaml", poses=12, repeats=2, with_=[offset], sides="one").table
+    foreign = made.rename(
+        columns={"q1_deg": "Axis 1", "q2_deg": "Axis 2 [deg]", "x_mm": "TCP X", "y_mm": "Height", "time_s": "Time (s)"}
+    )
+    (tmp_path / "tracker export.csv").write_text(foreign.to_csv(index=False), encoding="utf-8")
+    page.goto(server.url + "diagnosis")
+    page.get_by_text("example-arm.yaml").or_(page.locator("input[value='example-arm.yaml']")).first.wait_for()
+    page.set_input_files("input[type=file]", tmp_path / "tracker export.csv")
+    page.get_by_role("alert").filter(has_text="tracker export.csv: y: is missing").wait_for()
+    assert page.get_by_role("button", name="Diagnose").is_disabled()
+    row = page.locator(".lw-map").filter(has_text="Height")
+    row.get_by_role("combobox").first.click()
+    page.get_by_role("option", name="y", exact=True).click()
+    page.get_by_text("Recording: tracker export.csv, 24 readings").wait_for()
+    page.get_by_text("TCP X: mm is a guess by the size of its numbers").wait_for()
+    page.get_by_role("button", name="Diagnose").click()
+    page.locator(".lw-done", has_text="Diagnosis: encoder offset at joint 2").wait_for()
+    page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="recording.yaml", exact=True).click()
+    settings = tmp_path / "settings.yaml"
+    settings.write_bytes(download.value.path().read_bytes())
+    read = lw.read_recording(tmp_path / "tracker export.csv", server.folder / "example-arm.yaml", settings=settings)
+    assert read.table["y_mm"].to_numpy() == pytest.approx(made["y_mm"].to_numpy())
+
+
+def test_a_material_is_edited_in_place(server, page):
+    """The command line's checks; a shipped one is copied; undo takes it back."""
+    page.goto(server.url + "catalogues")
+    page.locator(".ag-row").first.wait_for()
+    page.get_by_label("Show only").fill("steel-s355")
+    cell = page.locator(".ag-row[row-id='steel-s355'] [col-id=density]")
+
+    def write(text):
+        cell.dblclick()
+        page.keyboard.press("Control+A")
+        page.keyboard.type(text)
+        page.keyboard.press("Enter")
+
+    write("7 m")
+    page.get_by_role("alert").filter(has_text="'7 m' is a length, not a density").wait_for()
+    cell.get_by_text("7850 kg/m^3").wait_for()
+    page.get_by_label("Source of your figures").fill("weighed by us")
+    write("7.9 g/cm^3")
+    cell.get_by_text("7900 kg/m^3").wait_for()
+    own = (server.folder.parent / "no-configuration" / "linkwright" / "materials.yaml").read_text(encoding="utf-8")
+    assert "7.9 g/cm^3" in own
+    assert "weighed by us" in own
+    page.get_by_role("button", name="Undo").click()
+    cell.get_by_text("7850 kg/m^3").wait_for()
+
+
+def test_a_result_is_removed(server, page):
+    """From the list, and from the disk."""
+    number = Shelf(server.folder).keep("evaluate", "a title", "a line <b>of</b> text", {}, complete=True, seconds=1.0)
+    page.goto(server.url + "results")
+    page.get_by_text("a line <b>of</b> text").wait_for()
+    page.get_by_role("button", name=f"remove result {number}", exact=True).click()
+    page.get_by_text("a line <b>of</b> text").wait_for(state="detached")
+    assert Shelf(server.folder).find(number) is None

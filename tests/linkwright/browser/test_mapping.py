@@ -1,0 +1,83 @@
+"""What foreign headers are taken for, and that the settings say so to the reader."""
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from diagnose.reading.table import table_of
+from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, proposed, settings_text
+from units.reading import parse_yaml
+
+ARM = "examples/hidden-backlash/arm.yaml"
+
+
+def meant(**columns):
+    import pandas as pd
+
+    arm = lw.read_arm(ARM).model
+    return {each.header: each for each in proposed(table_of(pd.DataFrame(columns), "x"), arm)}
+
+
+@pytest.mark.parametrize(
+    ("header", "what", "unit"),
+    [
+        ("q1_deg", "q1", "deg"),
+        ("Q2 (deg)", "q2", "deg"),
+        ("Joint 3 [rad]", "q3", "rad"),
+        ("axis_2_deg", "q2", "deg"),
+        ("J1", "q1", "deg"),
+        ("theta3", "q3", "deg"),
+        ("TCP X [mm]", "x", "mm"),
+        ("pos_y [m]", "y", "m"),
+        ("z", "z", "mm"),
+        ("Load [kg]", "payload", "kg"),
+        ("Temperature [°C]", "temperature", "degC"),
+        ("Time (s)", "time", "s"),
+        ("dir2", "dir2", ""),
+        ("direction 3", "dir3", ""),
+        ("torque_1 [N*m]", "tau1", "Nm"),
+        ("Joint 7 [deg]", OTHER, ""),
+        ("operator", OTHER, ""),
+        ("humidity", OTHER, ""),
+    ],
+)
+def test_headers_as_people_write_them(header, what, unit):
+    """Numbers of hundreds: no radians, no metres."""
+    found = meant(**{header: [120.0, -90.0, 210.0]})[header]
+    assert (found.what, found.unit) == (what, unit)
+
+
+def test_units_are_guessed_by_size_and_said_to_be():
+    """Radians stay within a turn, metres within a machine hall."""
+    found = meant(**{"joint 1": [1.2, -3.1], "joint 2": [1.2, -90.0], "x": [0.4, 1.1], "y": [400.0, 1100.0]})
+    assert [(each.unit, each.guessed) for each in found.values()] == [
+        ("rad", True),
+        ("deg", True),
+        ("m", True),
+        ("mm", True),
+    ]
+
+
+def test_nothing_is_meant_twice():
+    """The first of two is taken, the other is somebody's own."""
+    found = meant(**{"q1_deg": [10.0, 20.0], "Joint 1 [deg]": [10.0, 20.0]})
+    assert [each.what for each in found.values()] == ["q1", OTHER]
+
+
+def test_the_settings_are_read_as_they_were_meant(tmp_path):
+    """Headers with brackets, quotes, colons and signs; the same readings come out."""
+    given = lw.read_recording("examples/hidden-backlash/recording.csv", ARM).table
+    odd = {"q1_deg": 'a "quoted" - header', "q2_deg": "b: [rad]", "x_mm": "#1 / x", "y_mm": "y, tracker"}
+    foreign = given.rename(columns=odd)
+    foreign["b: [rad]"] = np.radians(foreign["b: [rad]"])
+    foreign["scrap"] = 1.0
+    foreign.to_csv(tmp_path / "odd.csv", index=False)
+    said = [Meaning(odd.get(name, name), *name.partition("_")[::2]) for name in given.columns]
+    said = [Meaning(each.header, each.what, "rad" if each.what == "q2" else each.unit) for each in said]
+    text = settings_text([*said, Meaning("scrap", IGNORED)], {"frame": "free", "sigma": "15 um", "tool": ""})
+    assert parse_yaml(text, file="x")["ignore"] == ["scrap"]
+    (tmp_path / "recording.yaml").write_text(text, encoding="utf-8")
+    read = lw.read_recording(tmp_path / "odd.csv", ARM, settings=tmp_path / "recording.yaml")
+    assert read.found.frame == "free"
+    for name in given.columns:
+        np.testing.assert_allclose(read.table[name], given[name], rtol=1e-12, atol=1e-12)
