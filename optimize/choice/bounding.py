@@ -50,8 +50,8 @@ def _bounded(chooser: Chooser, item: Item) -> tuple[Bounded, ...]:
     picks, chooser.pool = item
     found: list[Bounded] = []
     for pick in picks:
-        solved = chooser.solve(pick)
-        if solved.objective is None or solved.solution is None:
+        solved = chooser.solve_unless_ruled_out(pick)
+        if solved is None or solved.objective is None or solved.solution is None:
             found.append(Bounded(None, outcome=chooser.candidates[pick].outcome))
         else:
             found.append(Bounded(solved.objective, tuple(solved.solution.x.tolist())))

@@ -25,6 +25,7 @@ from optimize.limits import Cut
 from optimize.problem import Problem
 from sections.numeric import Array
 
+from .at_once.feasibility import Feasibility
 from .link_options import LinkOptions
 from .picks import Combination, options
 from .pose_products import (
@@ -40,8 +41,6 @@ MOST_AT_ONCE = 3_000_000
 """Combinations for which a bound each is kept."""
 _FELT = 1e-9
 """A multiplier below this (per cent for per cent) is left out."""
-_SURE = 1e-3
-"""A sum of limits counts as above nought from this on, relative to its largest term."""
 
 
 @dataclass
@@ -56,6 +55,8 @@ class CombinationBounds:
     impossible: NDArray[np.bool_]
     closed: NDArray[np.bool_]
     """Those that were solved or cannot be: nothing more is to be learnt about them."""
+    feasibility: Feasibility | None
+    """What rules out others where one cannot keep the limits."""
 
     def combination(self, place: Sequence[int]) -> Combination:
         """The combination at a place of `bounds`."""
@@ -73,36 +74,36 @@ class CombinationBounds:
             for link, own in zip(self.links, self.choices, strict=True)
         )
 
-    def learn(
-        self, exchange: Exchange, solution: Solution, materials: Array, pick: Combination, pool: Pool, *, relaxed: bool
-    ) -> bool:
-        """Raise the bounds by a solution for the pool; with `relaxed` (the limits gave way as little as they could)
-        tell what cannot keep the limits. False where the model is no sum of products."""
-        found = _lagrangian(self.context, exchange, solution, materials, pick, pool, relaxed=relaxed)
+    def rule_out(self, exchange: Exchange, solution: Solution, pick: Combination, pool: Pool) -> None:
+        """Tell what cannot keep the limits from a combination that cannot, and the solution in which they give way as
+        little as they can."""
+        self.impossible[self.place(pick)] = True
+        if self.feasibility is not None:
+            self.feasibility.learn(exchange, solution, pick, pool)
+            self.impossible |= self.feasibility.impossible
+        self.closed |= self.impossible
+
+    def learn(self, exchange: Exchange, solution: Solution, materials: Array, pick: Combination, pool: Pool) -> bool:
+        """Raise the bounds by a solution for the pool; False where the model is no sum of products."""
+        found = _lagrangian(self.context, exchange, solution, materials, pick, pool)
         if found is None:
             return False
         products, per_cost, at = found
         constant, parts = minorant(products, at)
         lengths = self.context.problem.arm.lengths
         bound = np.array(constant)
-        largest = max((abs(c) for c in (constant, *products.terms.values())), default=0.0) if relaxed else 0.0
         for axis, (link, table) in enumerate(zip(self.links, self.tables, strict=True)):
             least = table.least(parts[link], per_cost * float(lengths[link]))
-            largest = max(largest, float(np.abs(least[np.isfinite(least)]).max(initial=0.0))) if relaxed else 0.0
             shape = [1] * len(self.links)
             shape[axis] = len(least)
             bound = bound + least.reshape(shape)
-        if relaxed:
-            self.impossible |= bound > _SURE * largest
-            self.closed |= self.impossible
-        else:
-            np.maximum(self.bounds, bound, out=self.bounds)
+        np.maximum(self.bounds, bound, out=self.bounds)
         return True
 
 
-def combination_bounds(context: Context) -> CombinationBounds | None:
-    """Bounds for all combinations of a problem, none known yet; None where there can be none: too many combinations,
-    lengths to be chosen, scenarios, or play that depends on the design."""
+def combination_bounds(context: Context, feasibility: Feasibility | None) -> CombinationBounds | None:
+    """Bounds for all combinations of a problem, none known yet; `feasibility` rules out some. None where there can be
+    none: too many combinations, lengths to be chosen, scenarios, or play that depends on the design."""
     problem = context.problem
     if (
         problem.link_length is not None
@@ -120,7 +121,9 @@ def combination_bounds(context: Context) -> CombinationBounds | None:
     tables = tuple(LinkOptions(problem, own) for own in choices)
     sizes = tuple(len(own) for own in choices)
     out = ~_agreeing(problem, choices, sizes)
-    return CombinationBounds(context, links, choices, tables, np.full(sizes, -np.inf), out, out.copy())
+    if feasibility is not None:
+        out |= feasibility.impossible
+    return CombinationBounds(context, links, choices, tables, np.full(sizes, -np.inf), out, out.copy(), feasibility)
 
 
 def _agreeing(
@@ -155,8 +158,6 @@ def _lagrangian(
     materials: Array,
     pick: Combination,
     pool: Pool,
-    *,
-    relaxed: bool,
 ) -> tuple[Products, float, Array] | None:
     """The sum of objective, poses and limits with their multipliers; what each EUR of the links' cost adds to it; and
     the links' features at the solution."""
@@ -174,20 +175,18 @@ def _lagrangian(
     sums: list[Products] = []
     per_cost = 0.0
     fixed = fixed_error(context.model)
-    worth = 1.0
-    if not relaxed:
-        if problem.minimize in rest:
-            worth = own_mass + rest[problem.minimize] - rigid
-            sums += [mass, Products({(): rest[problem.minimize]})]
-        elif problem.minimize == "cost":
-            worth, per_cost = cost, 1.0
-            sums.append(Products({(): drives_cost(problem)}))
-        elif problem.minimize == "max_error":
-            worth = solution.error - fixed
-            sums.append(Products({(): fixed}))
-        else:
-            return None
-    minimised = problem.minimize == "max_error" and not relaxed
+    if problem.minimize in rest:
+        worth = own_mass + rest[problem.minimize] - rigid
+        sums += [mass, Products({(): rest[problem.minimize]})]
+    elif problem.minimize == "cost":
+        worth, per_cost = cost, 1.0
+        sums.append(Products({(): drives_cost(problem)}))
+    elif problem.minimize == "max_error":
+        worth = solution.error - fixed
+        sums.append(Products({(): fixed}))
+    else:
+        return None
+    minimised = problem.minimize == "max_error"
     limit = min((each.value for each in problem.limit("max_error")), default=math.inf)
     weights = np.maximum(2.0 * solution.multipliers["errors"], 0.0)
     if minimised:

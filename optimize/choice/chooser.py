@@ -31,6 +31,7 @@ from optimize.exchange.signs import one_signed
 from optimize.limits import OfDesign, Totals, excess
 from optimize.result import Candidate, Iteration
 
+from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import bound_all, bounding
 from .picks import Combination, one_link_changed, uniform
 
@@ -81,6 +82,8 @@ class Chooser:
         self.best: tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float] | None = None
         self.candidates: dict[Combination, Candidate] = {}
         self.kept = _KEPT
+        self.feasibility: Feasibility | None = None
+        """What rules out combinations, from the first on that cannot keep the limits."""
         self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
 
     @property
@@ -100,8 +103,8 @@ class Chooser:
                 continue
             if self.progress is not None:
                 self.progress(number, len(picks), "bounding combinations")
-            found = self.solve(pick)
-            if found.objective is not None and found.solution is not None:
+            found = self.solve_unless_ruled_out(pick)
+            if found is not None and found.objective is not None and found.solution is not None:
                 bounds.append((found.objective, number, found.solution.x))
         bounds.sort(key=lambda entry: entry[:2])
         for done, (bound, number, start) in enumerate(bounds):
@@ -134,6 +137,8 @@ class Chooser:
     def _first(self, picks: list[Combination]) -> None:
         """Finish the first feasible combination: the poses that hold it are what the others are bounded with."""
         for pick in picks:
+            if self.ruled_out(pick):
+                continue
             exchange = self._exchange(pick.shapes)
             materials = material_row(pick.materials, self.context.problem)
             unsolved = False
@@ -149,6 +154,8 @@ class Chooser:
                     return
             if pick not in self.candidates:
                 self.note(pick, None, "unsolved" if unsolved else "infeasible")
+                if not unsolved and len(picks) > 1:
+                    self.solve_unless_ruled_out(pick)
 
     def polish(self) -> None:
         """Further starts for the best combination: a better local optimum replaces it."""
@@ -245,6 +252,30 @@ class Chooser:
             program = exchange.program(self.pool, spare=False)
             relaxed = program.solve(starts[0], materials, self.pool, relax=True, limits=self.context.problem.limits)
         return Solved(exchange, materials, self.pool, None, None, relaxed)
+
+    @property
+    def some_impossible(self) -> bool:
+        """Whether combinations are known that cannot keep the limits, so that there may be many."""
+        return self.feasibility is not None and bool(self.feasibility.impossible.any())
+
+    def ruled_out(self, pick: Combination) -> bool:
+        """Whether others show that a combination cannot keep the limits; it is noted then."""
+        out = self.feasibility is not None and self.feasibility.rules_out(pick)
+        if out:
+            self.note_infeasible(pick)
+        return out
+
+    def solve_unless_ruled_out(self, pick: Combination) -> Solved | None:
+        """A combination for the pool alone, None where others show that it cannot keep the limits; where it cannot,
+        others are ruled out by it."""
+        if self.ruled_out(pick):
+            return None
+        solved = self.solve(pick, explain=True)
+        if solved.relaxed is not None:
+            self.feasibility = self.feasibility or feasibility_of(self.context)
+            if self.feasibility is not None:
+                self.feasibility.learn(solved.exchange, solved.relaxed, pick, solved.pool)
+        return solved
 
     def finish(
         self, pick: Combination, start: Array, *, within: float | None = None, above: float | None = None

@@ -110,9 +110,14 @@ def chosen(
     among: Among | None = None
     near = Ties()
     try:
+        picks: list[Combination] = []
         if exhaustive:
             picks = combinations(problem)
-            chooser.try_all(possible(chooser, picks) if len(picks) > _FEW else picks)
+            picks = possible(chooser, picks) if len(picks) > _FEW else picks
+            # What cannot keep the limits takes longest to solve.
+            exhaustive = not picks or not chooser.some_impossible
+        if exhaustive:
+            chooser.try_all(picks)
             gap = 0.0
         else:
             among = among_many(chooser)
@@ -121,10 +126,11 @@ def chosen(
         own = given_design(problem)
         if own is not None:
             chooser.no_worse_than(own.combination, own.x)
-        if ties and chooser.best is not None and count(problem) > 1 and (among is None or among.branching is not None):
+        if ties and chooser.best is not None and count(problem) > 1 and (among is None or among.bounded):
             first = chooser.best[0]
-            near = near_ties(chooser, None if among is None else among.branching)
-            if chooser.best[0] != first:
+            near = near_ties(chooser, among)
+            interrupted = near.interrupted
+            if chooser.best[0] != first and not interrupted:
                 chooser.polish()
             if among is not None:
                 gap = 0.0 if near.all_solved else among.gap

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .at_once.branching import Branching, Proof
+from .at_once.feasibility import feasibility_of
 from .bounds import MOST_AT_ONCE, CombinationBounds, combination_bounds
-from .chooser import Chooser
+from .chooser import Chooser, Solved
 from .picks import Combination, count, uniform
 
 CLOSE = 1e-4
@@ -36,11 +37,17 @@ _MOST_PARTS, _MOST_PARTS_FREE = 40, 400
 @dataclass(frozen=True)
 class Among:
     """What is known of the combinations that were not solved: how much better (relative) one could be at most, None
-    where nothing tells; and where all were bounded at once, the bound and what it came from."""
+    where nothing tells; where all were bounded at once, the bound and what it came from; else the bound of each."""
 
     gap: float | None
     proof: Proof | None = None
     branching: Branching | None = None
+    bounds: CombinationBounds | None = None
+
+    @property
+    def bounded(self) -> bool:
+        """Whether anything tells which combinations come near the best."""
+        return self.branching is not None or self.bounds is not None
 
 
 def among_many(chooser: Chooser) -> Among:
@@ -54,8 +61,10 @@ def among_many(chooser: Chooser) -> Among:
             return _at_once(chooser, _MOST_PARTS_FREE)
     elif sums and count(problem) > MOST_AT_ONCE:
         return _at_once(chooser, _MOST_PARTS)
-    gap = _one_by_one(chooser)
-    return Among(gap if gap is not None and math.isfinite(gap) else None)
+    chooser.feasibility = chooser.feasibility or feasibility_of(context)
+    bounds = combination_bounds(context, chooser.feasibility)
+    gap = _one_by_one(chooser, bounds)
+    return Among(gap if gap is not None and math.isfinite(gap) else None, bounds=None if gap is None else bounds)
 
 
 def _at_once(chooser: Chooser, most: int) -> Among:
@@ -72,14 +81,12 @@ def _at_once(chooser: Chooser, most: int) -> Among:
     return Among(gap if math.isfinite(gap) else None, branching.proof(), ties)
 
 
-def _one_by_one(chooser: Chooser) -> float | None:
+def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | None:
     """Look for the best of all combinations, a bound for each; returns how much better (relative) one that was not
     solved could be, or None where nothing bounds them: they were then searched link by link.
 
     A combination at which the solver failed counts as not solved.
     """
-    context = chooser.context
-    bounds = combination_bounds(context)
     if bounds is None or _begin(chooser, bounds) is False:
         chooser.link_by_link()
         return None
@@ -99,29 +106,17 @@ def _one_by_one(chooser: Chooser) -> float | None:
 
 
 def possible(chooser: Chooser, picks: list[Combination]) -> list[Combination]:
-    """The combinations that may keep the limits: where none in which the links agree does, the multipliers of the least
-    relaxation of one prove others impossible as well, which are noted as infeasible."""
-    problem = chooser.context.problem
-    bounds: CombinationBounds | None = None
-    for pick in uniform(problem):
-        if bounds is not None and bounds.impossible[bounds.place(pick)]:
-            continue
-        solved = chooser.solve(pick, explain=True)
-        if solved.objective is not None:
+    """The combinations that may keep the limits: where none in which the links agree does, what they show rules out
+    others as well, which are noted as infeasible. One that was seen to keep them comes first."""
+    first: list[Combination] = []
+    for pick in uniform(chooser.context.problem):
+        solved = chooser.solve_unless_ruled_out(pick)
+        if solved is not None and (solved.objective is not None or chooser.feasibility is None):
+            first = [pick]
             break
-        if solved.relaxed is not None:
-            bounds = bounds or combination_bounds(chooser.context)
-            if bounds is None:
-                break
-            bounds.learn(solved.exchange, solved.relaxed, solved.materials, pick, solved.pool, relaxed=True)
     chooser.pool = None
-    if bounds is None:
-        return picks
-    left = [pick for pick in picks if not bounds.impossible[bounds.place(pick)]]
-    for pick in picks:
-        if bounds.impossible[bounds.place(pick)]:
-            chooser.note_infeasible(pick)
-    return left
+    left = [pick for pick in picks if not chooser.ruled_out(pick)]
+    return [*(pick for pick in first if pick in left), *(pick for pick in left if pick not in first)]
 
 
 def _gap(chooser: Chooser, bounds: CombinationBounds) -> float:
@@ -150,23 +145,33 @@ def _begin(chooser: Chooser, bounds: CombinationBounds) -> bool | None:
 def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bool | None:
     """Solve a combination, with an exchange where it could win; whether bounds could be raised by it, None where it has
     no solution that could."""
-    place = bounds.place(pick)
-    known = float(bounds.bounds[place])
     solved = chooser.solve(pick, explain=True)
-    bounds.closed[place] = True
+    learnt = learn_from(bounds, pick, solved)
     if solved.objective is None or solved.solution is None:
-        if solved.relaxed is not None:
-            bounds.impossible[place] = True
-            bounds.learn(solved.exchange, solved.relaxed, solved.materials, pick, solved.pool, relaxed=True)
         return None
-    learnt = True
-    if known < solved.objective * (1.0 - _LOOSE):
-        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool, relaxed=False)
-    bounds.bounds[place] = max(float(bounds.bounds[place]), solved.objective)
     if solved.objective < chooser.objective:
+        place = bounds.place(pick)
         chooser.finish(pick, solved.solution.x)
         candidate = chooser.candidates[pick]
         if candidate.objective is not None:
             bounds.bounds[place] = max(float(bounds.bounds[place]), candidate.objective)
         bounds.impossible[place] = candidate.outcome == "infeasible"
+    return learnt
+
+
+def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved) -> bool | None:
+    """Raise the bounds by what a combination came to; whether they could be, None where it has no solution that
+    could."""
+    place = bounds.place(pick)
+    known = float(bounds.bounds[place])
+    bounds.closed[place] = True
+    if solved.objective is None or solved.solution is None:
+        if solved.relaxed is not None:
+            bounds.impossible[place] = True
+            bounds.rule_out(solved.exchange, solved.relaxed, pick, solved.pool)
+        return None
+    learnt = True
+    if known < solved.objective * (1.0 - _LOOSE):
+        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool)
+    bounds.bounds[place] = max(float(bounds.bounds[place]), solved.objective)
     return learnt

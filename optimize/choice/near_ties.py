@@ -3,22 +3,28 @@ a difference that no workshop sees."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
+
+import numpy as np
 
 from arm.chain.chain import Arm
 from optimize.exchange.design import arm_of
 
-from .at_once.branching import Branching
+from .bounds import CombinationBounds
 from .chooser import Chooser
+from .many import Among, learn_from
 from .picks import Combination
 
 NEAR = 0.03
 """How far (relative) from the best objective a combination counts as a near tie."""
-MOST_SOLVED = 24
+MOST_SOLVED = 100
 """So many are solved to the end."""
-_MOST_TRIED = 150
+_MOST_TRIED = 300
 """So many are solved for the binding poses alone, to see whether they come near."""
+_TOGETHER = 40
+"""So many of the most promising are solved in the order of their shapes, for one program serves all of a kind."""
 
 
 @dataclass(frozen=True)
@@ -35,63 +41,115 @@ class Ties:
     """The near ties, best first (the best itself left out), and how many more could be that were not solved.
 
     `all_solved`: every combination that its bound lets come as near was solved, so that none other is better.
+    `interrupted`: an interrupt ended the search for them; these were solved until then.
     """
 
     solved: tuple[Tie, ...] = ()
     left: int = 0
     all_solved: bool = False
+    interrupted: bool = False
 
 
-def near_ties(chooser: Chooser, branching: Branching | None) -> Ties:
-    """Solve what could be within `NEAR` of the best; `branching` bounds combinations that were not looked at alone.
+def near_ties(chooser: Chooser, among: Among | None) -> Ties:
+    """Solve what could be within `NEAR` of the best; `among` bounds combinations that were not looked at alone, None
+    where all were.
 
     A combination that turns out better than the best takes its place.
     """
-    found: dict[Combination, tuple[float, Arm]] = {}
-    left = tried = 0
-    failed = False
-    for pick, more in _promising(chooser, branching):
-        if len(found) >= MOST_SOLVED or tried >= _MOST_TRIED:
-            left = more + 1
-            break
-        if chooser.best is None or pick == chooser.best[0]:
-            continue
-        tried += 1
-        if chooser.progress is not None:
-            chooser.progress(len(found), len(found) + 1 + min(more, MOST_SOLVED), "solving near ties")
-        limit = chooser.objective * (1.0 + NEAR)
-        solved = chooser.solve(pick)
-        if solved.objective is None or solved.solution is None:
-            failed = failed or chooser.candidates[pick].outcome == "unsolved"
-            continue
-        if solved.objective > limit:
-            chooser.note(pick, solved.objective, "bounded out")
-            continue
-        done = chooser.finish(pick, solved.solution.x, above=limit)
-        objective = chooser.candidates[pick].objective
-        if done is not None and not done.bounded_out and objective is not None:
-            space = solved.exchange.space
-            found[pick] = (objective, arm_of(space, done.x, pick.materials))
+    search = _Search(chooser, among)
+    interrupted = False
+    try:
+        search.run()
+    except KeyboardInterrupt:
+        interrupted = True
+    left = search.left()
     best = chooser.best
     limit = chooser.objective * (1.0 + NEAR)
     ties = [
         Tie(pick, objective, arm)
-        for pick, (objective, arm) in found.items()
+        for pick, (objective, arm) in search.found.items()
         if objective <= limit and best is not None and pick != best[0]
     ]
-    return Ties(tuple(sorted(ties, key=lambda each: each.objective)), left, left == 0 and not failed)
+    all_solved = left == 0 and not search.failed and not interrupted
+    return Ties(tuple(sorted(ties, key=lambda each: each.objective)), left, all_solved, interrupted)
 
 
-def _promising(chooser: Chooser, branching: Branching | None) -> Iterator[tuple[Combination, int]]:
-    """Combinations that could be near ties, the most promising first, each with how many more there are."""
-    limit = chooser.objective * (1.0 + NEAR)
-    if branching is not None:
-        yield from branching.within(limit)
-        return
-    near = [
-        (each.objective, number, pick)
-        for number, (pick, each) in enumerate(chooser.candidates.items())
-        if each.objective is not None and each.objective <= limit
-    ]
-    for number, (_, _, pick) in enumerate(sorted(near, key=lambda each: each[:2])):
-        yield pick, len(near) - 1 - number
+class _Search:
+    def __init__(self, chooser: Chooser, among: Among | None) -> None:
+        self.chooser, self.among = chooser, among
+        self.found: dict[Combination, tuple[float, Arm]] = {}
+        self.failed = False
+        self.tried = self._waiting = 0
+        self._promising = self._most_promising()
+
+    @property
+    def limit(self) -> float:
+        """What a near tie reaches (SI)."""
+        return self.chooser.objective * (1.0 + NEAR)
+
+    def left(self) -> int:
+        """How many more could come near that were not solved."""
+        return self._waiting + next((more + 1 for _, more in self._promising), 0)
+
+    def run(self) -> None:
+        """Solve the most promising."""
+        while True:
+            room = min(_TOGETHER, _MOST_TRIED - self.tried, MOST_SOLVED - len(self.found))
+            together = list(itertools.islice(self._promising, max(room, 0)))
+            if not together:
+                return
+            self._waiting = len(together)
+            for pick, _ in sorted(together, key=lambda each: [str(shape) for shape in each[0].shapes]):
+                self._solve(pick, together[-1][1])
+                self._waiting -= 1
+
+    def _solve(self, pick: Combination, more: int) -> None:
+        chooser = self.chooser
+        if chooser.best is None or pick == chooser.best[0]:
+            return
+        self.tried += 1
+        if chooser.progress is not None:
+            found = len(self.found)
+            chooser.progress(found, min(found + 1 + more, MOST_SOLVED), "solving near ties")
+        solved = chooser.solve(pick)
+        if self.among is not None and self.among.bounds is not None:
+            learn_from(self.among.bounds, pick, solved)
+        if solved.objective is None or solved.solution is None:
+            self.failed = self.failed or chooser.candidates[pick].outcome == "unsolved"
+            return
+        if solved.objective > self.limit:
+            chooser.note(pick, solved.objective, "bounded out")
+            return
+        done = chooser.finish(pick, solved.solution.x, above=self.limit)
+        objective = chooser.candidates[pick].objective
+        if done is not None and not done.bounded_out and objective is not None:
+            space = solved.exchange.space
+            self.found[pick] = (objective, arm_of(space, done.x, pick.materials))
+
+    def _most_promising(self) -> Iterator[tuple[Combination, int]]:
+        """Combinations that could be near ties, the most promising first, each with how many more there are."""
+        chooser = self.chooser
+        if self.among is not None:
+            if self.among.branching is not None:
+                yield from self.among.branching.within(self.limit)
+            if self.among.bounds is not None:
+                yield from self._by_bounds(self.among.bounds)
+            return
+        near = [
+            (each.objective, number, pick)
+            for number, (pick, each) in enumerate(chooser.candidates.items())
+            if each.objective is not None and each.objective <= self.limit
+        ]
+        for number, (_, _, pick) in enumerate(sorted(near, key=lambda each: each[:2])):
+            yield pick, len(near) - 1 - number
+
+    def _by_bounds(self, bounds: CombinationBounds) -> Iterator[tuple[Combination, int]]:
+        """Those that a bound for each leaves; what is solved meanwhile raises the bounds of the others."""
+        told = np.zeros(bounds.bounds.shape, dtype=bool)
+        while True:
+            could = ~told & ~bounds.impossible & (bounds.bounds <= self.limit)
+            if not could.any():
+                return
+            place = np.unravel_index(int(np.argmin(np.where(could, bounds.bounds, np.inf))), could.shape)
+            told[place] = True
+            yield bounds.combination([int(k) for k in place]), int(could.sum()) - 1

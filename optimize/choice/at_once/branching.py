@@ -18,14 +18,14 @@ import numpy as np
 from arm.chain.chain import Arm
 from materials.material import Material
 from optimize.choice.chooser import Chooser
-from optimize.choice.picks import Combination, options, uniform
+from optimize.choice.picks import Combination, uniform
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
-from optimize.exchange.exchange import Context, first_pool
+from optimize.exchange.exchange import first_pool
 from optimize.exchange.program import carried_mass
 from sections.numeric import Array
 
-from .cells import COLUMNS, LENGTH, Cells, Ids
+from .cells import COLUMNS, LENGTH, Ids, elastic_links, link_cells
 from .lengths import LengthRows
 from .pose_rows import PoseRow, rows_of
 from .relaxation import LOOSE, Node, Relaxation, Relaxed
@@ -51,36 +51,17 @@ class Proof:
     reached: bool
 
 
-def elastic_links(context: Context) -> tuple[int, ...]:
-    """The links that have a section, from 0."""
-    return tuple(k for k, link in enumerate(context.problem.arm.links) if link.section is not None)
-
-
-def link_cells(context: Context) -> tuple[Cells, ...]:
-    """The cells of each elastic link; links with the same options share them."""
-    shapes, materials = options(context.problem)
-    made: dict[tuple[tuple[str, str], ...], Cells] = {}
-    found: list[Cells] = []
-    for k in elastic_links(context):
-        own = [(shape, material) for shape in shapes[k] if shape for material in materials[k] if material]
-        key = tuple((shape, material.name) for shape, material in own)
-        if key not in made:
-            made[key] = Cells(context.problem, own)
-        found.append(made[key])
-    return tuple(found)
-
-
 class Branching:
     """Bounds all combinations of a problem against a chooser's best design."""
 
     def __init__(self, chooser: Chooser, wanted: float) -> None:
         self.chooser, self.wanted = chooser, wanted
         self.context = chooser.context
-        self.links = elastic_links(self.context)
+        self.links = elastic_links(self.context.problem)
         problem = self.context.problem
         span = problem.link_length
         logs = (0.0, 0.0) if span is None else (math.log(span[0]), math.log(span[1]))
-        self.relaxation = Relaxation(link_cells(self.context), self.links, problem.arm.size, logs)
+        self.relaxation = Relaxation(link_cells(self.context.problem), self.links, problem.arm.size, logs)
         self._free = None if span is None else LengthRows(self.context, span)
         self.worth = 1.0
         self.parts = 0

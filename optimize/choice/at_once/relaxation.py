@@ -94,7 +94,7 @@ class Relaxation:
     ) -> None:
         self.cells, self.links, self.size, self.lengths = tuple(cells), tuple(links), size, lengths
         self.rows: list[PoseRow] = []
-        self.loose = LOOSE
+        self.loose, self.little = LOOSE, _LITTLE
 
     def root(self, allowed: Sequence[Ids] | None = None) -> Node:
         """The node of all designs; `allowed`: of each link the options that it may be."""
@@ -113,6 +113,13 @@ class Relaxation:
             return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
         return _Solve(self, node).run(enough, rough=rough)
 
+    def least_breach(self, node: Node, within: Node) -> Relaxed:
+        """By how much (relative) the limits are broken at least in a node, whatever the objective; what the prices say
+        holds for all designs of another node that has it `within`."""
+        if any(len(ids) == 0 for ids in node.cells):
+            return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
+        return _Solve(self, node, within).breach()
+
     def by_option(self, found: Relaxed, room: float) -> tuple[float, list[dict[int, float]]]:
         """A bound by what a relaxed node's prices say, and for each link by how much more (at least) each option that
         the node has raises it; exact to a few thousandths only where that is less than `room`."""
@@ -120,7 +127,7 @@ class Relaxation:
         losses: list[dict[int, float]] = []
         for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
             ids, size = start, np.abs(price)
-            loose = LOOSE * max(abs(found.bound), _LITTLE)
+            loose = LOOSE * max(abs(found.bound), self.little)
             while True:
                 scores = own.corners[ids] @ price
                 values = scores[:, :-1].min(axis=1) - own.pad[ids] @ size
@@ -147,8 +154,8 @@ class Relaxation:
 
 
 class _Solve:
-    def __init__(self, relaxation: Relaxation, node: Node) -> None:
-        self.relaxation, self.node = relaxation, node
+    def __init__(self, relaxation: Relaxation, node: Node, within: Node | None = None) -> None:
+        self.relaxation, self.node, self.within = relaxation, node, within or node
         self.cells = list(node.cells)
         self.count = len(self.cells)
         self.columns: list[Column] = []
@@ -162,7 +169,7 @@ class _Solve:
         """The least and the greatest of each column in the node."""
         low, high = self.node.low.copy(), self.node.high.copy()
         for k, own in enumerate(self.relaxation.cells):
-            least, most = own.spans(self.cells[k])
+            least, most = own.spans(self.within.cells[k])
             low[k] = np.maximum(low[k], least.min(axis=0))
             high[k] = np.minimum(high[k], most.max(axis=0))
         low[:, LENGTH], high[:, LENGTH] = self.node.low[:, LENGTH], self.node.high[:, LENGTH]
@@ -191,7 +198,27 @@ class _Solve:
             constant += float(c[~up] @ (np.exp(first) - slope * first))
         return gradient.reshape(-1, _WIDTH)[list(self.relaxation.links)], constant, row.objective
 
+    def breach(self) -> Relaxed:
+        """The least by which the limits are broken, the objective left out."""
+        self._begin()
+        self.cost, self.price = 0.0, 1.0
+        return self._rounds(np.inf, rough=False)
+
     def run(self, enough: float, *, rough: bool) -> Relaxed:
+        """The bound with the objective."""
+        self._begin()
+        answer = self._rounds(enough, rough=rough)
+        if rough or self.best >= enough or answer.broken <= _BROKEN:
+            return answer
+        # Can the limits be kept at all, whatever the objective?
+        known, self.best, self.cost = self.best, -np.inf, 0.0
+        if self._rounds(0.1 * _BROKEN, rough=False).bound > 0.1 * _BROKEN:
+            return replace(answer, bound=np.inf)
+        self.best, self.cost, self.price = known, 1.0, _PRICES[1]
+        return self._rounds(enough, rough=False)
+
+    def _begin(self) -> None:
+        """Columns and tangents to begin with."""
         prices = self.node.prices if self.node.prices is not None else self._first_prices()
         for k in range(self.count):
             self._price(k, prices[k])
@@ -204,15 +231,6 @@ class _Solve:
                 self._price(k, prices[k] - (np.abs(prices[k]).sum() + 1.0) * np.eye(_WIDTH)[LENGTH])
         if not self.tangents:
             self._touch(self._mean(), -np.inf, every=True)
-        answer = self._rounds(enough, rough=rough)
-        if rough or self.best >= enough or answer.broken <= _BROKEN:
-            return answer
-        # Can the limits be kept at all, whatever the objective?
-        known, self.best, self.cost = self.best, -np.inf, 0.0
-        if self._rounds(0.1 * _BROKEN, rough=False).bound > 0.1 * _BROKEN:
-            return replace(answer, bound=np.inf)
-        self.best, self.cost, self.price = known, 1.0, _PRICES[1]
-        return self._rounds(enough, rough=False)
 
     def _rounds(self, enough: float, *, rough: bool) -> Relaxed:
         """Tangents and columns until the linear program and the bound meet."""
@@ -221,13 +239,13 @@ class _Solve:
             value, t, shares, multipliers, sides = self._program()
             y = self._mixed(shares)
             prices, constant = self._lagrangian(multipliers, sides)
-            near = value - self.best < _SEARCHING * max(abs(value), _LITTLE)
+            near = value - self.best < _SEARCHING * max(abs(value), self.relaxation.little)
             if near and rough and answer is not None:
                 break
             fresh = False
             total = constant
             for k in range(self.count):
-                loose = self.relaxation.loose * max(abs(value), _LITTLE) if near else None
+                loose = self.relaxation.loose * max(abs(value), self.relaxation.little) if near else None
                 least, added = self._price(k, prices[k], loose=loose)
                 total += least
                 fresh = fresh or added
@@ -245,7 +263,7 @@ class _Solve:
             if self.best >= enough:
                 break
             touched = self._touch(y, t)
-            if not touched and (not fresh or value - self.best <= _CLOSED * max(abs(value), _LITTLE)):
+            if not touched and (not fresh or value - self.best <= _CLOSED * max(abs(value), self.relaxation.little)):
                 break
         assert answer is not None
         return answer

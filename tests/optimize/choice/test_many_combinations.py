@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from arm.evaluation import evaluate
 from optimize.choice import combinations as chooser
-from optimize.choice.picks import count
+from optimize.choice.at_once.feasibility import Feasibility
+from optimize.choice.chooser import Chooser
+from optimize.choice.picks import combinations, count
+from optimize.exchange.exchange import context_of
 from optimize.run import optimise
 from sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
@@ -101,4 +104,69 @@ def test_choice_among_1225_is_the_best_of_all(tmp_path: Path) -> None:
     place = np.unravel_index(int(by_hand.argmin()), by_hand.shape)
     assert [link.material and link.material.name for link in result.arm.links] == [f"m{k}" for k in place]
     assert (result.status, result.exhaustive, result.gap, result.combinations) == ("certified", True, 0.0, 1225)
-    assert len(result.candidates) < 100
+    assert len(result.candidates) < 200
+
+
+def test_what_is_ruled_out_at_once_has_no_design(tmp_path: Path) -> None:
+    """One combination without a design rules out others, and none of those has one by the formulas."""
+    rows = materials(20, 5)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    least = least_sags(rows, 3.0, 12.0, (0.01, 0.09))
+    asked = round(1e3 * float(np.quantile(least[np.isfinite(least)], 0.2)), 4)
+    text = (
+        f"minimize: mass\nchoose: {{section: [circle], material: {named(rows)}}}\nsubject_to: "
+        f"{{mass: '<= 3 kg', max_error: '<= {asked} mm', cost: '<= 12 EUR', section_size: [10 mm, 90 mm]}}\n"
+    )
+    problem = problem_of(tmp_path, arm, text)
+    context = context_of(problem)
+    worker, told = Chooser(context, None, None), Feasibility(context)
+    for pick in combinations(problem)[::7]:
+        if not told.rules_out(pick):
+            solved = worker.solve(pick, explain=True)
+            if solved.relaxed is not None:
+                told.learn(solved.exchange, solved.relaxed, pick, solved.pool)
+    kept = least <= 1e-3 * asked
+    assert not (told.impossible & kept).any()
+    assert told.impossible.sum() > 0.8 * (~kept).sum()
+
+
+def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
+    """Materials that differ little, under a limit on the cost: every pair within 3 % of the best is listed."""
+    generator = np.random.default_rng(11)
+    rows = np.array(
+        [
+            (round(e, 3) * 1e9, round(d, 1), round(price, 3))
+            for e, d, price in generator.uniform((55, 2500, 3), (75, 3500, 9), (34, 3))
+        ]
+    )
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"choose: {{section: [circle], material: {named(rows)}}}\n"
+        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
+    )
+    problem = problem_of(tmp_path, arm, text)
+
+    def stop(done: int, _: int, what: str) -> None:
+        if what == "solving near ties" and done == 3:
+            raise KeyboardInterrupt
+
+    stopped = optimise(problem, progress=stop)
+    assert stopped.interrupted
+    assert len(stopped.near_ties) == 3
+    result = optimise(problem)
+    assert stopped.near_ties_left >= len(result.near_ties) - 3
+    assert result.combinations == 1156 > chooser.MOST_COMBINATIONS
+    by_hand = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    assert result.objective == pytest.approx(by_hand.min(), rel=1e-3)
+    near = {(f"m{one}", f"m{other}") for one, other in np.argwhere(by_hand < by_hand.min() * 1.0299).tolist()}
+    ties = {each.materials: each for each in result.near_ties}
+    assert len(near) > 5
+    assert result.near_ties_left == 0
+    assert set(ties) >= near - {tuple(link.material.name for link in result.arm.links if link.material is not None)}
+    for names, tie in ties.items():
+        one, other = (int(str(name)[1:]) for name in names)
+        assert tie.objective == pytest.approx(by_hand[one, other], rel=1e-3)
+        assert tie.mass <= 4.0 * (1.0 + 1e-6)
+        assert tie.cost is not None
+        assert tie.cost <= 20.0 * (1.0 + 1e-6)
+        assert tie.first_frequency is not None

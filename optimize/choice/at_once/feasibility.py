@@ -1,0 +1,127 @@
+"""Which combinations cannot keep the limits, told for all at once.
+
+The relaxation (`relaxation`) without an objective: by how little the limits have to be broken at the poses so far. Its
+multipliers make one sum over links that no design which keeps all limits has above nought; where the least of it over a
+combination's options is above, that combination is out, whatever its sizes (a certificate of infeasibility; J. W.
+Chinneck, Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from materials.material import Material
+from optimize.choice.picks import Combination, options
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.design import arm_of, numeric_beams
+from optimize.exchange.exchange import Context, Exchange
+from optimize.exchange.program import Solution
+from sections.numeric import Array
+
+from .cells import Ids, elastic_links, link_cells
+from .pose_rows import rows_of
+from .relaxation import Node, Relaxation, Relaxed
+
+_SURE = 1e-4
+"""A combination that breaks limits by less (relative) is not ruled out."""
+_ROOM = 1e-2
+"""Bounds of options that are out by more than this need not be exact."""
+_WORTH_IT, _IN_VAIN = 4, 4
+"""One combination that rules out fewer others was in vain; after so many of those no more are asked."""
+_MOST = 3_000_000
+"""For more combinations it is not kept which of them are out."""
+
+
+class Feasibility:
+    """Rules out combinations of a problem; `impossible` (an axis for each elastic link, with its options) says which
+    are."""
+
+    def __init__(self, context: Context) -> None:
+        problem = context.problem
+        self.context = context
+        self.relaxation = Relaxation(link_cells(problem), elastic_links(problem), problem.arm.size)
+        # By how much limits are broken is told to thousandths of them, however little that is.
+        self.relaxation.little = 1.0
+        self._root = self.relaxation.root()
+        self._places: list[dict[tuple[str | None, Material | None], int]] = [
+            {option: number for number, option in enumerate(cells.options)} for cells in self.relaxation.cells
+        ]
+        self.impossible = np.zeros(tuple(len(own) for own in self._places), dtype=bool)
+        self._pool: Pool | None = None
+        self._in_vain = 0
+        self._asked_all = False
+
+    def rules_out(self, pick: Combination) -> bool:
+        """Whether a combination is known to keep the limits nowhere."""
+        return bool(self.impossible[self._place(pick)])
+
+    def learn(self, exchange: Exchange, relaxed: Solution, pick: Combination, pool: Pool) -> None:
+        """Rule out what a combination shows that has no solution for a pool: in `relaxed` limits give way as little as
+        they can, `exchange` is one of its shapes."""
+        self.impossible[self._place(pick)] = True
+        if self._in_vain >= _IN_VAIN:
+            return
+        # Where the limits give way, other poses than the pool's break them as well.
+        pool = exchange.worse_poses(relaxed, pick.materials, pool)
+        self._pool = pool if self._pool is None else self._pool.joined(pool)
+        if not self._read(exchange, relaxed.x, pick, self._pool):
+            return
+        before = int(self.impossible.sum())
+        if not self._asked_all:
+            self._asked_all = True
+            self._note(self._root)
+        if not self.impossible.all():
+            self._note(self._only(pick))
+        self._in_vain = self._in_vain + 1 if int(self.impossible.sum()) - before < _WORTH_IT else 0
+
+    def _read(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool) -> bool:
+        """The rows of a pool, read off about a design; False where there are none."""
+        p = numeric_beams(arm_of(exchange.space, x, pick.materials), self.context.problem.load_cases)
+        rows = rows_of(self.context, pool, arm_of(exchange.space, x, pick.materials), p, 1.0)
+        self.relaxation.rows = [row for row in rows or () if not row.objective]
+        return bool(self.relaxation.rows)
+
+    def _place(self, pick: Combination) -> tuple[int, ...]:
+        return tuple(
+            own[pick.shapes[link], pick.materials[link]]
+            for link, own in zip(self.relaxation.links, self._places, strict=True)
+        )
+
+    def _only(self, pick: Combination) -> Node:
+        """The part of all designs in which every link is what a combination says."""
+        allowed: list[Ids] = [np.array([place]) for place in self._place(pick)]
+        return self.relaxation.root(allowed)
+
+    def _note(self, node: Node) -> None:
+        """Rule out what the multipliers of a part of all designs show to be impossible."""
+        found = self.relaxation.least_breach(node, self._root)
+        if math.isfinite(found.bound):
+            self.impossible |= self._breaches(found) > _SURE
+
+    def _breaches(self, found: Relaxed) -> NDArray[np.float64]:
+        """How far limits are broken at least (relative), for every combination."""
+        everywhere = replace(found, node=replace(found.node, cells=self._root.cells))
+        bound, losses = self.relaxation.by_option(everywhere, max(_SURE - found.bound, 0.0) + _ROOM)
+        table = np.array(bound)
+        for axis, (own, cells) in enumerate(zip(losses, self.relaxation.cells, strict=True)):
+            # An option without a cell has no section that keeps the limits on single links.
+            values = np.array([own.get(option, np.inf) for option in range(len(cells.options))])
+            table = table + values.reshape([-1 if k == axis else 1 for k in range(len(losses))])
+        return table
+
+
+def feasibility_of(context: Context) -> Feasibility | None:
+    """What rules out combinations of a problem; None where the model is no sum of products over links: lengths to be
+    chosen, scenarios, play that depends on the design; or where there are too many."""
+    problem = context.problem
+    if problem.link_length is not None or context.scenarios is not None:
+        return None
+    if problem.arm.play != "worst" and context.uses_error:
+        return None
+    links = elastic_links(problem)
+    own = [len(shapes) * len(materials) for shapes, materials in zip(*options(problem), strict=True)]
+    return Feasibility(context) if links and math.prod(own) <= _MOST else None
