@@ -17,13 +17,14 @@ import numpy as np
 from arm.chain.chain import Arm
 from arm.evaluation import evaluate
 from arm.worst.workspace import Unreachable
+from optimize.choice.at_once.feasibility import Feasibility, feasibility_of
 from optimize.choice.chooser import Progress
 from optimize.choice.picks import Combination, combinations, count, uniform
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import arm_of, design_space, material_row, starting_points
 from optimize.exchange.exchange import Context, Exchange, first_pool
 from optimize.exchange.program import Program, Solution
-from optimize.limits import Limit, excess
+from optimize.limits import Limit, OfLinks, excess
 from optimize.problem import Problem
 from optimize.trust import GAP
 from sections.numeric import Array
@@ -32,7 +33,13 @@ from units.quantities import format_quantity, read_bound
 from .answer import Change, Infeasibility, Needed, OutOfReach
 
 _ALL = 12
-"""Up to this many combinations every one is looked at; of more, those in which all links agree."""
+"""Up to this many combinations every one is looked at."""
+_NEAREST, _RANKED = 4, 2000
+"""Of more, so many that come nearest, and so many in which all links agree, among so many that come nearest."""
+_CLOSEST, _HALVINGS = 8, 4
+"""So many more for each limit, where it is so much that it gives way alone."""
+_FREE = 1e3
+"""A limit so many times wider is none."""
 _ROUNDS = 12
 _STARTS = 2
 _BROKEN = 1e-5
@@ -61,15 +68,21 @@ def explained(
     problem = replace(problem, minimize="mass")
     context = replace(context, problem=problem)
     total = count(problem)
-    every = total <= _ALL
-    picks = combinations(problem) if every else uniform(problem)
-    trials = [_Trial(context, pick) for pick in picks]
     size = len(problem.limits)
+    near = None if total <= _ALL else _nearest(context)
+    if near is not None:
+        picks, among = near.picks, "that come nearest by bounds on all of them"
+    elif total <= _ALL:
+        picks, among = combinations(problem), ""
+    else:
+        picks, among = uniform(problem), "in which the links agree"
+    exchanges: dict[tuple[str | None, ...], Exchange] = {}
+    trials = [_Trial(context, pick, exchanges) for pick in picks]
     questions = [(k,) for k in range(size)] + ([tuple(range(size))] if size > 1 else [])
     stuck = {problem.limits.index(each.limit) for each in beyond}
     answers: list[_Found] = []
     for number, question in enumerate(questions):
-        if stuck - set(question):
+        if stuck - set(question) or (near is not None and near.none_keeps_without(question)):
             answers.append(_Found("none"))
             continue
         found: list[_Found] = []
@@ -77,6 +90,12 @@ def explained(
             if progress is not None:
                 progress(number * len(trials) + done, len(questions) * len(trials), "what the limits would have to be")
             found.append(trial.least(question, min((each.total for each in found), default=math.inf)))
+        if near is not None and len(question) == 1:
+            known = {trial.pick for trial in trials}
+            for pick in near.closer(question[0], min((each.total for each in found), default=math.inf)):
+                if pick not in known:
+                    trials.append(_Trial(context, pick, exchanges))
+                    found.append(trials[-1].least(question, min(each.total for each in found)))
         answers.append(_best(problem, found))
     limits = tuple(
         Needed(limit, _needed(limit, each.slacks[k]) if each.outcome == "found" else None, each.outcome)
@@ -97,16 +116,91 @@ def explained(
         combinations=total,
         looked_at=total,
         unsolved=unsolved,
-        rests_on=_rests_on(len(picks), total, every),
+        rests_on=_rests_on(len(trials), total, among),
         kept=_sizes(problem),
     )
 
 
-def _rests_on(looked_at: int, total: int, every: bool) -> str:
+def _rests_on(looked_at: int, total: int, among: str) -> str:
     local = "solved locally from several starts"
-    if every:
+    if not among:
         return f"over {'the only combination' if total == 1 else f'all {total} combinations'}, {local}"
-    return f"over the {looked_at} of {total} combinations in which the links agree, {local}"
+    return f"over the {looked_at} of {total} combinations {among}, {local}"
+
+
+@dataclass(frozen=True)
+class _Nearest:
+    """The combinations that come nearest to keeping all limits, and one of them with numbers at which limits give way,
+    about which the bounds on all are read off."""
+
+    context: Context
+    picks: list[Combination]
+    told: Feasibility
+    trial: _Trial
+    x: Array
+    pool: Pool
+
+    def closer(self, number: int, least: float) -> list[Combination]:
+        """The combinations that come nearest where one limit gives way alone, by less than the `least` change known (of
+        its logarithm): halved until what is known to be too little is close to it."""
+        limit = self.context.problem.limits[number]
+        if limit.relation == "==" or isinstance(limit.figure.follows, OfLinks):
+            return []  # what a single link keeps is in the cells of all bounds
+        found: list[Combination] = []
+        low, high = 0.0, min(least, math.log(_FREE))
+        for _ in range(_HALVINGS):
+            change = 0.5 * (low + high)
+            value = limit.value * math.exp(change if limit.relation == "<=" else -change)
+            limits = tuple(
+                replace(each, value=value) if k == number else each
+                for k, each in enumerate(self.context.problem.limits)
+            )
+            nearest = self.told.nearest(self.trial.exchange, self.x, self.trial.pick, self.pool, _CLOSEST, limits)
+            if nearest:
+                low, found = change, nearest
+            else:
+                high = change
+        return found
+
+    def none_keeps_without(self, question: tuple[int, ...]) -> bool:
+        """Whether no combination keeps the limits that are not in question."""
+        problem = self.context.problem
+        if len(question) == len(problem.limits) or any(problem.limits[k].relation == "==" for k in question):
+            return False
+        limits = tuple(
+            replace(limit, value=limit.value * (_FREE if limit.relation == "<=" else 1.0 / _FREE))
+            if k in question
+            else limit
+            for k, limit in enumerate(problem.limits)
+        )
+        told = feasibility_of(replace(self.context, problem=replace(problem, limits=limits)))
+        return told is not None and told.none_keeps(self.trial.exchange, self.x, self.trial.pick, self.pool)
+
+
+def _nearest(context: Context) -> _Nearest | None:
+    """The combinations that come nearest to keeping all limits; None where no bound tells."""
+    told = feasibility_of(context)
+    if told is None:
+        return None
+    price = np.ones(len(context.problem.limits))
+    for pick in uniform(context.problem)[:_STARTS]:
+        trial = _Trial(context, pick, {})
+        try:
+            pool = first_pool(context, trial.exchange.space, trial.starts[0], pick.materials)
+        except Unreachable:
+            continue
+        solution = _elastic(trial.exchange.program(pool), trial.starts[0], trial.materials, pool, price)
+        if isinstance(solution, _Found):
+            continue
+        pool = trial.exchange.worse_poses(solution, pick.materials, pool)
+        picks = told.nearest(trial.exchange, solution.x, pick, pool, min(count(context.problem), _RANKED))
+        if picks:
+            # Bounds on mixtures of what a link can be like those best in which the links differ.
+            alike = set(uniform(context.problem))
+            agreeing = [each for each in picks if each in alike]
+            picks = list(dict.fromkeys([*picks[:_NEAREST], *agreeing[:_NEAREST]]))
+            return _Nearest(context, picks, told, trial, solution.x, pool)
+    return None
 
 
 def _sizes(problem: Problem) -> str:
@@ -130,9 +224,11 @@ def _best(problem: Problem, found: Sequence[_Found]) -> _Found:
 class _Trial:
     """One combination, asked again and again with the poses that it has met."""
 
-    def __init__(self, context: Context, pick: Combination) -> None:
+    def __init__(self, context: Context, pick: Combination, exchanges: dict[tuple[str | None, ...], Exchange]) -> None:
         self.context, self.pick = context, pick
-        self.exchange = Exchange(context, design_space(context.problem, pick.shapes))
+        if pick.shapes not in exchanges:
+            exchanges[pick.shapes] = Exchange(context, design_space(context.problem, pick.shapes))
+        self.exchange = exchanges[pick.shapes]
         self.materials = material_row(pick.materials, context.problem)
         self.starts = starting_points(self.exchange.space, self.materials, _STARTS)
         self.pool: Pool | None = None

@@ -9,6 +9,7 @@ Chinneck, Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context, Exchange
 from optimize.exchange.program import Solution
+from optimize.limits import Limit
 from sections.numeric import Array
 
 from .cells import Ids, elastic_links, link_cells
@@ -78,10 +80,47 @@ class Feasibility:
             self._note(self._only(pick))
         self._in_vain = self._in_vain + 1 if int(self.impossible.sum()) - before < _WORTH_IT else 0
 
-    def _read(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool) -> bool:
+    def nearest(
+        self,
+        exchange: Exchange,
+        x: Array,
+        pick: Combination,
+        pool: Pool,
+        number: int,
+        limits: tuple[Limit, ...] | None = None,
+    ) -> list[Combination]:
+        """So many combinations at most that break limits least, by the multipliers of all together; none where it is
+        not known that one is broken by all. Rows are read off about a design: a combination with its numbers; `limits`
+        stand for the problem's, in the same order."""
+        if not self._read(exchange, x, pick, pool, limits):
+            return []
+        found = self.relaxation.least_breach(self._root, self._root)
+        if not math.isfinite(found.bound) or found.bound <= _SURE:
+            return []
+        table = self._breaches(found)
+        picks: list[Combination] = []
+        for place in np.argsort(table, axis=None, kind="stable").tolist():
+            near = self._combination([int(k) for k in np.unravel_index(place, table.shape)])
+            if near.agrees(self.context.problem.same):
+                picks.append(near)
+            if len(picks) == number:
+                break
+        return picks
+
+    def none_keeps(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool) -> bool:
+        """Whether it is known that no combination keeps the limits; rows are read off about a design."""
+        if not self._read(exchange, x, pick, pool):
+            return False
+        return self.relaxation.least_breach(self._root, self._root, enough=2.0 * _SURE).bound > _SURE
+
+    def _read(
+        self, exchange: Exchange, x: Array, pick: Combination, pool: Pool, limits: tuple[Limit, ...] | None = None
+    ) -> bool:
         """The rows of a pool, read off about a design; False where there are none."""
-        p = numeric_beams(arm_of(exchange.space, x, pick.materials), self.context.problem.load_cases)
-        rows = rows_of(self.context, pool, arm_of(exchange.space, x, pick.materials), p, 1.0)
+        problem = self.context.problem
+        context = self.context if limits is None else replace(self.context, problem=replace(problem, limits=limits))
+        arm = arm_of(exchange.space, x, pick.materials)
+        rows = rows_of(context, pool, arm, numeric_beams(arm, problem.load_cases), 1.0)
         self.relaxation.rows = [row for row in rows or () if not row.objective]
         return bool(self.relaxation.rows)
 
@@ -90,6 +129,14 @@ class Feasibility:
             own[pick.shapes[link], pick.materials[link]]
             for link, own in zip(self.relaxation.links, self._places, strict=True)
         )
+
+    def _combination(self, place: Sequence[int]) -> Combination:
+        size = self.context.problem.arm.size
+        shapes: list[str | None] = [None] * size
+        materials: list[Material | None] = [None] * size
+        for link, cells, k in zip(self.relaxation.links, self.relaxation.cells, place, strict=True):
+            shapes[link], materials[link] = cells.options[k]
+        return Combination(tuple(shapes), tuple(materials))
 
     def _only(self, pick: Combination) -> Node:
         """The part of all designs in which every link is what a combination says."""

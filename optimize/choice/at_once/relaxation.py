@@ -113,12 +113,13 @@ class Relaxation:
             return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
         return _Solve(self, node).run(enough, rough=rough)
 
-    def least_breach(self, node: Node, within: Node) -> Relaxed:
+    def least_breach(self, node: Node, within: Node, *, enough: float = np.inf) -> Relaxed:
         """By how much (relative) the limits are broken at least in a node, whatever the objective; what the prices say
-        holds for all designs of another node that has it `within`."""
+        holds for all designs of another node that has it `within`. Given up where that is `enough`, or known to be
+        less."""
         if any(len(ids) == 0 for ids in node.cells):
             return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
-        return _Solve(self, node, within).breach()
+        return _Solve(self, node, within).breach(enough)
 
     def by_option(self, found: Relaxed, room: float) -> tuple[float, list[dict[int, float]]]:
         """A bound by what a relaxed node's prices say, and for each link by how much more (at least) each option that
@@ -164,6 +165,8 @@ class _Solve:
         self._box()
         self.best = -np.inf
         self.price, self.cost = _PRICES[0], 1.0
+        self.hopeless = -np.inf
+        """Where the linear program is below this nothing more is asked; it falls only with columns to come."""
 
     def _box(self) -> None:
         """The least and the greatest of each column in the node."""
@@ -198,11 +201,12 @@ class _Solve:
             constant += float(c[~up] @ (np.exp(first) - slope * first))
         return gradient.reshape(-1, _WIDTH)[list(self.relaxation.links)], constant, row.objective
 
-    def breach(self) -> Relaxed:
+    def breach(self, enough: float) -> Relaxed:
         """The least by which the limits are broken, the objective left out."""
         self._begin()
         self.cost, self.price = 0.0, 1.0
-        return self._rounds(np.inf, rough=False)
+        self.hopeless = enough if np.isfinite(enough) else -np.inf
+        return self._rounds(enough, rough=False)
 
     def run(self, enough: float, *, rough: bool) -> Relaxed:
         """The bound with the objective."""
@@ -263,6 +267,8 @@ class _Solve:
             if self.best >= enough:
                 break
             touched = self._touch(y, t)
+            if not touched and value < self.hopeless:
+                break
             if not touched and (not fresh or value - self.best <= _CLOSED * max(abs(value), self.relaxation.little)):
                 break
         assert answer is not None

@@ -15,6 +15,7 @@ from optimize.choice.at_once.feasibility import Feasibility
 from optimize.choice.chooser import Chooser
 from optimize.choice.picks import combinations, count
 from optimize.exchange.exchange import context_of
+from optimize.infeasible.answer import Infeasible
 from optimize.run import optimise
 from sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
@@ -170,3 +171,21 @@ def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
         assert tie.cost is not None
         assert tie.cost <= 20.0 * (1.0 + 1e-6)
         assert tie.first_frequency is not None
+
+
+def test_what_a_limit_would_have_to_be_is_found_among_all(tmp_path: Path) -> None:
+    """The least error that mass and cost allow, over pairs of materials most of which differ."""
+    rows = materials(20, 3)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    least = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    text = (
+        f"minimize: mass\nchoose: {{section: [circle], material: {named(rows)}}}\nsubject_to: "
+        f"{{mass: '<= 4 kg', max_error: '<= {950 * least.min():.4f} mm', cost: '<= 20 EUR', "
+        "section_size: [10 mm, 90 mm]}\n"
+    )
+    with pytest.raises(Infeasible) as caught:
+        optimise(problem_of(tmp_path, arm, text))
+    found = caught.value.infeasible
+    assert found.verdict == "infeasible"
+    needed = {each.limit.name: each.needed for each in found.limits}
+    assert needed["max_error"] == pytest.approx(least.min(), rel=2e-3)
