@@ -7,6 +7,7 @@ from diagnose.diagnosis import diagnose
 from diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
 from diagnose.instruments.split import laid_out
 from diagnose.recording import Recording
+from diagnose.several.recordings import together
 from tests.diagnose.arm_of_drives import turned_by, visited
 from tests.diagnose.recorded import planar_arm, planar_tip
 
@@ -114,3 +115,24 @@ def test_rows_of_different_instruments_each_by_its_own_noise():
     assert "distance: The noise floor is" in result.noise_source
     expected = np.sqrt((2 * (80e-6**2 + SIGMA**2) + SIGMA**2) / 3)
     assert result.noise_floor == pytest.approx(expected, rel=0.2)
+
+
+def test_a_ballbar_at_three_sockets_and_a_height_gauge_are_one_recording():
+    """Each with an unknown anchor of its own; the gauge sees what these cannot, and all are noisy in their own way."""
+    arm, recordings = planar_arm(), []
+    for number, anchor in enumerate(([0.3, -0.9], [1.1, 0.4], [-0.5, 0.6])):
+        q, tip = _tips(1, poses=20, seed=20 + number)
+        instrument = Instrument(("distance",))
+        recordings.append(_read(q, _distance(tip, np.array(anchor)), (DISTANCE,), instrument, unit=f"socket {number}"))
+    q, tip = _tips(1, poses=20, seed=30)
+    recordings.append(_read(q, tip, (0, 1), Instrument(), unit="camera"))
+
+    alone = together(recordings[:3], arm)
+    assert alone.tip.shape == (120, 1)
+    everything = together(recordings, arm)
+    assert everything.tip.shape == (200, 1)
+    result = diagnose(arm, everything)
+    low, high = _offset(result, 2)
+    assert low < OFF < high
+    assert len(result.recordings) == 4
+    assert all(each.rms_after == pytest.approx(SIGMA, rel=0.35) for each in result.recordings)

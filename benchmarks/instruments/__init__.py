@@ -1,0 +1,1 @@
+"""Which instrument shows which effect, by the diagnosis' own figures."""
