@@ -2,12 +2,12 @@
 
 A candidate's parameter shows by v = c' (I - P) c, with c its whitened displacements over the readings and P the
 projection onto the nuisances and, where it is to be told from a rival, onto that rival too: the non-centrality of the
-test of that parameter at its usual size, and the smallest size goes with 1/sqrt(v). The score is the logarithm of the
-mean of those over all parameters asked for, alone, in which the least visible count most, and the mean of log(1 + t/v)
-over all pairs, where t is what it takes to refuse a wrong name: what is told anyhow counts no more. So it is a
-compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum Experimental Designs, with SAS, Oxford
-2007, ch. 10 and 21). Visits are taken greedily by the slope of the score, then exchanged one at a time (V. V. Fedorov,
-Theory of Optimal Experiments, Academic Press 1972).
+test of that parameter at its usual size, and the smallest size goes with 1/sqrt(v). The score is the mean logarithm of
+those over all parameters asked for, alone, so that each counts by how many times smaller it is seen, and a share of
+the mean of log(1 + t/v) over all pairs, where t is what it takes to refuse a wrong name: what is told anyhow counts no
+more. So it is a compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum Experimental Designs,
+with SAS, Oxford 2007, ch. 10 and 21). Visits are taken greedily by the slope of the score, then exchanged one at a
+time (V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972).
 """
 
 from __future__ import annotations
@@ -103,8 +103,10 @@ class _Score:
     def __call__(self, total: Array) -> float:
         alone, told, _, _ = self._shown(total)
         against = self.patterns.against
-        value = float(np.log(np.mean(alone**-0.5)))
-        return value + (float(np.mean(np.log1p(self.patterns.told / told[against]))) if against.any() else 0.0)
+        value = float(np.mean(-0.5 * np.log(alone)))
+        return value + (
+            self.rules.pairs * float(np.mean(np.log1p(self.patterns.told / told[against]))) if against.any() else 0.0
+        )
 
     def _projected(self, total: Array) -> tuple[Array, Array]:
         """A matrix without its nuisances, and the coefficients (b, M - b) by which they are taken off."""
@@ -136,10 +138,10 @@ class _Score:
         asked, b = patterns.asked, patterns.nuisances
         size = total.shape[0] - b
         weight = np.zeros((size, size))
-        weight[asked, asked] = 0.5 * alone**-1.5 / float(np.sum(alone**-0.5))
-        pairs = max(int(patterns.against.sum()), 1)
+        weight[asked, asked] = 0.5 / (alone * len(asked))
+        share = self.rules.pairs / max(int(patterns.against.sum()), 1)
         for number, (rival, by) in enumerate(zip(patterns.rivals, coefficients, strict=True)):
-            own = np.where(patterns.against[:, number], _steepness(told[:, number], patterns.told) / pairs, 0.0)
+            own = np.where(patterns.against[:, number], share * _steepness(told[:, number], patterns.told), 0.0)
             if not own.any():
                 continue
             # The rows of (1, -coefficients), weighed: what is left of an asked column beside the rival.

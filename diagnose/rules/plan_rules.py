@@ -26,6 +26,12 @@ class PlanRules:
     widest_rival: int = rule(
         6, "coefficients", "Curves of more could look like anything; poses are not chosen to tell them.", TIME
     )
+    pairs: float = rule(
+        0.3,
+        "share of the score",
+        "Of telling apart beside seeing; with 1, sizes were larger by 3 to 9 % on three arms and hardly more was told.",
+        JUDGED,
+    )
     known: float = rule(
         0.02,
         "share of a visit",
