@@ -50,7 +50,7 @@ def diagnose(
     asked, tell = options or Options(), progress or _silent
     tell("noise floor", 0.0)
     rules = asked.rules
-    recording, noise, cleaned, floors = _cleaned(arm, recording, rules)
+    recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)
     tell("setting the recording against the model", 0.05)
     searched = _thinned(arm, cleaned, asked)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
@@ -102,13 +102,13 @@ def diagnose(
     return replace(found, sentence=f"{found.sentence}{said}")
 
 
-def _cleaned(
+def cleaned_of(
     arm: Arm, recording: Recording, rules: Rules
 ) -> tuple[Recording, NoiseFloor, Recording, tuple[NoiseFloor, ...]]:
     """The recording with sound orientations, its noise floor, and the readings that do not stand out from repeats; of
     several recordings each by itself, and each one's floor."""
     if isinstance(recording, Several):
-        found = [_cleaned(arm, each, rules) for each in recording.each]
+        found = [cleaned_of(arm, each, rules) for each in recording.each]
         parts = [cleaned for _, _, cleaned, _ in found]
         again = together(parts, arm, units=recording.units, names=recording.names, first_row=recording.first_row)
         floors = tuple(noise for _, noise, _, _ in found)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from linkwright.face.inverse import inverse
     from linkwright.face.planning.budget import budget
     from linkwright.face.planning.plan import plan
+    from linkwright.face.planning.watch import watch
     from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
     from linkwright.face.recording import read_recording, read_recordings, simulate
@@ -55,6 +56,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.inverse": ("inverse",),
         "linkwright.face.planning.budget": ("budget",),
         "linkwright.face.planning.plan": ("plan",),
+        "linkwright.face.planning.watch": ("watch",),
         "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
         "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
@@ -103,6 +105,7 @@ __all__ = [
     "simulate",
     "tables",
     "tradeoff",
+    "watch",
 ]
 
 

@@ -44,6 +44,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "compensate": "compensate",
         "plan": "planning.plan",
         "budget": "planning.budget",
+        "watch": "planning.watch",
         "import": "exchange.import_",
         "export": "exchange.export",
         "materials": "materials",

@@ -239,6 +239,7 @@ class Effect:
     adjusted or mounted anew), or as long as `a recording` (what is held, how it is measured).
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
+    `watched` marks what is looked at in every watch over dated recordings, found or not.
     """
 
     id: str
@@ -282,6 +283,7 @@ class Effect:
     kinks: Callable[[PoseState, Settings], Iterable[Kink]] = no_kinks
     under_forces: bool = False
     weights_named: bool = False
+    watched: bool = False
 
     @property
     def belongs_to_link(self) -> bool:

@@ -96,7 +96,7 @@ def common_model(first: Diagnosis, second: Diagnosis) -> tuple[tuple[Candidate, 
             found.append(finding)
         elif (same.effect, same.at) != (finding.effect, finding.at):
             notes.append(f"{_name(finding)} in the second is taken for {_name(same)}: the data do not tell them apart.")
-    return tuple(_candidate(finding) for finding in found if finding.effect in EFFECTS), notes
+    return tuple(candidate_of(finding) for finding in found if finding.effect in EFFECTS), notes
 
 
 def _alike(one: Finding, other: Finding) -> bool:
@@ -109,7 +109,7 @@ def _name(finding: Finding) -> str:
     return f"{finding.effect} at {', '.join(map(str, finding.at))}" if finding.at else finding.effect
 
 
-def _candidate(finding: Finding) -> Candidate:
+def candidate_of(finding: Finding) -> Candidate:
     """A finding as columns to fit: its sizes, at the shapes that were found."""
     effect = EFFECTS[finding.effect]
     role = {parameter.name: parameter.role for parameter in effect.parameters}
@@ -125,12 +125,13 @@ def _candidate(finding: Finding) -> Candidate:
 @dataclass(frozen=True)
 class CommonFit:
     """Sizes of the common model in one recording with their standard errors (infinite where the recording does not
-    show them), the degrees of freedom and the RMS of what is left (m)."""
+    show them), the degrees of freedom, the RMS of what is left (m) and what is left itself (N, D), m."""
 
     sizes: tuple[Array, ...]
     errors: tuple[Array, ...]
     freedom: int
     rms: float
+    left: Array
 
 
 def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, rules: Rules = RULES) -> CommonFit:
@@ -140,24 +141,30 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, ru
     Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
     observed = observe(arm, recording, rules=rules)
-    width = observed.components
+    columns = [_columns(observed, term) for term in terms]
+    return fit_columns(observed, columns, observed.residual)
+
+
+def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> CommonFit:
+    """Fit the columns of each term (N, C, d) to a target (N, C), m and rad, in the tip's readings, beside nuisances;
+    errors are those of `fit_common`."""
+    width, rules = observed.components, observed.rules.compare
     beside = nuisances(observed)[0][:, :width]
-    columns = [_columns(observed, term)[:, :width] for term in terms]
-    design = np.concatenate([beside, *columns], axis=2)
-    target = observed.residual[:, :width].reshape(-1)
-    full = design.reshape(len(target), design.shape[2])
+    design = np.concatenate([beside, *(each[:, :width] for each in columns)], axis=2)
+    flat = target[:, :width].reshape(-1)
+    full = design.reshape(len(flat), design.shape[2])
     size = np.linalg.norm(full, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, vt = np.linalg.svd(full / size, full_matrices=False)
     good = singular > 1e-9 * max(float(singular.max(initial=0.0)), 1e-300)
     inverse = (vt[good].T / singular[good] ** 2) @ vt[good]
     scaled = full / size
-    values = inverse @ (scaled.T @ target)
-    left = target - scaled @ values
-    freedom = max(len(target) - int(good.sum()), 1)
+    values = inverse @ (scaled.T @ flat)
+    left = flat - scaled @ values
+    freedom = max(len(flat) - int(good.sum()), 1)
     covariance = inverse * float(left @ left) / freedom
     told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed, rules.compare.least_visits)
+    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed, rules.least_visits)
     variance = np.maximum(plain, clustered)
     if np.any(clustered > plain):
         # Errors that visits share are known from as many values as there are visits.
@@ -166,8 +173,8 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, ru
     edges = np.cumsum([beside.shape[2], *(each.shape[2] for each in columns)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
     sizes = values / size
-    rms = rms_length(left.reshape(-1, width))
-    return CommonFit(tuple(sizes[s] for s in spans), tuple(errors[s] for s in spans), freedom, rms)
+    rest = left.reshape(-1, width)
+    return CommonFit(tuple(sizes[s] for s in spans), tuple(errors[s] for s in spans), freedom, rms_length(rest), rest)
 
 
 def _columns(observed: Observed, term: Candidate) -> Array:

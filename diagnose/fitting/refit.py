@@ -34,7 +34,7 @@ from sections.numeric import Array
 from .fit import Fit, beyond_nuisances, bounds, left_of_a_drive, solved, t_quantile, why_impossible
 from .prepare import Prepared, limits
 from .shared_weights import factors
-from .terms import Term
+from .terms import DIFFERENCE, Term, linear, term_at
 from .under_weights import (
     entries_of,
     hold_of,
@@ -53,7 +53,6 @@ _NEWTON = 6
 _TOGETHER = 30
 _SETTLED = 1e-9
 """A step that lowers the sum of squares by so small a share is the last."""
-_DIFFERENCE = 1e-4
 _SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
 _ROUNDING = 1e-9
 
@@ -163,30 +162,14 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
     return tuple(term.candidate if term.candidate.free_shapes else None for term in found)
 
 
-def _linear(candidate: Candidate) -> bool:
-    """Whether the displacement is the columns times the sizes, whatever these are."""
-    return candidate.share or candidate.outside or EFFECTS[candidate.effect].linear
-
-
 def _begun(prepared: Prepared, candidate: Candidate, slopes: Array, columns: Array) -> Term:
     """A term at the sizes that a linear fit found for its pattern."""
-    sizes = slopes if _linear(candidate) else np.array(candidate.from_slopes(slopes.tolist()))
+    sizes = slopes if linear(candidate) else np.array(candidate.from_slopes(slopes.tolist()))
     return _term(prepared, candidate, sizes, columns)
 
 
 def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array) -> Term:
-    if _linear(candidate):
-        return Term(candidate, sizes, columns, columns @ sizes)
-    values = dict(zip(candidate.sizes, sizes.tolist(), strict=True))
-    moved = prepared.observed.signature(candidate.effect, candidate.settings(values))
-    parts: list[Array] = []
-    for name in candidate.sizes:
-        step = _DIFFERENCE * parameter_of(EFFECTS[candidate.effect], name).typical[1]
-        further = prepared.observed.signature(
-            candidate.effect, candidate.settings({**values, name: values[name] + step})
-        )
-        parts.append((further - moved) / step)
-    return Term(candidate, sizes, np.stack(parts, axis=2), moved)
+    return term_at(prepared.observed, candidate, sizes, columns)
 
 
 def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False) -> tuple[Array, list[slice]]:
@@ -239,7 +222,7 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
             continue
         parts: list[Array] = []
         for name, value in own.parameters.items():
-            step = _DIFFERENCE * parameter_of(EFFECTS[own.effect], name).typical[1]
+            step = DIFFERENCE * parameter_of(EFFECTS[own.effect], name).typical[1]
             further = replace(own, parameters=MappingProxyType({**own.parameters, name: value + step}))
             other = under([further if k == place else each for k, each in enumerate(entries)])
             moved = np.zeros(prepared.observed.residual.shape)
@@ -285,7 +268,7 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
         else:
             break
         (prepared, terms), value = trial, reached
-        plain = all(_linear(term.candidate) and term.through is None and not term.shared for term in terms)
+        plain = all(linear(term.candidate) and term.through is None and not term.shared for term in terms)
         if plain or value > before * (1.0 - _SETTLED):
             break
     return prepared, terms

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from diagnose.patterns.library import Candidate
+import numpy as np
+
+from arm.effects import EFFECTS
+from diagnose.patterns.library import Candidate, parameter_of
 from diagnose.patterns.unknown_weights import Weight
+from diagnose.residual.observed import Observed
 from sections.numeric import Array
+
+DIFFERENCE = 1e-4
+"""The share of a size's typical upper end by which it is changed to see what that does."""
 
 
 @dataclass(frozen=True)
@@ -29,3 +36,22 @@ class Term:
     def shared(self) -> bool:
         """Whether it gives under unknown weights, which are one set for all that does."""
         return self.weights is not None
+
+
+def linear(candidate: Candidate) -> bool:
+    """Whether the displacement is the columns times the sizes, whatever these are."""
+    return candidate.share or candidate.outside or EFFECTS[candidate.effect].linear
+
+
+def term_at(observed: Observed, candidate: Candidate, sizes: Array, columns: Array) -> Term:
+    """A candidate at some sizes, with its derivatives there; `columns` (N, C, d) are those of small sizes."""
+    if linear(candidate):
+        return Term(candidate, sizes, columns, columns @ sizes)
+    values = dict(zip(candidate.sizes, sizes.tolist(), strict=True))
+    moved = observed.signature(candidate.effect, candidate.settings(values))
+    parts: list[Array] = []
+    for name in candidate.sizes:
+        step = DIFFERENCE * parameter_of(EFFECTS[candidate.effect], name).typical[1]
+        further = observed.signature(candidate.effect, candidate.settings({**values, name: values[name] + step}))
+        parts.append((further - moved) / step)
+    return Term(candidate, sizes, np.stack(parts, axis=2), moved)

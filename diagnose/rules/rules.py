@@ -13,6 +13,7 @@ from .plan_rules import PlanRules
 from .reading_rules import ReadingRules
 from .residual_rules import ResidualRules
 from .search_rules import SearchRules
+from .watch_rules import WatchRules
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Rules:
     answer: AnswerRules = field(default_factory=AnswerRules)
     compare: CompareRules = field(default_factory=CompareRules)
     plan: PlanRules = field(default_factory=PlanRules)
+    watch: WatchRules = field(default_factory=WatchRules)
 
 
 RULES = Rules()

@@ -22,6 +22,7 @@ _DESCRIBED = MappingProxyType(
         "Exported": "exported",
         "Budget": "budget",
         "Planned": "planning",
+        "Watch": "diagnoses.watch",
     }
 )
 """The module that describes each class of results, loaded when asked for."""

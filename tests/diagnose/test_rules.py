@@ -25,7 +25,8 @@ NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
     "fitting/unnamed.py": {"_STEPS", "_TINY"},
-    "fitting/refit.py": {"_DIFFERENCE", "_NEWTON", "_ROUNDING", "_SCAN", "_SETTLED", "_SHARES", "_SWEEPS", "_TOGETHER"},
+    "fitting/refit.py": {"_NEWTON", "_ROUNDING", "_SCAN", "_SETTLED", "_SHARES", "_SWEEPS", "_TOGETHER"},
+    "fitting/terms.py": {"DIFFERENCE"},
     "instruments/checks.py": {"_SCALES"},
     "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, COUNT"},
     "instruments/touching.py": {"_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
@@ -49,6 +50,9 @@ NO_RULES = {
     "search/calibrate.py": {"_CHUNK", "_GONE"},
     "search/subsets.py": {"_GONE", "_RIDGE"},
     "several/recordings.py": {"_PAUSE"},
+    "watch/course.py": {"FEWEST", "_SWEEPS"},
+    "watch/estimates.py": {"_RIDGE"},
+    "watch/evidence.py": {"_MEDIAN", "_NOTHING"},
     "simulate.py": {"_BETWEEN_READINGS, _BETWEEN_VISITS", "_OUTLIERS", "_BASE_TARGET"},
 }
 

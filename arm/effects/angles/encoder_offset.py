@@ -33,4 +33,5 @@ ENCODER_OFFSET = Effect(
     lasts="a while",
     rank=20,
     linear=True,
+    watched=True,
 )

@@ -95,4 +95,5 @@ JOINT_COMPLIANCE = Effect(
     of_drives=True,
     flexible=True,
     in_modes=True,
+    watched=True,
 )

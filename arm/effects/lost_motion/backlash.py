@@ -63,4 +63,5 @@ BACKLASH = Effect(
     lasts="a while",
     rank=40,
     linear=True,
+    watched=True,
 )

@@ -1,1 +1,1 @@
-"""The commands for what is asked before anything is bought, built or measured."""
+"""What is asked before an arm is bought, built or measured, and as long as it works."""

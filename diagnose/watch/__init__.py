@@ -1,0 +1,1 @@
+"""Dated recordings of one arm: each parameter's course, what moved and when, what drifts, what is noise."""
