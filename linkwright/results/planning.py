@@ -138,4 +138,6 @@ def _how(found: Planned) -> tuple[str, ...]:
         lines.append(f"Boxes are kept clear by the lines from joint to joint, {where}.")
     if found.after is not None:
         lines.append(f"With what {found.after.file} shows already; sizes are those of both together.")
+        if not asked.effects:
+            lines.append("That recording leaves no names open, so this plan is for everything.")
     return tuple(lines)

@@ -127,7 +127,8 @@ def plan(
     `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), each with a scatter of `sigma` (text, or m;
     15 um, or what the recording `after` scatters by). `payloads` are masses (text, or kg); by default none and the
     arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
-    already, or its diagnosis: what that could not tell apart is planned for. The same `seed` gives the same plan.
+    already, or its diagnosis: what that could not tell apart is planned for, with frame and tool free where they were.
+    The same `seed` gives the same plan.
     Raises `InputError`, `MissingProperty`, and `NoAnswer` where nothing of what is asked for can be seen.
 
     >>> import linkwright as lw
@@ -154,6 +155,10 @@ def plan(
     boxes = tuple(_box(each) for each in avoid)
     before = _diagnosed(after, given, progress)
     apart = () if before is None or effects else _undecided(before)
+    if before is not None:
+        # The instrument that is there stays where it stands.
+        frame = "free" if before.recording.frame == "free" else frame
+        tool = "free" if before.recording.tool == "free" else tool
     if noise is None:
         noise = _NOISE if before is None else _scatter(before)
     asked = Asked(

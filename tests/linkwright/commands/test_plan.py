@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import linkwright as lw
+from linkwright.results.planning import describe
 
 ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"
 PLAY = [{"effect": "backlash", "at": 2, "total": "3 arcmin"}]
@@ -78,6 +79,16 @@ def test_wrong_input_is_one_line(linkwright, options, said):
     assert status == 2
     assert err.count("\n") == 1
     assert said in err
+
+
+def test_after_a_recording_in_a_free_frame_that_leaves_nothing_open(tmp_path):
+    """The frame stays free, everything is asked, and it is said."""
+    first = tmp_path / "first.csv"
+    lw.simulate(ARM, poses=12, frame_free=True).save(first)
+    found = lw.plan(ARM, poses=8, repeats=1, after=first)
+    assert (found.found.asked.frame, found.found.asked.tool) == ("free", "known")
+    assert not found.found.asked.effects
+    assert "leaves no names open" in repr(describe(found.found))
 
 
 def test_what_nothing_shows_has_no_answer(linkwright):
