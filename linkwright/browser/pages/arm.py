@@ -29,6 +29,7 @@ class ArmPage:
         self._desk = desk
         self._arm: Any = None
         self._pose: list[float] = []
+        self._ranges: list[tuple[float, float]] = []
         with framed("Arm", "Edit an arm, see it to scale, and ask for its worst error."):
             with ui.element("div").classes("lw-two"):
                 with stack():
@@ -62,9 +63,9 @@ class ArmPage:
         self._problem.say("")
         self._ask.enabled = True
         self._line.text = repr(self._arm)[1:-1]
-        before = self._pose
-        self._pose = list(middle(self._arm.model))
-        if len(before) != len(self._pose):
+        ranges = [joint.range for joint in self._arm.model.joints]
+        if ranges != self._ranges:  # another arm; else it stays at the pose that was chosen
+            self._ranges, self._pose = ranges, list(middle(self._arm.model))
             self._show_sliders()
         await self._draw()
 
@@ -73,6 +74,8 @@ class ArmPage:
         with self._sliders:
             for index, joint in enumerate(self._arm.model.joints):
                 low, high = joint.range
+                if not joint.driven:
+                    continue
                 with ui.element("div").classes("lw-slide"):
                     ui.label(f"joint {index + 1}").classes("lw-note")
                     slider = ui.slider(min=0.0, max=1.0, step=0.01, value=0.5).props("dense")
