@@ -12,12 +12,13 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-diagnosis test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
 	@echo "make pictures   docs/pictures/tradeoff.svg, by the command that docs/tradeoff.md shows (ten minutes)"
+	@echo "make picture-diagnosis  docs/pictures/diagnosis.png, with Chromium"
 	@echo "make test       run the test suite"
 	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make lint       ruff and pyright"
@@ -81,6 +82,10 @@ pictures: $(RUNTIME)
 	$(ONE_THREAD) $(BIN)/linkwright tradeoff examples/welding-arm/problem.yaml --x mass --y max_error --by shape \
 		--accuracy 0.05 --out pictures-out --resume
 	cp pictures-out/tradeoff.svg docs/pictures/tradeoff.svg
+
+# Its file says what the report answered; a test holds that against a fresh diagnosis.
+picture-diagnosis: $(DEV)
+	$(ONE_THREAD) $(BIN)/python -m handbook.pictures
 
 test: $(DEV)
 	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
