@@ -46,10 +46,10 @@ def amount_words(each: Watched, value: float, digits: int = 3, *, signed: bool =
 
 def _level(each: Watched, value: float) -> str:
     """A level to a tenth of what one recording scatters by."""
-    if not (math.isfinite(value) and each.deviation > 0.0):
+    if not (math.isfinite(value) and value != 0.0 and each.deviation > 0.0):
         return amount_words(each, value)
-    fine = 10.0 ** (math.floor(math.log10(each.deviation)) - 1)
-    return amount_words(each, fine * round(value / fine), 7)
+    finer = math.floor(math.log10(abs(value))) - math.floor(math.log10(each.deviation))
+    return amount_words(each, value, min(7, max(1, finer + 2)))
 
 
 def _like(each: Watched) -> float | None:
