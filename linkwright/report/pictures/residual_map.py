@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.kinematics import tip_position
+from diagnose.residual.observed import rms_length
 from diagnose.result import Diagnosis
 from linkwright.report.page import figure_place, side_by_side
 from linkwright.results.diagnoses.words import row_words
@@ -49,14 +50,16 @@ def arrow_maps(diagnosis: Diagnosis) -> str:
     largest = 1e3 * float(np.linalg.norm(diagnosis.residual_before, axis=1).max())
     shown: list[str] = []
     several = len(states(diagnosis)) > 1
-    displaced = [(when, diagnosis.in_space(residual)) for when, residual in states(diagnosis)]
+    displaced = [(when, diagnosis.in_space(residual), rms_length(residual)) for when, residual in states(diagnosis)]
     for *view, seen in views:
         plot = _plot(tip, (view[0], view[1]))
         scale = (plot.across[1] - plot.across[0]) / plot.width
         exaggeration = nice_below(_ARROW * _WIDTH * scale / largest) if largest > 0.0 else 1.0
         maps = [
-            _map(plot, tip, 1e3 * moved, rows, (view[0], view[1]), (when, seen), exaggeration, several=several)
-            for when, moved in displaced
+            _map(
+                plot, tip, 1e3 * moved, 1e3 * rms, rows, (view[0], view[1]), (when, seen), exaggeration, several=several
+            )
+            for when, moved, rms in displaced
         ]
         shown.append(side_by_side(*maps))
     some = "" if len(rows) == len(tip) else f"{len(rows)} of {len(tip)} readings, evenly spaced. "
@@ -86,6 +89,7 @@ def _map(
     plot: Plot,
     tip: Array,
     residual: Array,
+    rms: float,
     rows: NDArray[np.int64],
     view: tuple[int, int],
     named: tuple[str, str],
@@ -106,7 +110,6 @@ def _map(
     about = f"Residuals {when} over the workspace, {names[view[0]]} and {names[view[1]]}"
     axes = (f"{names[view[0]]} in mm", f"{names[view[1]]} in mm")
     drawn = plot.drawn(about, axes, arrows(page, page + moved, when), key)
-    rms = float(np.sqrt(np.mean(np.sum(residual * residual, axis=1)))) if len(residual) else 0.0
     title = when.capitalize() if several else "As measured"
     heading = element("h3", text(title + seen))
     words = f"RMS {figure(rms, 3)} mm; arrows {figure(exaggeration)} times their size"
