@@ -34,8 +34,8 @@ class View:
     added to the arm's own, in the last link's frame, m. `anchor` (3,), m, is that in the base frame (of several
     recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands; `settled` (N, 3) the
     same but on the points and planes that were touched: how far off these it is told is what was measured, and nothing
-    may be made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring frame, and
-    distances.
+    may be made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring
+    frame, and distances.
     """
 
     residual: Array
