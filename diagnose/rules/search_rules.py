@@ -128,7 +128,8 @@ class SearchRules:
     may_matter: float = rule(
         0.1,
         "times `motion_matters`",
-        "What moves the tip by so much (its square over the reach, of the scatter) is worked out by finite motions.",
+        "What moves the tip by so much (its square over the reach, or its product with how far the arm bends, of the "
+        "scatter) is worked out by finite motions.",
         TIME,
     )
     motion_names: int = rule(4, "names", "Of one pattern that a search is made about, at most.", TIME)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain.arrays import columns
 from arm.chain.chain import EffectEntry
 from diagnose.fitting.corrected_arm import as_entry
 from diagnose.fitting.fit import beyond_nuisances, fit
@@ -60,12 +61,14 @@ def _members(namer: Namer, named: Named) -> Sequence[int]:
 
 
 def _may_matter(namer: Namer, members: Sequence[int]) -> bool:
-    """Whether anything moves the tip so far that its square over the tip's distance is near what matters."""
+    """Whether anything moves the tip so far that its square over the tip's distance is near what matters, or what it
+    changes of how far the loads bend the arm: a zero that is off by a mrad turns 30 mm of sag by 0.03 mm."""
     observed = namer.prepared.observed
     least = namer.rules.may_matter * namer.rules.motion_matters
     reach = rms_length(tip_of(observed))
     furthest = max((rms_length(move) for move in _moves(namer, members)), default=0.0)
-    return reach > 0.0 and furthest**2 / reach > least * _scatter(observed)
+    bent = rms_length(columns(observed.state.tip(), observed.rows) - columns(observed.nominal.tip(), observed.rows))
+    return reach > 0.0 and furthest * (furthest + bent) / reach > least * _scatter(observed)
 
 
 def _scatter(observed: Observed) -> float:

@@ -60,6 +60,36 @@ def test_a_zero_and_a_length_together(tmp_path):
     assert found.rms_after < 1.1 * found.noise_floor
 
 
+def sagging_tip(q, stiffness, payload):
+    """Tips (N, 2) of springs in the joints under a payload: each joint turns by the moment about it over its stiffness
+    until both agree."""
+    turned = np.zeros_like(q)
+    for _ in range(200):
+        angles = np.cumsum(q + turned, axis=1)
+        reach = np.cumsum((np.cos(angles) * LENGTHS)[:, ::-1], axis=1)[:, ::-1]
+        turned = -9.81 * payload[:, None] * reach / stiffness
+    return planar_tip(q + turned)
+
+
+def test_a_small_zero_on_an_arm_that_sags_far_is_named_alone(tmp_path):
+    """Three minutes of arc turn the sag by more than the noise; it is no torque of a counterbalance."""
+    off, stiffness = 0.9e-3, 60.0
+    q = np.repeat(poses(40), 3, axis=0)
+    payload = np.where(np.arange(120) % 6 < 3, 0.5, 1.0)
+    rng = np.random.default_rng(5)
+    tip = sagging_tip(q + np.array([0.0, off, 0.0]), stiffness, payload)
+    assert np.linalg.norm(tip - planar_tip(q), axis=1).max() > 0.05
+    arm = planar_arm()
+    joints = tuple(replace(joint, stiffness=stiffness) for joint in arm.joints)
+    arm = replace(arm, joints=joints, gravity=(0.0, -9.81, 0.0))
+    columns = table(q, tip + SIGMA / 2 * rng.standard_normal(tip.shape), payload_kg=payload)
+    found = diagnose(arm, read_recording(written(tmp_path / "recording.csv", columns), arm))
+    assert [(each.effect, each.at) for each in found.findings] == [("encoder_offset", (2,))]
+    low, high = found.findings[0].parameters[0].interval
+    assert low < off < high
+    assert found.rms_after < 1.1 * found.noise_floor
+
+
 def test_a_link_of_half_its_modulus_is_named_alone():
     """What it gives doubles, far from where a small lack of modulus would be in proportion; by an exact rod, of two
     tubes that bend by some millimetres under their payload."""
