@@ -71,9 +71,10 @@ def write_whole(path: Path | str, text: str | bytes, *, flush: bool = False, end
     """
     target = Path(path)
     beside = neighbour(target, ending)
+    content = text if isinstance(text, bytes) else text.encode()
     try:
         with beside.open("wb") as stream:
-            stream.write(text if isinstance(text, bytes) else text.encode())
+            stream.write(content)
             if flush:
                 stream.flush()
                 os.fsync(stream.fileno())

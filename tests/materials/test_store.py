@@ -68,7 +68,7 @@ def test_a_kill_before_any_line_leaves_the_old_or_the_new_file(tmp_path):
         # The rename of the file itself is the last: the old file before it, the new one from the next line on.
         rename = max(k for k, line in enumerate(lines) if line == "beside.replace(target)")
         assert landed == [False] * (rename + 1) + [True] * (len(lines) - rename - 1)
-        assert {"stream.write(text)", "os.fsync(stream.fileno())", "lock.release()"} <= set(lines)
+        assert {"stream.write(content)", "os.fsync(stream.fileno())", "lock.release()"} <= set(lines)
         assert lines[-1] is None  # the last one was not killed
 
 

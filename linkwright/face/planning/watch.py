@@ -134,10 +134,11 @@ def watch(
     >>> import linkwright as lw
     >>> arm = lw.read_arm("examples/hidden-backlash/arm.yaml")
     >>> rec = lw.read_recording("examples/hidden-backlash/recording.csv", arm)
-    >>> lw.watch(arm, [rec, rec, rec])
-    Traceback (most recent call last):
-        ...
-    units.quantities.InputError: ...recording.yaml: date: is missing; a watch needs to know when ...
+    >>> try:
+    ...     lw.watch(arm, [rec, rec, rec])
+    ... except lw.InputError as error:
+    ...     print(error.key, error.message)
+    date is missing; a watch needs to know when it was made, e.g. `date: 2026-05-16`
     """
     given = arm_of(arm)
     if isinstance(recordings, str | Path) or hasattr(recordings, "columns"):
