@@ -28,7 +28,7 @@ def test_an_arm_is_edited_drawn_and_evaluated(server, page):
     length = page.get_by_label("length", exact=True).first
     page.locator(".lw-picture svg .joint").first.wait_for()
     before = page.locator(".lw-picture").first.inner_html()
-    page.get_by_role("slider").first.press("ArrowRight")
+    page.locator(".q-slider [tabindex]").first.press("ArrowRight")
     page.get_by_text("36°", exact=True).wait_for()
     page.wait_for_function("before => document.querySelector('.lw-picture').innerHTML !== before", arg=before)
     length.fill("650")
