@@ -92,9 +92,9 @@ def diagnose(
     from linkwright.results.diagnoses.described import describe
     from linkwright.screen.console import waiting
 
-    for target in (json, markdown):
+    for target in (json, markdown, pdf):
         check_target(target, arm, *recording, *(recording_yaml or ()), problem, catalogue)
-    check_pdf(pdf, arm, *recording, problem, catalogue)
+    check_pdf(pdf)
     known_effects(without_effect or ())
     with waiting("reading"):
         given = lw.read_arm(arm, catalogue=catalogue)

@@ -61,9 +61,9 @@ def evaluate(
     from linkwright.results.evaluation import describe
     from linkwright.screen.console import waiting
 
-    for target in (json, markdown):
+    for target in (json, markdown, pdf):
         check_target(target, arm, problem, catalogue)
-    check_pdf(pdf, arm, problem, catalogue)
+    check_pdf(pdf)
     with waiting("evaluating"):
         given = lw.read_arm(arm, catalogue=catalogue)
         at = None if pose is None else read_pose(pose, given.model)

@@ -78,9 +78,9 @@ def optimize(
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 
-    for target in (json, markdown):
+    for target in (json, markdown, pdf):
         check_target(target, problem, catalogue)
-    check_pdf(pdf, problem, catalogue)
+    check_pdf(pdf)
     if round_to is None and round_length is not None:
         raise InputError("", "--round-length", "goes with --round; write --round stock, or --round '0.5 mm'")
     if round_to is not None:

@@ -50,15 +50,14 @@ def files_of(*given: Path | None) -> list[Path]:
     return [path for path in given if path is not None]
 
 
-def check_pdf(path: Path | None, *inputs: Path | None) -> None:
-    """Refuse, before any work is done, a PDF that could not be made or written. Raises `InputError`."""
+def check_pdf(path: Path | None) -> None:
+    """Refuse, before any work is done, a PDF that could not be made. Raises `InputError`."""
     if path is not None:
-        from linkwright.output.files import OUTPUT, check_target
+        from linkwright.output.files import OUTPUT
         from linkwright.pdf.document import need_typst
 
         if path == OUTPUT:
             raise InputError("", "--pdf", "needs the name of a file; a PDF is nothing for standard output")
-        check_target(path, *inputs)
         need_typst()
 
 

@@ -102,9 +102,9 @@ def tradeoff(
     from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console, waiting
 
-    for target in (json, csv, markdown):
+    for target in (json, csv, markdown, pdf):
         check_target(target, problem, catalogue)
-    check_pdf(pdf, problem, catalogue)
+    check_pdf(pdf)
     if resume and out is None:
         raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
     with waiting("reading"):

@@ -8,10 +8,9 @@ from typing import Any
 
 from nicegui import ui
 
-import linkwright as lw
 from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.drawings import at_pose, middle
-from linkwright.browser.server.folder import staged
+from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.jobs import Job
 from units.quantities import InputError
 
@@ -55,7 +54,7 @@ class ArmPage:
     async def _check(self) -> None:
         name, text = self._editor.name, self._editor.text
         try:
-            self._arm = await asyncio.to_thread(_read, name, text)
+            self._arm = await asyncio.to_thread(arm_from_text, name, text)
         except InputError as error:
             self._problem.say(str(error))
             self._ask.enabled = False
@@ -111,8 +110,3 @@ class ArmPage:
 
 def _coordinate(value: float, revolute: bool) -> str:
     return f"{math.degrees(value):.0f}°" if revolute else f"{1e3 * value:.0f} mm"
-
-
-def _read(name: str, text: str) -> Any:
-    with staged({name: text.encode()}) as root:
-        return lw.read_arm(root / name)

@@ -14,7 +14,7 @@ import linkwright as lw
 from diagnose.reading.settings import read_settings
 from diagnose.reading.table import Table, read_table
 from linkwright.browser.server.desk import Desk
-from linkwright.browser.server.folder import staged
+from linkwright.browser.server.folder import arm_from_text, staged
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.mapping import (
@@ -107,7 +107,7 @@ class DiagnosisPage:
             return
         try:
             text = await asyncio.to_thread(self._desk.folder.read, name)
-            self._arm = await asyncio.to_thread(_read_arm, name, text)
+            self._arm = await asyncio.to_thread(arm_from_text, name, text)
         except InputError as error:
             self._arm = None
             self._problem.say(str(error))
@@ -237,11 +237,6 @@ class DiagnosisPage:
 def _offer_units(select: ui.select, meaning: Meaning, units: tuple[str, ...]) -> None:
     select.set_options(list(units), value=meaning.unit if meaning.unit in units else None)
     select.visible = bool(units)
-
-
-def _read_arm(name: str, text: str) -> Any:
-    with staged({name: text.encode()}) as root:
-        return lw.read_arm(root / name)
 
 
 def _table(name: str, content: bytes, layout: dict[str, str]) -> Table:

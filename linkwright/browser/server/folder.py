@@ -11,6 +11,7 @@ from importlib.resources import files
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, cast
 
+import linkwright as lw
 from units.files import read_bytes, write_whole
 from units.quantities import InputError, shown
 from units.reading import parse_yaml, read_text
@@ -124,6 +125,12 @@ def staged(inputs: Mapping[str, bytes]) -> Generator[Path]:
             yield root
         except InputError as error:
             raise called_plainly(error, root) from None
+
+
+def arm_from_text(name: str, text: str) -> lw.Arm:
+    """The arm of a file's text as it is being edited; errors name the file `name`. Raises `InputError`."""
+    with staged({name: text.encode()}) as root:
+        return lw.read_arm(root / name)
 
 
 def put(root: Path, inputs: Mapping[str, bytes]) -> None:

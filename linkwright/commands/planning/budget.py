@@ -50,9 +50,9 @@ def budget(
     """Run the command."""
     from linkwright.results.budget import describe
 
-    for target in (json, markdown):
+    for target in (json, markdown, pdf):
         check_target(target, arm, sheet, problem, catalogue)
-    check_pdf(pdf, arm, sheet, problem, catalogue)
+    check_pdf(pdf)
     given = lw.read_arm(arm, catalogue=catalogue)
     if out is not None:
         claim_own(out, "budget", (RESULT, REPORT))

@@ -40,7 +40,7 @@ def watch(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file.")],
     recordings: Annotated[
         list[Path],
-        typer.Argument(metavar="RECORDING...", help="Three recordings or more, CSV or parquet, in any order."),
+        typer.Argument(metavar="RECORDING...", help="Three recordings or more (.csv, .xlsx, .parquet), in any order."),
     ],
     for_: Annotated[
         str | None,
@@ -70,9 +70,9 @@ def watch(
     from linkwright.results.diagnoses.watch import describe
     from linkwright.screen.console import waiting
 
-    for target in (json, markdown):
+    for target in (json, markdown, pdf):
         check_target(target, arm, *recordings, *(recording_yaml or ()), catalogue)
-    check_pdf(pdf, arm, *recordings, *(recording_yaml or ()), catalogue)
+    check_pdf(pdf)
     asked = None if for_ is None else tuple(name.strip() for name in for_.split(",") if name.strip())
     with as_options(for_="--for", without="--without-effect"):
         known_effects(asked or (), "for_")

@@ -85,6 +85,15 @@ def test_wrong_targets_are_one_line(linkwright, target, named):
     assert named in err
 
 
+def test_the_settings_of_a_recording_are_an_input_too(linkwright, bench):
+    (bench / "told.yaml").write_text("frame: free\n", encoding="utf-8")
+    (bench / "recording.csv").write_text("q1_deg,x_mm,y_mm\n1,2,3\n", encoding="utf-8")
+    given = ("arm.yaml", "recording.csv", "--recording-yaml", "told.yaml", "--pdf", "told.yaml")
+    status, _, err = linkwright("diagnose", *given)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "told.yaml: is the input" in err
+
+
 def test_without_typst_one_line_says_how_to_get_it_before_any_work(linkwright, monkeypatch):
     monkeypatch.setattr("linkwright.pdf.document.find_spec", lambda _: None)
     status, out, err = linkwright("optimize", "problem.yaml", "--pdf", "a.pdf")
