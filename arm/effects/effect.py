@@ -37,6 +37,10 @@ Cause = Literal["geometry", "flexibility", "loads", "play and friction", "angle 
 """What kind of thing is at work; effects of one cause are summed up together where there are many."""
 
 
+NO_LOAD = 1e-9
+"""A load (N or N*m) that seats no play: rounding of one that is not there."""
+
+
 @dataclass(frozen=True)
 class Twist:
     """A small displacement (m) and rotation (rad), in the base frame, at joint or far end of link `index` (from 0)."""

@@ -65,14 +65,19 @@ class _Shape:
     turn: Array
 
 
-def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int) -> Deformed:
+def deformed(
+    state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False
+) -> Deformed:
     """The arm of `state` (numbers or arrays of `rows`, at its undeformed pose) with `effects` as finite motions.
+
+    Play lies where the loads on the shape seat it, or, where it `play_stays`, where those of the undeformed pose do:
+    a joint that nothing loads there is loaded by a hair on the shape, and all its play would count as bending.
 
     Effects of the instrument move nothing of the arm; they are added to first order in what it has moved. Where play
     that the load seats one way makes it seat the other way (a link that hangs nearly plumb), passes go to and fro
     between two shapes for ever: the arm stands between them, and the middle is taken.
     """
-    chain = _Chain(state, rows, _carries_slopes(effects))
+    chain = _Chain(state, rows, _carries_slopes(effects), play_stays)
     shape, now = chain.straight(), state
     last = earlier = shape
     settled = swinging = np.zeros(rows, dtype=bool)
@@ -101,8 +106,8 @@ def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
 class _Chain:
     """The arm at its undeformed poses, cut into pieces."""
 
-    def __init__(self, state: PoseState, rows: int, cut_links: bool) -> None:
-        self.state, self.rows = state, rows
+    def __init__(self, state: PoseState, rows: int, cut_links: bool, play_stays: bool) -> None:
+        self.state, self.rows, self.play_stays = state, rows, play_stays
         self.beams = [link.beam for link in state.links]
         self.pieces: Pieces = cut(state.arm, self.beams, PIECES if cut_links else 1)
         self.leads = [columns(lead, rows) for lead in state.leads]
@@ -132,7 +137,7 @@ class _Chain:
                     strain[twist.index] = strain[twist.index] + columns(twist.translation, self.rows)
                     bend[twist.index] = bend[twist.index] + columns(twist.rotation, self.rows)
                 continue
-            twists = [*effect.twists(now, settings), *effect.seated(now, settings)]
+            twists = [*effect.twists(now, settings), *effect.seated(self.state if self.play_stays else now, settings)]
             if effect.of_instrument and effect.place in ("base", "tip"):
                 seen_tip += twists
                 continue

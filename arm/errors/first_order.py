@@ -46,7 +46,8 @@ def beyond_first_order(
     errors count from a calibrated state, of the difference. `projections` (1 + N, 3, 3) leave the part of the error
     that counts at each of them, all of it by default.
 
-    Play lies where the loads seat it, in both. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
+    Play lies in both where the loads of the undeformed pose seat it: worst and statistical play count every place of it
+    as it is. Where `loaded` play counts, it lies on the shape where the shape's loads seat it. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
     """
     q, number = np.vstack([[worst[0]], poses]), worst[1]
     effects = active_effects(arm)
@@ -74,6 +75,6 @@ def beyond_first_order(
 
 def _both(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
     """How far the tip has moved (N, 3), as it stands and to first order, m; and where it finds a shape."""
-    shape = deformed(state, effects, asked.rows)
+    shape = deformed(state, effects, asked.rows, play_stays=state.arm.play != "loaded")
     first = sum((seen(state, each.effect, each.settings, asked).tip for each in effects), np.zeros((asked.rows, 3)))
     return shape.tip, first, shape.settled

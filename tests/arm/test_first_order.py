@@ -108,3 +108,16 @@ def test_an_arm_with_such_a_pose_keeps_its_bound():
     found = evaluate(plumb(0.5))
     assert found.upper_bound is not None
     assert not any("finds no shape" in warning for warning in found.warnings)
+
+
+def test_a_joint_that_nothing_loads_does_not_turn_all_its_play_into_bending():
+    """Two level links with play about plumb axes: as the first sags, the second's axis leans, and its load turns it by
+    a hair. That seats all of the play, which worst play counts as it is."""
+    turntable = Joint(range=(-1.0, 1.0), backlash=2e-3)
+    links = (Link(0.5, section=Tube(0.05, 0.004), material=STEEL), Link(0.5, mass=1.0))
+    arm = Arm("level", (turntable, turntable), links, gravity=(0.0, 0.0, -9.81), payload=LoadCase(5.0))
+    still = Joint(range=(-1.0, 1.0))
+    with_play, without = (evaluate(replace(arm, joints=(each, each))).beyond for each in (turntable, still))
+    assert without.largest is not None
+    assert 0.0 < without.largest < 2e-6
+    assert with_play.largest == pytest.approx(without.largest, rel=0.05)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from arm.chain.statics import PoseState
-from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, shape, size
+from arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, drive_motion, shape, size
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -25,7 +25,8 @@ def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
         total = settings.values.get("total", joint.backlash)
         if total == 0.0 or not settings.acts_at(index):
             continue
-        pushed = np.sign(joint.drive_load) * (np.abs(joint.drive_load) >= held_below)
+        loaded = np.abs(joint.drive_load) > NO_LOAD
+        pushed = np.sign(joint.drive_load) * loaded * (np.abs(joint.drive_load) >= held_below)
         dragged = 0.0 if sides is None else -sides[index] * (np.abs(joint.drive_load) < held_below)
         yield from drive_motion(state, index, 0.5 * total * (pushed + dragged))
 

@@ -8,10 +8,7 @@ import numpy as np
 
 from arm.chain.statics import PoseState
 from arm.chain.vectors import dot, scale, subtract
-from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, size
-
-_NO_LOAD = 1e-9
-"""A load (N) that seats nothing."""
+from arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -35,7 +32,7 @@ def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
             continue
         across = subtract(joint.force, scale(dot(joint.axis, joint.force), joint.axis))
         length = np.sqrt(dot(across, across))
-        share = np.where(length > _NO_LOAD, 1.0 / np.where(length > _NO_LOAD, length, 1.0), 0.0)
+        share = np.where(length > NO_LOAD, 1.0 / np.where(length > NO_LOAD, length, 1.0), 0.0)
         yield Twist("joint", index, translation=scale(radius * share, across))
 
 
