@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -17,6 +17,7 @@ from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from arm.errors.lost_motion import played
 from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from arm.errors.parts import part_of
+from arm.errors.rigid_links import rigid, values_of_rigid
 from arm.errors.tip import active_effects
 from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
@@ -110,6 +111,8 @@ class Evaluation:
     """On a path: the worst error, what of it is across the path and what along it."""
     frequency_of_drives: Frequency | None = None
     """The least first frequency that the drives would have on rigid links; None where no drive gives."""
+    rigid_links_error: float | None = None
+    """The worst error (m) were the links rigid and weightless: what is not the links'; None where none gives."""
 
     @property
     def relative_to(self) -> Calibrated | None:
@@ -178,6 +181,10 @@ def evaluate(
     drives = None
     if not unweighed and any(joint.actuator is not None for joint in arm.joints):
         drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
+    beside_links = None
+    if any(link.elastic for link in arm.links):
+        ideal = [_ideal(beam) if link.elastic else beam for beam, link in zip(beams, arm.links, strict=True)]
+        beside_links = search.worst(values_of_rigid(ideal), certify=False).error
     growth = growth_left_out(arm, cases, space, p, gap=gap)
     seam = seam_errors(model, space, p, worst)
     missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
@@ -223,7 +230,13 @@ def evaluate(
         sideways=sideways,
         seam=seam,
         frequency_of_drives=of_drives,
+        rigid_links_error=beside_links,
     )
+
+
+def _ideal(beam: Beam) -> Beam:
+    """A link that neither gives nor weighs, with what hangs on it."""
+    return replace(rigid(beam), lumped_mass=beam.lumped_mass, lumped_at=beam.lumped_at, first_moment=beam.first_moment)
 
 
 def _lacking_masses(unweighed: Sequence[int], arm: Arm) -> dict[str, str]:

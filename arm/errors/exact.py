@@ -65,9 +65,7 @@ class _Shape:
     turn: Array
 
 
-def deformed(
-    state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False
-) -> Deformed:
+def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False) -> Deformed:
     """The arm of `state` (numbers or arrays of `rows`, at its undeformed pose) with `effects` as finite motions.
 
     Play lies where the loads on the shape seat it, or, where it `play_stays`, where those of the undeformed pose do:

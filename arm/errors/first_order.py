@@ -47,7 +47,8 @@ def beyond_first_order(
     that counts at each of them, all of it by default.
 
     Play lies in both where the loads of the undeformed pose seat it: worst and statistical play count every place of it
-    as it is. Where `loaded` play counts, it lies on the shape where the shape's loads seat it. Valid as `arm.errors.exact.deformed` is: small strains, straight links.
+    as it is. Where `loaded` play counts, it lies on the shape where the shape's loads seat it. Valid as
+    `arm.errors.exact.deformed` is: small strains, straight links.
     """
     q, number = np.vstack([[worst[0]], poses]), worst[1]
     effects = active_effects(arm)

@@ -153,6 +153,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         **fields(worst, "upper_bound_first_order_mm=upper_bound"),
         **fields(evaluation.beyond, "beyond_first_order_mm=at_worst", "beyond_first_order_largest_mm=largest"),
         **fields(worst, "certified"),
+        **fields(evaluation, "max_error_of_rigid_links_mm=rigid_links_error"),
         "worst_poses": [
             {
                 **coordinates(arm, pose.q),

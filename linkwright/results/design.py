@@ -37,6 +37,10 @@ _BESIDE = frozenset({"max_error", "mass"})
 Named = Sequence[tuple[str, Evaluation]]
 
 
+_TOLD_OF_RIGID_LINKS = 0.05
+"""From this share of the worst error on it is said what rigid, weightless links would leave of it."""
+
+
 def bound_words(evaluation: Evaluation) -> str:
     """What is known of poses that were not looked at: to first order, for that is all that is certified."""
     known = evaluation.worst.upper_bound
@@ -73,6 +77,17 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
     told = f"on the path at most {across} across it, {along} along it, {whole} in all"
     counted = evaluation.workspace.error
     return [Paragraph(told if counted == "whole" else f"{told}; only the error {counted} it counts", "under")]
+
+
+def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
+    """What of the error no better link takes away, where that is more than a twentieth of it."""
+    rest = evaluation.rigid_links_error
+    if rest is None or rest <= _TOLD_OF_RIGID_LINKS * evaluation.max_error:
+        return []
+    share = percent(min(rest / evaluation.max_error, 1.0))
+    return [
+        Paragraph(f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'", "under")
+    ]
 
 
 def relative_words(evaluation: Evaluation) -> list[Paragraph]:

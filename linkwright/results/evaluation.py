@@ -27,6 +27,7 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
         *design.seam_words(evaluation),
         *([] if robust is None else [Paragraph(robust_words(robust), "under")]),
         *design.relative_words(evaluation),
+        *design.rigid_links_words(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
         section("Error over the workspace", Picture("map"), poses),

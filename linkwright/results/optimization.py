@@ -50,6 +50,7 @@ def describe(result: OptimizationResult) -> Description:
         Paragraph(bound_sentence(result), "under"),
         *design.seam_words(result.after),
         *design.relative_words(result.after),
+        *design.rigid_links_words(result.after),
         *_robust(result),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),

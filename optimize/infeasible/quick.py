@@ -17,7 +17,9 @@ import numpy as np
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm
 from arm.chain.prices import fixed_price
-from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of, error_model
+from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from arm.errors.rigid_links import rigid as rigid_beam
+from arm.errors.rigid_links import values_of_rigid
 from arm.limits.sideways import sideways_compliance
 from arm.limits.slowest_pose import least_frequency
 from arm.limits.tip_stiffness import least_stiffness, tip_compliance
@@ -37,7 +39,6 @@ from sections.numeric import Array
 
 from .answer import OutOfReach
 
-_RIGID = 1e30
 _LEAST, _GREATEST = 1e-12, 1e3
 """Areas (m^2) below and above those of any section: shapes start from the nearest that they can have."""
 _POSES = 512
@@ -231,7 +232,7 @@ def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) 
         if each is None:
             found.append(beam)
         elif rigid:
-            found.append(Beam(length=beam.length, thermal_expansion=beam.thermal_expansion))
+            found.append(rigid_beam(beam))
         else:
             found.append(
                 Beam(
@@ -247,18 +248,9 @@ def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) 
     return tuple(found)
 
 
-def _values(beams: Sequence[Beam]) -> Array:
-    """The beam values with rigidities of nothing that gives so large that nothing does."""
-    values = beam_values(beams).reshape(len(beams), -1)
-    for k, name in enumerate(BEAM_FIELDS):
-        if "rigidity" in name and "coupling" not in name:
-            values[:, k] = np.where(values[:, k] == 0.0, _RIGID, values[:, k])
-    return values.ravel()
-
-
 def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit, bound: _Bound) -> float | None:
     """The best (SI) that a limited figure could be; None where nothing tells."""
-    arm, p = problem.arm, _values(bound.beams)
+    arm, p = problem.arm, values_of_rigid(bound.beams)
     if limit.name == "first_frequency":
         slowest = least_frequency(arm, search, bound.beams, p, problem.load_cases)
         return None if slowest is None else slowest.value

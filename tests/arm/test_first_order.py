@@ -121,3 +121,20 @@ def test_a_joint_that_nothing_loads_does_not_turn_all_its_play_into_bending():
     assert without.largest is not None
     assert 0.0 < without.largest < 2e-6
     assert with_play.largest == pytest.approx(without.largest, rel=0.05)
+
+
+def test_what_rigid_links_would_leave_is_what_the_drives_and_their_play_do():
+    """A level beam on a drive: of the tip's drop m g L^2 / K + b L / 2 is not the beam's; the rest is that its weight
+    turns the drive, and that both bend it: m g L^3 / 3EI + w g L^3 / 8EI (S. Timoshenko, Strength of Materials, part
+    I), shear beside it."""
+    length, mass, stiffness = 0.8, 5.0, 5e4
+    joint = Joint(range=(0.0, 1e-9), stiffness=stiffness, backlash=1e-3)
+    arm = Arm("beam", (joint,), (Link(length, section=Tube(0.05, 0.004), material=STEEL),), payload=LoadCase(mass))
+    found = evaluate(arm)
+    of_drive = mass * 9.81 * length**2 / stiffness + 0.5e-3 * length
+    assert found.rigid_links_error == pytest.approx(of_drive, rel=1e-6)
+    own = found.mass
+    bending_stiffness = found.arm.links[0].material.at(found.arm.temperature).need("elastic_modulus") * math.pi / 64.0 * (0.05**4 - 0.042**4)
+    bending = 9.81 * length**3 * (mass / 3.0 + own / 8.0) / bending_stiffness
+    assert found.max_error - of_drive == pytest.approx(bending + 0.5 * own * 9.81 * length**2 / stiffness, rel=0.02)
+    assert evaluate(rod(2e3)).rigid_links_error is None
