@@ -44,10 +44,11 @@ class Planned:
         return sorted(found)[len(found) // 2] if found else math.inf
 
     @property
-    def told_at_random(self) -> int:
-        """How many pairs of causes the middle one of the plans at random tells apart."""
-        found = sorted(one.told for one in self.random)
-        return found[len(found) // 2] if found else 0
+    def told_at_random(self) -> tuple[int, int]:
+        """Of how many pairs of causes how many the middle one of the plans at random tells apart: (told, pairs). What a
+        plan does not see has no pairs, so that plans have not the same number of them."""
+        found = sorted(((one.told, one.pairs) for one in self.random), key=lambda each: each[0] / max(each[1], 1))
+        return found[len(found) // 2] if found else (0, 0)
 
 
 def _same(one: Shown, other: Shown) -> bool:

@@ -68,9 +68,14 @@ def drawn(arm: Arm) -> Exported:
         below -= 0.5 * room
         _link(sheet, number, link, below)
         below -= 0.5 * room + 10.0 * sheet.letters
-    bent = [k for k, link in enumerate(arm.links, start=1) if link.section is None]
+    bare = [k for k, link in enumerate(arm.links, start=1) if link.section is None]
     carried = ("lengths", "cross-sections at scale 1:1 in mm", "axes of the joints")
-    lost = (f"links {', '.join(map(str, bent))} are rigid and have no section to draw",) if bent else ()
+    named = (
+        f"link {bare[0]} is rigid and has"
+        if len(bare) == 1
+        else f"links {', '.join(map(str, bare))} are rigid and have"
+    )
+    lost = (f"{named} no section to draw",) if bare else ()
     return Exported(arm, "dxf", _text(document), carried, (*lost, "how links are joined to the joints"), ())
 
 

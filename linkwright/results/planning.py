@@ -27,13 +27,18 @@ def describe(found: Planned) -> Description:
     gains = _gains(found)
     better = math.exp(sum(map(math.log, gains)) / len(gains)) if gains else math.nan
     pairs, told = promise.pairs, promise.told
+    by_chance = "{} of {}".format(*found.told_at_random)
     facts = Facts(
         (
             Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
             Fact("noise", length(asked.sigma, 3), f"each of {', '.join(found.axes)}"),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
             Fact("smaller than at random", number(better, 3), "times, on average"),
-            Fact("pairs told apart", count(told), f"of {pairs} at usual sizes; at random {found.told_at_random}"),
+            Fact(
+                "pairs told apart",
+                count(told),
+                f"of {pairs} at usual sizes; at random {by_chance}",
+            ),
         )
     )
     seen = sorted(promise.shown, key=lambda each: each.smallest / each.usual)
