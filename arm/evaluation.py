@@ -217,6 +217,7 @@ def evaluate(
             *holes,
             *([] if growth is None else [growth.words(worst.error)]),
             *idle_effects(arm),
+            *nothing_errs(arm),
             *doubtful_materials(arm),
             *shapeless(beyond),
             *warnings_of(strength),
@@ -355,6 +356,17 @@ def idle_effects(arm: Arm) -> list[str]:
             needs = " and ".join(missing)
             lines.append(f"{entry.effect} adds nothing here: it needs what only a recording holds ({needs})")
     return lines
+
+
+def nothing_errs(arm: Arm) -> list[str]:
+    """One line where the arm's file holds nothing that moves the tip: an error of nought then says nothing."""
+    gives = any(joint.stiffness is not None or joint.zones or joint.backlash or joint.clearance for joint in arm.joints)
+    if gives or arm.effects or any(link.elastic for link in arm.links):
+        return []
+    return [
+        "nothing in this arm file makes the tip err: it has no play, no drive that gives, no link that bends; joints' "
+        "stiffness, backlash and clearance and links' section and material would"
+    ]
 
 
 def shapeless(beyond: BeyondFirstOrder) -> list[str]:

@@ -124,21 +124,26 @@ def _way(robot: Robot, start: str, end: str) -> list[UrdfJoint]:
 def _only_tip(robot: Robot, start: str) -> str:
     """The only end of the tree that joints move. Raises `InputError` with all of them where there are several."""
     ends: list[tuple[str, int]] = []
-    pending = [(start, 0)]
+    ways: list[list[str]] = []
+    pending = [([start], 0)]
     while pending:
-        here, moving = pending.pop()
-        onward = robot.below[here]
+        way, moving = pending.pop()
+        onward = robot.below[way[-1]]
         if not onward and moving:
-            ends.append((here, moving))
-        pending += [(joint.child, moving + joint.moves) for joint in onward]
+            ends.append((way[-1], moving))
+            ways.append(way)
+        pending += [([*way, joint.child], moving + joint.moves) for joint in onward]
     if not ends:
         raise InputError(robot.file, "", f"no joint beyond {shown(start)} moves; an arm has at least one that does")
     if len(ends) > 1:
         listed = sorted(ends, key=lambda each: (-each[1], each[0]))
         words = ", ".join(f"{name} ({count} joint{'s' if count > 1 else ''})" for name, count in listed[:12])
         more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
-        example = next((name for name, _ in listed if robot.links[name] is None), listed[0][0])
-        message = f"has {len(ends)} ends: {words}{more}; name one, e.g. --tip {example}"
+        example = next((name for name, _ in listed if (body := robot.links[name]) is None or body.mass == 0.0), None)
+        parting = [names[0] for names in zip(*ways, strict=False) if len(set(names)) == 1][-1]
+        if example is None and any(joint.moves for joint in _way(robot, start, parting)):
+            example = f"{parting}, where they part"  # an arm with a gripper's fingers
+        message = f"has {len(ends)} ends: {words}{more}; name one, e.g. --tip {example or listed[0][0]}"
         raise InputError(robot.file, "tip", message)
     return ends[0][0]
 

@@ -134,7 +134,14 @@ def test_what_rigid_links_would_leave_is_what_the_drives_and_their_play_do():
     of_drive = mass * 9.81 * length**2 / stiffness + 0.5e-3 * length
     assert found.rigid_links_error == pytest.approx(of_drive, rel=1e-6)
     own = found.mass
-    bending_stiffness = found.arm.links[0].material.at(found.arm.temperature).need("elastic_modulus") * math.pi / 64.0 * (0.05**4 - 0.042**4)
+    modulus = STEEL.at(arm.temperature).need("elastic_modulus")
+    bending_stiffness = modulus * math.pi / 64.0 * (0.05**4 - 0.042**4)
     bending = 9.81 * length**3 * (mass / 3.0 + own / 8.0) / bending_stiffness
     assert found.max_error - of_drive == pytest.approx(bending + 0.5 * own * 9.81 * length**2 / stiffness, rel=0.02)
     assert evaluate(rod(2e3)).rigid_links_error is None
+
+
+def test_an_arm_of_which_nothing_gives_is_not_silently_without_error():
+    rigid = Arm("rigid", (Joint(range=(-1.0, 1.0)),), (Link(1.0, mass=2.0),), payload=LoadCase(1.0))
+    assert any("nothing in this arm file makes the tip err" in warning for warning in evaluate(rigid).warnings)
+    assert not any("nothing in this" in warning for warning in evaluate(rod(2e3)).warnings)

@@ -194,6 +194,21 @@ def test_a_mimic_follows(tmp_path):
     assert tip_position(again, [0.3, 0.7, 0.0, 0.0]) == pytest.approx(tip_position(arm, [0.3, 0.7, 0.0, 0.0]), abs=1e-9)
 
 
+def test_where_the_fingers_part_is_proposed(tmp_path):
+    """Where no end is a mere frame, the arm's tip is the link that carries the fingers."""
+    fingers = "".join(
+        f'<link name="{name}"><inertial><mass value="0.1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+        f'</inertial></link><joint name="to {name}" type="prismatic"><parent link="hand"/><child link="{name}"/>'
+        '<limit lower="0" upper="0.04" effort="1" velocity="1"/></joint>'
+        for name in ("left", "right")
+    )
+    arm = '<joint name="turn" type="continuous"><parent link="base"/><child link="hand"/></joint>'
+    path = tmp_path / "gripper.urdf"
+    path.write_text(f'<robot name="r"><link name="base"/><link name="hand"/>{arm}{fingers}</robot>', encoding="utf-8")
+    with pytest.raises(InputError, match="--tip hand, where they part"):
+        import_urdf(path)
+
+
 def test_several_ends_are_listed():
     """And one without mass, which is a frame and no finger, is proposed."""
     with pytest.raises(
