@@ -11,7 +11,7 @@ import numpy as np
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm, Calibrated, LoadCase
-from arm.chain.prices import fixed_price
+from arm.chain.prices import fixed_price, price_by_length, price_by_mass
 from arm.chain.vectors import is_zero
 from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from arm.errors.lost_motion import played
@@ -278,8 +278,8 @@ def _cost(arm: Arm, masses: Sequence[float], unknown: dict[str, str]) -> float |
         if not link.material.has("cost"):
             unknown["cost"] = f"the material of link {index + 1} has no cost"
             return None
-        total += mass * link.material.need("cost", arm.temperature)
-    fixed, lacking = fixed_price(arm.joints, arm.links)
+        total += mass * price_by_mass(arm, link.material) + price_by_length(arm) * link.length
+    fixed, lacking = fixed_price(arm)
     if lacking:
         unknown["cost"] = lacking
         return None

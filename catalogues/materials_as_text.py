@@ -40,16 +40,21 @@ def find_entry(catalogue: Catalogue, name: str) -> Entry:
     """Return the entry of the visible material of that name as its file writes it. Raises `InputError`."""
     catalogue.find(name)
     layer = next(layer for layer in reversed(catalogue.layers) if name in layer.materials)
-    shipped = shipped_entry(name) if layer in shipped_layers() else None
-    if shipped is not None:
-        return shipped
-    return next(entry for entry in read_entries(layer.file) if entry.name == name)
+    found = shipped_entry(name) if layer in shipped_layers() else None
+    found = found or next(entry for entry in read_entries(layer.file) if entry.name == name)
+    for each in catalogue.layers[catalogue.layers.index(layer) :]:
+        if name in each.prices:
+            price: dict[str, Any] = dict(load_yaml(each.file).content["prices"][name])  # type: ignore[index]
+            source = str(price["source"])
+            cost = {**price, "source": "price"}
+            found = Entry(name, {**found.content, "cost": cost}, {**found.references, "price": source})
+    return found
 
 
 def shipped_entry(name: str) -> Entry | None:
     """Return the entry of a shipped material as it is written, its family with it; None for no such material."""
     for family, data in _shipped():
-        found = _entry_in(data, name)
+        found = entry_in(data, name)
         if found is not None:
             return Entry(name, {"family": family, **found.content}, found.references)
     return None
@@ -60,13 +65,13 @@ def read_entries(path: Path | str) -> tuple[Entry, ...]:
     read_layer(load_yaml(path), Path(path).stem)
     data = YamlText(read_text(path), file=path).data
     family = str(data.get("family") or Path(path).stem)
-    found = (_entry_in(data, name) for name in data.get("materials") or {})
+    found = (entry_in(data, name) for name in data.get("materials") or {})
     entries = (entry for entry in found if entry is not None)
     return tuple(Entry(each.name, {"family": family, **each.content}, each.references) for each in entries)
 
 
-def put(document: YamlText, *entries: Entry) -> None:
-    """Write entries; a source key that the file has for another text gets a new name."""
+def put(document: YamlText, *entries: Entry, under: str = "materials") -> None:
+    """Write entries `under` their key; a source key that the file has for another text gets a new name."""
     known: dict[str, str] = dict(document.get(["references"]) or {})
     fresh: dict[str, str] = {}
     contents: dict[str, dict[str, Any]] = {}
@@ -78,9 +83,9 @@ def put(document: YamlText, *entries: Entry) -> None:
                 known[renamed[key]] = fresh[renamed[key]] = text
         contents[entry.name] = _with_sources(dict(entry.content), renamed)
     document.extend(["references"], fresh)
-    for name in [name for name in contents if document.get(["materials", name]) is not None]:
-        document.set(["materials", name], contents.pop(name), block=True)
-    document.extend(["materials"], contents)
+    for name in [name for name in contents if document.get([under, name]) is not None]:
+        document.set([under, name], contents.pop(name), block=True)
+    document.extend([under], contents)
 
 
 def _with_sources(content: dict[str, Any], renamed: MappingLike[str, str]) -> dict[str, Any]:
@@ -119,8 +124,9 @@ def _free_key(known: MappingLike[str, str], key: str, text: str) -> str:
     return found
 
 
-def _entry_in(data: MappingLike[str, Any], name: str) -> Entry | None:
-    content = (data.get("materials") or {}).get(name)
+def entry_in(data: MappingLike[str, Any], name: str, under: str = "materials") -> Entry | None:
+    """The entry of that name in a file's content, `under` its key; None where there is none."""
+    content = (data.get(under) or {}).get(name)
     if not isinstance(content, dict):
         return None
     references: dict[str, str] = data.get("references") or {}

@@ -13,6 +13,8 @@ materials:
     source: en-1993-1-1                # for all properties that name none of their own
     elastic_modulus: 210 GPa           # see catalogue_entry.py for what a property can be
     density: {value: 7850 kg/m^3, source: en-1993-1-2}
+prices:                                # of materials of other catalogues (or this one), which stay as they are
+  steel-s275: {value: 1.4 EUR/kg, date: 2026-03, source: Offer 12}
 ```
 """
 
@@ -21,14 +23,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as MappingLike
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
-from materials.material import Material
+from materials.material import Constant, Material, Property
+from units.prices import Price, read_prices
 from units.quantities import InputError
 from units.reading import Mapping, load_yaml, nearest, shipped_files
 
@@ -43,11 +46,13 @@ CATALOGUE_VARIABLE = "LINKWRIGHT_CATALOGUE"
 
 @dataclass(frozen=True)
 class Layer:
-    """One catalogue file: where it stands, the name of its family, and its materials by name."""
+    """One catalogue file: where it stands, the name of its family, its materials by name, and its prices (EUR/kg) of
+    materials, most of them of other files."""
 
     file: str
     family: str
     materials: MappingLike[str, Material]
+    prices: MappingLike[str, Price] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,9 @@ class Catalogue:
         visible: dict[str, Material] = {}
         for layer in self.layers:
             visible.update(layer.materials)
+            visible.update(
+                {name: _priced(visible[name], layer.prices[name]) for name in layer.prices if name in visible}
+            )
         return MappingProxyType(visible)
 
     @property
@@ -96,7 +104,25 @@ class Catalogue:
 
     def where(self, name: str) -> tuple[str, ...]:
         """Return the files that have the material, the visible one last."""
-        return tuple(layer.file for layer in self.layers if name in layer.materials)
+        return tuple(layer.file for layer in self.layers if name in layer.materials or name in layer.prices)
+
+    def check_prices(self) -> None:
+        """Raise `InputError` where a layer has a price of what no layer has."""
+        visible = self.materials
+        for layer in self.layers:
+            for name in layer.prices:
+                if name not in visible:
+                    raise InputError(
+                        layer.file, f"prices.{name}", f"there is no such material{nearest(name, self.names)}"
+                    )
+
+
+def _priced(material: Material, price: Price) -> Material:
+    """A material with another price."""
+    key = f"price of {material.name}"
+    cost = Property(Constant(price.value), source=key, spread=price.spread, note=price.note, date=price.date)
+    references = {**material.references, key: price.source}
+    return replace(material, properties={**material.properties, "cost": cost}, references=references)
 
 
 def read_layer(mapping: Mapping, default_family: str) -> Layer:
@@ -111,8 +137,9 @@ def read_layer(mapping: Mapping, default_family: str) -> Layer:
             if not name.strip() or name != name.strip() or "\n" in name:
                 raise entries.error("", f"{name!r} cannot be a material's name")
             materials[name] = read_entry(entries.mapping(name), name, references, family)
+    prices = read_prices(mapping, "cost_per_mass")
     mapping.close("materials")
-    return Layer(str(mapping.file), family, MappingProxyType(materials))
+    return Layer(str(mapping.file), family, MappingProxyType(materials), MappingProxyType(prices))
 
 
 def _read_references(mapping: Mapping) -> dict[str, str]:
@@ -153,4 +180,6 @@ def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ca
         if os.path.exists(own) or os.environ.get(CATALOGUE_VARIABLE, "").strip():
             layers.append(load_layer(own))
     layers.extend(load_layer(path) for path in paths)
-    return Catalogue(tuple(layers))
+    found = Catalogue(tuple(layers))
+    found.check_prices()
+    return found

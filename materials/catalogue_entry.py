@@ -35,7 +35,8 @@ _POSITIVE: tuple[PropertyName, ...] = (
     "thermal_conductivity",
     "heat_capacity",
 )
-_NOT_NEGATIVE: tuple[PropertyName, ...] = ("cost", "damping")
+_PRICES: tuple[PropertyName, ...] = ("cost", "machining_cost")
+_NOT_NEGATIVE: tuple[PropertyName, ...] = (*_PRICES, "damping")
 CONSISTENT_WITHIN = 0.02
 """How far a given shear modulus may be from E/(2(1+nu)) in an isotropic material, relative."""
 
@@ -130,8 +131,9 @@ def _read_property(
     spread = inner.range("spread", kind) if inner.has("spread") else None
     note = inner.text("note", "") if inner.has("note") else ""
     source = _source(inner, references, default_source)
+    date = inner.when("date", "") if name in _PRICES else ""
     inner.close()
-    return Property(law, valid, source, spread, note)
+    return Property(law, valid, source, spread, note, date)
 
 
 def _read_law(inner: Mapping, way: str, kind: str) -> tuple[Law, tuple[float, float]]:

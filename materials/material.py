@@ -29,6 +29,7 @@ PropertyName = Literal[
     "heat_capacity",
     "damping",
     "cost",
+    "machining_cost",
     "highest_service_temperature",
 ]
 
@@ -37,7 +38,8 @@ def property_kinds() -> dict[PropertyName, str]:
     """Return the properties a material can have, each with its kind of quantity (`units.kinds()`).
 
     `fatigue_strength` is the stress amplitude at R = -1 that is endured for the number of cycles its note
-    tells; `damping` is the loss factor of the material (2*zeta near resonance).
+    tells; `damping` is the loss factor of the material (2*zeta near resonance); `machining_cost` is what work on it
+    costs for each kilogram of the finished part.
     """
     return {
         "elastic_modulus": "elastic_modulus",
@@ -52,6 +54,7 @@ def property_kinds() -> dict[PropertyName, str]:
         "heat_capacity": "heat_capacity",
         "damping": "dimensionless",
         "cost": "cost_per_mass",
+        "machining_cost": "cost_per_mass",
         "highest_service_temperature": "temperature",
     }
 
@@ -155,7 +158,7 @@ class Property:
     `law` gives its value (SI) at a temperature; `valid` is the range (K) for which the source gives it;
     `source` is a key of the catalogue's references (empty for a material described in place); `spread` is the
     lowest and highest value to expect at the reference temperature, where known; `note` says what a reader
-    should know.
+    should know; `date` is when a price was such (`2026-01`), empty for what is no price.
     """
 
     law: Law
@@ -163,6 +166,7 @@ class Property:
     source: str = ""
     spread: tuple[float, float] | None = None
     note: str = ""
+    date: str = ""
 
 
 @dataclass(frozen=True)
@@ -184,6 +188,7 @@ class MaterialValues:
     yield_strength: float | None = None
     thermal_expansion: float | None = None
     cost: float | None = None
+    machining_cost: float | None = None
     highest_service_temperature: float | None = None
     tensile_strength: float | None = None
     fatigue_strength: float | None = None

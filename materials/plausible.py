@@ -22,6 +22,7 @@ _USUAL: Mapping[PropertyName, tuple[float, float, str]] = MappingProxyType(
         "heat_capacity": (100.0, 5000.0, "metals have 130 to 2000 J/(kg*K)"),
         "damping": (0.0, 3.0, "a loss factor above 1 is rubber's where it turns to glass"),
         "cost": (0.02, 2e5, "gold has some 1e5 EUR/kg"),
+        "machining_cost": (0.0, 1e4, "work on a kilogram that costs more is a jeweller's"),
         "highest_service_temperature": (233.15, 3800.0, "graphite sublimes at some 3600 degC"),
     }
 )

@@ -23,6 +23,7 @@ from units.quantities import Bound, InputError, kind_of, read_bound, read_number
 _LARGEST_YAML = 8 * 1024 * 1024
 _DEEPEST = 60
 _MOST_DIGITS = 100
+_WHEN = re.compile(r"[12][0-9]{3}(-(0[1-9]|1[0-2])(-(0[1-9]|[12][0-9]|3[01]))?)?")
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 
 
@@ -261,6 +262,15 @@ class Mapping:
         if found := _CONTROL.search(value):
             raise self.error(name, f"holds the control character {shown(found[0])}; take it out")
         return value
+
+    def when(self, name: str, default: str | None = None) -> str:
+        """Return a year, month or day: `2026`, `2026-01`, `2026-01-31`, quoted or not."""
+        if default is not None and not self.has(name):
+            return default
+        value = self.raw(name, "a year, month or day, e.g. 2026-01")
+        if isinstance(value, bool) or not _WHEN.fullmatch(str(value)):
+            raise self.error(name, f"is a year, month or day, e.g. 2026-01, not {shown(value)}")
+        return str(value)
 
     def boolean(self, name: str, default: bool | None = None) -> bool:
         """Return true or false."""

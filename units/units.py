@@ -148,6 +148,7 @@ def kinds() -> dict[str, Kind]:
         _kind("curvature_per_temperature", "1/(m*K)", "2e-5 1/(m*K)"),
         _kind("cost", "EUR", "200 EUR"),
         _kind("cost_per_mass", "EUR/kg", "30 EUR/kg"),
+        _kind("cost_per_length", "EUR/m", "40 EUR/m"),
         _kind("frequency", "Hz", "20 Hz", (0.0, "Hz"), (1e4, "kHz")),
         _kind("conductivity", "W/(m*K)", "167 W/(m*K)"),
         _kind("heat_capacity", "J/(kg*K)", "896 J/(kg*K)"),

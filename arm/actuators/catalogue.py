@@ -19,7 +19,11 @@ actuators:
     mass: 1.5 kg
     cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}    # left out where unknown
     source: csf-csg
+prices:                                # of actuators of other files (or this one), which stay as they are
+  RV-20E: {value: 900 EUR, date: 2026-03, source: Offer 12}
 ```
+
+A file of prices alone needs neither `maker` nor `references`. An entry may have a `maker` of its own.
 """
 
 from __future__ import annotations
@@ -27,15 +31,15 @@ from __future__ import annotations
 import itertools
 import math
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
+from units.prices import read_prices
 from units.quantities import InputError, read_quantity, shown
 from units.reading import Mapping as Keys
 from units.reading import load_yaml, nearest, shipped_files
@@ -126,10 +130,23 @@ def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ac
     found = dict(shipped_actuators())
     own = user_actuators_path()
     if user and (os.path.exists(own) or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
-        found.update(read_actuators(load_yaml(own)))
+        found = _with_file(found, load_yaml(own))
     for path in paths:
-        found.update(read_actuators(load_yaml(path)))
+        found = _with_file(found, load_yaml(path))
     return Actuators(MappingProxyType(found))
+
+
+def _with_file(known: Mapping[str, Actuator], keys: Keys) -> dict[str, Actuator]:
+    """The actuators with those of a file over them, and its prices."""
+    found = {**known, **read_actuators(keys)}
+    for name, price in read_prices(keys, "cost").items():
+        if name not in found:
+            raise keys.error(f"prices.{name}", f"there is no such actuator{nearest(name, list(found))}")
+        note = f"cost: {price.source}" + (f" ({price.note})" if price.note else "")
+        note = "; ".join(text for text in (found[name].note, note) if text)
+        spread = price.spread or (price.value, price.value)
+        found[name] = replace(found[name], cost=price.value, cost_spread=spread, cost_date=price.date, note=note)
+    return found
 
 
 def user_actuators_path() -> Path:
@@ -148,10 +165,14 @@ def shipped_actuators() -> Mapping[str, Actuator]:
 
 
 def read_actuators(keys: Keys) -> dict[str, Actuator]:
-    """The checked actuators of a file's content; raises `InputError` naming the entry and its key."""
+    """The checked actuators of a file's content, without its `prices`, which are checked alone; raises `InputError`
+    naming the entry and its key."""
     with keys.reading():
         keys.version(FORMAT_VERSION)
-        maker = keys.text("maker")
+        read_prices(keys, "cost")
+        if keys.has("prices") and not keys.has("actuators"):
+            return {}
+        maker = keys.text("maker", "") if keys.has("maker") else ""
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}
         entries = keys.mapping("actuators")
@@ -180,7 +201,7 @@ def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str]) -> Actu
         cost, spread, date = _cost(keys)
         return Actuator(
             name=name,
-            maker=maker,
+            maker=keys.text("maker", maker) if maker else keys.text("maker"),
             gear=keys.choice("gear", GEARS),
             rated_torque=rated,
             stiffnesses=stiffnesses,
@@ -233,9 +254,7 @@ def _cost(keys: Keys) -> tuple[float | None, tuple[float, float] | None, str | N
     with keys.mapping("cost").reading() as price:
         value = price.quantity("value", "cost")
         spread = price.range("spread", "cost")
-        date = price.text("date")
-        if not re.fullmatch(r"\d{4}-\d{2}(-\d{2})?", date):
-            raise price.error("date", f"is a month or day, e.g. 2026-01, not {shown(date)}")
+        date = price.when("date")
         if not 0.0 <= spread[0] <= value <= spread[1]:
             raise price.error("spread", "must hold the value, and nothing below zero")
     return value, spread, date

@@ -49,7 +49,7 @@ class Joint:
     drive that is stiffer under more load, each the load (N*m) at which it ends and its stiffness; `stiffness` is then
     that of the softest. None: the same under any load. `counterbalance` takes load off the drive, `motor_on_base` (kg)
     is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
-    it. `cost` (EUR) is what the joint costs with its drive; None: what its actuator does.
+    it. `cost` (EUR) is what the joint costs with its drive, as of `cost_date` (`2026-01`); None: what its drive does.
     """
 
     type: JointType = "revolute"
@@ -69,6 +69,7 @@ class Joint:
     motor_on_base: float = 0.0
     follows: Following | None = None
     cost: float | None = None
+    cost_date: str = ""
 
     @property
     def driven(self) -> bool:
@@ -90,7 +91,7 @@ class Link:
     link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
     `section_name` is the stock size that the section was named by, `material_given` what the file said of the
     material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
-    machining, fittings; for a rigid link all of it.
+    machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`).
     """
 
     length: float
@@ -105,6 +106,7 @@ class Link:
     material_given: object = field(default=None, compare=False)
     masses: tuple[PointMass, ...] = ()
     cost: float | None = None
+    cost_date: str = ""
 
     @property
     def elastic(self) -> bool:
@@ -161,11 +163,23 @@ class Statistics:
 
 
 @dataclass(frozen=True)
+class Machining:
+    """What work on every link that has a section costs, and when (`date`: `2026-01`): `per_kilogram` (EUR/kg) of the
+    finished part, where its material does not say itself; `per_metre` (EUR/m) of it; and `per_part` (EUR)."""
+
+    per_kilogram: float = 0.0
+    per_metre: float = 0.0
+    per_part: float = 0.0
+    date: str = ""
+
+
+@dataclass(frozen=True)
 class Arm:
     """A serial arm with the loads it carries and the physics its model holds.
 
     `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
-    count. `leave_out` names physics that the model does without; `effects` adds some.
+    count. `leave_out` names physics that the model does without; `effects` adds some. `machining` is what work on the
+    links costs.
     """
 
     name: str
@@ -180,6 +194,7 @@ class Arm:
     leave_out: frozenset[str] = frozenset()
     effects: tuple[EffectEntry, ...] = ()
     tool: FloatVector = ZERO
+    machining: Machining = Machining()
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.links) or not self.joints:

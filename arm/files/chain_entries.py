@@ -21,6 +21,7 @@ from units.reading import Mapping
 from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
 from .following import read_following
+from .prices import read_cost
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -105,6 +106,7 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
         zones: Zones = ()
         if actuator is not None and stiffness is None:
             stiffness, zones = actuator.stiffness, actuator.zones
+        cost, cost_date = read_cost(mapping)
         joint = Joint(
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
@@ -119,13 +121,10 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             counterbalance=read_counterbalance(mapping) if _balanced(mapping, turns) else None,
             motor_on_base=0.0 if motor is None or motor.on else motor.mass,
             follows=follows,
-            cost=_cost(mapping),
+            cost=cost,
+            cost_date=cost_date,
         )
         return joint, motor
-
-
-def _cost(mapping: Mapping) -> float | None:
-    return not_negative(mapping, "cost", "cost", 0.0) if mapping.has("cost") else None
 
 
 def _balanced(mapping: Mapping, turns: bool) -> bool:
@@ -164,7 +163,8 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
     with mapping.reading("length"):
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
-        link = replace(link, cost=_cost(mapping))
+        cost, cost_date = read_cost(mapping)
+        link = replace(link, cost=cost, cost_date=cost_date)
         rigid = mapping.boolean("rigid", False)
         height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
         if any(height):

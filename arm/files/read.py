@@ -16,6 +16,7 @@ from units.temperature import REFERENCE_TEMPERATURE
 
 from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
 from .following import tied
+from .prices import read_machining
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
@@ -61,6 +62,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             leave_out=left_out,
             effects=read_effects(mapping, joints, left_out),
             tool=tool,
+            machining=read_machining(mapping),
         )
     _check_absolute(mapping, arm)
     return tied(mapping, arm)

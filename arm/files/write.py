@@ -17,6 +17,7 @@ from units.files import write_whole
 from units.quantities import format_quantity
 
 from .following import following_text
+from .prices import cost_to_value, machining_to_mapping
 from .read import acts_on_slides
 
 _COUNTERBALANCES = MappingProxyType(
@@ -55,6 +56,8 @@ def arm_to_yaml(arm: Arm) -> str:
         lines.append(f"    link: {_flow(_link(link))}")
     if any(arm.tool):
         lines.append(f"tool: {_flow({'xyz': _vector(arm.tool, 'length')})}")
+    if work := machining_to_mapping(arm.machining):
+        lines.append(f"machining: {_flow(work)}")
     lines.append(f"payload: {_flow(load_to_mapping(arm.payload))}")
     if arm.play == "statistical":
         statistics = arm.statistics
@@ -121,7 +124,7 @@ def _joint(joint: Joint) -> dict[str, Any]:
     if joint.mass != mass:
         out["mass"] = format_quantity(joint.mass, "mass")
     if joint.cost is not None:
-        out["cost"] = format_quantity(joint.cost, "cost")
+        out["cost"] = cost_to_value(joint.cost, joint.cost_date)
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)
     if joint.counterbalance is not None:
@@ -163,7 +166,7 @@ def _link(link: Link) -> dict[str, Any]:
         if link.center_of_mass is not None:
             body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
     if link.cost is not None:
-        body["cost"] = format_quantity(link.cost, "cost")
+        body["cost"] = cost_to_value(link.cost, link.cost_date)
     if _masses(link):
         body["masses"] = _masses(link)
     return body

@@ -10,7 +10,7 @@ import pandas as pd
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import section_directions
-from arm.chain.prices import price_of
+from arm.chain.prices import joint_price_dates, link_price_dates, price_of, price_of_link
 from arm.descriptions.bodies import rod
 from arm.descriptions.formats import Exported
 from arm.errors.model import beams_of
@@ -35,7 +35,8 @@ def listed(arm: Arm) -> Exported:
 
 def parts(arm: Arm) -> pd.DataFrame:
     """A row for each link, drive and mass: lengths in mm, masses in kg, centres in mm from the link's joint and
-    inertias in kg*m^2 about them, in the link's directions (along, height, width); prices in EUR."""
+    inertias in kg*m^2 about them, in the link's directions (along, height, width); prices in EUR, with
+    all work that the arm file prices, and when they were such."""
     rows: list[dict[str, Any]] = []
     for number, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams_of(arm), strict=True), start=1):
         drive = joint.actuator
@@ -48,6 +49,7 @@ def parts(arm: Arm) -> pd.DataFrame:
                     "made_of": "" if drive is None else drive.maker,
                     "mass_kg": joint.mass,
                     "price_EUR": price,
+                    "price_date": ", ".join(date for date in joint_price_dates(joint) if date),
                 }
             )
         height, width = section_directions(link, joint)
@@ -55,11 +57,7 @@ def parts(arm: Arm) -> pd.DataFrame:
         material = None if link.material is None else link.material.at(arm.temperature)
         body = rod(link, beam, axes, material)
         center, inertia = axes.T @ body.center, axes.T @ body.inertia @ axes
-        price = None
-        if link.material is not None and link.material.has("cost"):
-            price = body.mass * link.material.need("cost", arm.temperature) + (link.cost or 0.0)
-        elif link.material is None:
-            price = link.cost
+        price = price_of_link(arm, link, body.mass)
         section = "" if link.section is None else shape_words(link.section.shape, link.section.given())
         rows.append(
             {
@@ -72,17 +70,18 @@ def parts(arm: Arm) -> pd.DataFrame:
                 **{f"center_{name}_mm": 1e3 * value for name, value in zip(_AXES, center, strict=True)},
                 **{f"I_{_AXES[i]}_{_AXES[k]}_kg_m2": inertia[i, k] for i in range(3) for k in range(i, 3)},
                 "price_EUR": price,
+                "price_date": ", ".join(sorted({date for date in link_price_dates(arm, link) if date})),
             }
         )
         rows += [{"part": f"mass at the {each.on} end of link {number}", "mass_kg": each.mass} for each in link.masses]
     first = ["part", "size", "section", "made_of", "length_mm", "mass_kg"]
     inertias = [f"I_{_AXES[i]}_{_AXES[k]}_kg_m2" for i in range(3) for k in range(i, 3)]
-    columns = [*first, *(f"center_{name}_mm" for name in _AXES), *inertias, "price_EUR"]
+    columns = [*first, *(f"center_{name}_mm" for name in _AXES), *inertias, "price_EUR", "price_date"]
     table = pd.DataFrame(rows, columns=columns)
     numbers = table.select_dtypes("number").columns
     table[numbers] = table[numbers].map(_rounded)
     table["price_EUR"] = pd.to_numeric(table["price_EUR"])
-    return table.fillna({"size": "", "section": "", "made_of": ""})
+    return table.fillna({"size": "", "section": "", "made_of": "", "price_date": ""})
 
 
 _AXES = ("along", "height", "width")

@@ -20,7 +20,7 @@ from materials.material import Material
 from optimize.exchange.binding_poses import ErrorCut, Pool
 from optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
 from optimize.exchange.exchange import Context, Exchange
-from optimize.exchange.program import Solution, carried_mass, drives_cost, fixed_error
+from optimize.exchange.program import Solution, carried_mass, fixed_error, unchosen_cost
 from optimize.limits import Cut
 from optimize.problem import Problem
 from sections.numeric import Array
@@ -180,7 +180,7 @@ def _lagrangian(
         sums += [mass, Products({(): rest[problem.minimize]})]
     elif problem.minimize == "cost":
         worth, per_cost = cost, 1.0
-        sums.append(Products({(): drives_cost(problem)}))
+        sums.append(Products({(): unchosen_cost(problem)}))
     elif problem.minimize == "max_error":
         worth = solution.error - fixed
         sums.append(Products({(): fixed}))
@@ -210,7 +210,7 @@ def _lagrangian(
         scale = worth * price * (-1.0 if own.relation == ">=" else 1.0)
         if own.name == "cost":
             per_cost += scale / own.value
-            sums.append(Products({(): scale * (drives_cost(problem) / own.value - 1.0)}))
+            sums.append(Products({(): scale * (unchosen_cost(problem) / own.value - 1.0)}))
         else:
             sums.append(mass.scaled(scale / own.value))
             sums.append(Products({(): scale * (rest[own.name] / own.value - 1.0)}))

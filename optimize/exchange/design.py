@@ -13,6 +13,7 @@ import numpy as np
 
 from arm.chain.beam import Beam, elastic_beam
 from arm.chain.chain import Arm, LoadCase, askew
+from arm.chain.prices import price_by_length, price_by_mass
 from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import (
     BEAM_FIELDS,
@@ -181,8 +182,8 @@ def _section_variable(link: int, variable: DesignVariable, lower: float, upper: 
 
 
 def material_row(materials: Sequence[Material | None], problem: Problem) -> Array:
-    """The materials' figures as the programs' parameters (for each link `MATERIAL_FIELDS`); raises `MissingProperty`
-    for what is needed."""
+    """The materials' figures as the programs' parameters (for each link `MATERIAL_FIELDS`; the cost with work by the
+    kilogram); raises `MissingProperty` for what is needed."""
     needed = {"elastic_modulus", "density"}
     if needs_shear_modulus(problem.arm, problem.load_cases):
         needed |= {"shear_modulus"}
@@ -196,7 +197,9 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
             continue
         values = material.at(problem.arm.temperature, calibrated_temperature(problem.load_cases))
         for name in MATERIAL_FIELDS:
-            if name in needed:
+            if name == "cost" and (name in needed or material.has(name)):
+                rows.append(price_by_mass(problem.arm, material))
+            elif name in needed:
                 rows.append(material.need(name, problem.arm.temperature))  # type: ignore[arg-type]
             elif name == "poisson_ratio":
                 rows.append(0.3 if values.poisson_ratio is None else values.poisson_ratio)
@@ -241,7 +244,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         stuffs.append(material)
         weight = beam.mass_per_length * length
         mass = mass + weight
-        cost = cost + weight * material.cost
+        cost = cost + weight * material.cost + price_by_length(arm) * length
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
     strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(

@@ -21,7 +21,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.prices import fixed_price
+from arm.chain.prices import fixed_price, price_by_length
 from arm.errors.model import ErrorModel
 from arm.worst.workspace import climbing_bounds, joint_box
 from optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
@@ -114,12 +114,18 @@ def carried_mass(problem: Problem) -> float:
 
 
 def drives_cost(problem: Problem) -> float:
-    """What of the arm's cost (EUR) no section decides: drives, rigid links, machining; raises `InputError` where the
-    problem asks for a cost and one of these has no price."""
-    total, lacking = fixed_price(problem.arm.joints, problem.arm.links)
+    """What of the arm's cost (EUR) neither sections nor lengths decide: drives, rigid links, work by the part; raises
+    `InputError` where the problem asks for a cost and one of these has no price."""
+    total, lacking = fixed_price(problem.arm)
     if lacking and problem.needs("cost"):
         raise InputError(problem.file, "cost", f"{lacking}; `cost` in the arm file gives one")
     return 0.0 if lacking else total
+
+
+def unchosen_cost(problem: Problem) -> float:
+    """`drives_cost` with the work by the metre on links whose lengths stay as they are, EUR."""
+    elastic = sum(link.length for link in problem.arm.links if link.section is not None)
+    return drives_cost(problem) + price_by_length(problem.arm) * elastic
 
 
 def anchored(space: DesignSpace) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm
-from arm.chain.prices import fixed_price
+from arm.chain.prices import fixed_price, price_by_length, price_by_mass
 from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from arm.errors.rigid_links import rigid as rigid_beam
 from arm.errors.rigid_links import values_of_rigid
@@ -97,9 +97,17 @@ def _link_extremes(problem: Problem, pairs: Sequence[tuple[str, Material]]) -> _
         # Nothing else is known of a shear modulus that is not: the largest that an isotropic material can have.
         shear = 0.5 * modulus if material.shear_modulus is None else material.shear_modulus
         light, heavy = density * float(least.area), density * float(most.area)
-        price = 0.0 if material.cost is None else material.cost
+        price = price_by_mass(problem.arm, stuff) if stuff.has("cost") else 0.0
         stiff = (float(most.area), float(most.second_moment_y), float(most.second_moment_z))
-        rows.append((light, heavy, price * light, *(modulus * x for x in stiff), shear * float(most.torsion_constant)))
+        rows.append(
+            (
+                light,
+                heavy,
+                price * light + price_by_length(problem.arm),
+                *(modulus * x for x in stiff),
+                shear * float(most.torsion_constant),
+            )
+        )
     table = np.array(rows)
     low, high = table.min(axis=0).tolist(), table.max(axis=0).tolist()
     return _Extremes(low[0], high[1], low[2], *high[3:])
@@ -115,7 +123,7 @@ def _cheapest_rest(problem: Problem) -> float:
     chosen = problem.actuators or ((),) * len(problem.arm.joints)
     kept = [joint for joint, own in zip(problem.arm.joints, chosen, strict=True) if not own]
     picked = sum(min(each.cost or 0.0 for each in own) for own in chosen if own)
-    return fixed_price(kept, problem.arm.links)[0] + picked
+    return fixed_price(problem.arm, kept)[0] + picked
 
 
 def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from arm.chain.chain import Arm
+from arm.chain.prices import price_dates, works
 
 from .figure import Figure, OfDesign
 
@@ -33,17 +36,32 @@ TOTAL_MASS = Figure(
 
 def _cost_title(arm: Arm) -> str:
     """What the cost of an arm is that of."""
-    priced = any(joint.cost is not None for joint in arm.joints) or any(link.cost is not None for link in arm.links)
+    priced = any(each.cost is not None for each in (*arm.joints, *arm.links)) or works(arm)
     driven = any(joint.actuator is not None for joint in arm.joints)
     return "cost" if priced else "cost of material and actuators" if driven else "material cost"
 
 
 def _cost_note(arm: Arm) -> str:
-    """What that does not hold."""
+    """What that does and does not hold, and when its prices were such."""
     unpriced = [str(number) for number, link in enumerate(arm.links, start=1) if link.cost is None]
-    if len(unpriced) == len(arm.links):
-        return "without machining"
-    return f"without machining of link {', '.join(unpriced)}" if unpriced else "with what the arm file says of links"
+    if works(arm):
+        held = "with machining"
+    elif len(unpriced) == len(arm.links):
+        held = "without machining"
+    else:
+        held = (
+            f"without machining of link {', '.join(unpriced)}" if unpriced else "with what the arm file says of links"
+        )
+    return "; ".join(text for text in (held, dates_in_words(price_dates(arm))) if text)
+
+
+def dates_in_words(dates: Sequence[str]) -> str:
+    """When prices were such: `prices of 2007-01 to 2024, some without a date`; an empty text where none has a date."""
+    dated = [date for date in dates if date]
+    if not dated:
+        return ""
+    span = dated[0] if len(dated) == 1 else f"{dated[0]} to {dated[-1]}"
+    return f"prices of {span}" + (", some without a date" if len(dated) < len(dates) else "")
 
 
 COST = Figure(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arm.chain.beam import elastic_beam
 from arm.chain.chain import Arm
+from arm.chain.prices import price_by_length, price_by_mass
 from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
 from arm.limits.strength import STRENGTH_FIELDS, strength_values
@@ -83,7 +84,7 @@ class Table:
             values = option.material.at(temperature, calibrated_temperature(self.problem.load_cases))
             properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
             beam = elastic_beam(1.0, properties, values, shear=shear)
-            price = option.material.need("cost", temperature) if priced else 0.0
+            price = price_by_mass(self.problem.arm, option.material) if priced else 0.0
             strength = values.need("yield_strength") if strong else np.nan
             # The moduli that count for strength are those of `evaluate`.
             moduli = strength_values([option.section.properties(0.3)])
@@ -105,6 +106,7 @@ class Table:
                 own = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
                 mass += own
                 cost += own * self._prices[number][picks[:, number], place]
+                cost += price_by_length(self.problem.arm) * lengths[:, link]
         p[:, :, BEAM_FIELDS.index("length")] = lengths
         width = len(STRENGTH_FIELDS) * size
         return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))

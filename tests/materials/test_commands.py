@@ -8,8 +8,9 @@ import pytest
 from linkwright.cli import run
 from materials.catalogue import load_catalogue, load_layer
 from materials.plausible import doubts_of
+from units.quantities import InputError
 
-COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
+COMMANDS = ("list", "show", "compare", "add", "edit", "price", "remove", "rename", "undo", "check", "import", "export")
 
 
 @pytest.fixture
@@ -238,3 +239,47 @@ def test_what_is_hardly_believable_is_taken_and_questioned(materials, tmp_path, 
 
 def test_nothing_shipped_is_doubted():
     assert [doubt for material in load_catalogue(user=False) for doubt in doubts_of(material)] == []
+
+
+def test_a_price_alone_leaves_the_material_where_it_is(materials, tmp_path):
+    own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
+    offer = ("--source", "Offer 12", "--date", "2026-03")
+    assert "set the price" in ok(
+        materials("price", "steel-s355", "1.3 EUR/kg", *offer, "--spread", "1 EUR/kg", "2 EUR/kg")
+    )
+    assert dict(load_layer(own).materials) == {}
+    shipped, priced = load_catalogue(user=False).find("steel-s355"), load_catalogue().find("steel-s355")
+    assert (priced.need("cost"), priced.spread("cost")) == (1.3, (1.0, 2.0))
+    assert (priced.properties["cost"].date, shipped.properties["cost"].date) == ("2026-03", "2017-02")
+    assert priced.properties["density"] is shipped.properties["density"]
+    assert "Offer 12" in ok(materials("show", "steel-s355"))
+    ok(materials("export", "steel-s355", "--out", "out.yaml"))
+    assert load_layer("out.yaml").materials["steel-s355"].need("cost") == 1.3
+    ok(materials("price", "steel-s355", "--unset"))
+    assert load_catalogue().find("steel-s355").need("cost") == shipped.need("cost")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("steel-s335", "1 EUR/kg", "--source", "x"), "did you mean 'steel-s355'?"),
+        (("steel-s355", "1 USD/kg", "--source", "x"), "EUR only"),
+        (("steel-s355", "1 EUR/kg", "--source", "x", "--date", "March"), "is a year, month or day"),
+        (("steel-s355", "1 EUR/kg"), "--source: is missing"),
+        (("steel-s355",), "PRICE: is missing"),
+        (("steel-s355", "--unset"), "there is no price of that"),
+        (("steel-s355", "1 EUR/kg", "--source", "x", "--spread", "2 EUR/kg", "3 EUR/kg"), "must hold the value"),
+    ],
+)
+def test_prices_that_are_none(materials, tmp_path, arguments, words):
+    wrong(materials("price", *arguments), words)
+    assert not (tmp_path / "configuration" / "linkwright" / "materials.yaml").exists()
+
+
+def test_a_price_of_what_no_catalogue_has_is_an_error(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text(
+        "format_version: 1\nprices: {no-such: {value: 1 EUR/kg, date: 2026, source: x}}\n", encoding="utf-8"
+    )
+    with pytest.raises(InputError, match=r"prices\.no-such: there is no such material"):
+        load_catalogue([path], user=False)

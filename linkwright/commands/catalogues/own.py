@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import replace as renamed
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -14,9 +15,11 @@ import typer
 
 from catalogues import store
 from catalogues.editor import Editor
+from catalogues.prices import remove_price, set_price
 from linkwright.commands.groups import Commands
 from linkwright.output.files import write_file
 from units.quantities import InputError
+from units.reading import parse_yaml
 
 OwnFile = Annotated[
     Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change; your own without it.")
@@ -209,8 +212,54 @@ class OwnCatalogue:
             ),
             "check": (check, f"{self.helps['check']}\n\n{example} check {self.group}.yaml\n"),
         }
-        order = ("add", "edit", "remove", "rename", "undo", "check", "import", "export")
-        return {name: {**alike, **of_its_own}[name] for name in order}
+        order = ("add", "edit", "price", "remove", "rename", "undo", "check", "import", "export")
+        every = {**alike, **of_its_own}
+        return {name: every[name] for name in order if name in every}
+
+
+def price_command(own: OwnCatalogue, shipped: Callable[[], Sequence[str]]) -> Callable[..., None]:
+    """The command that gives an entry of a shipped catalogue, or of one's own file, a price; `shipped` are the former's
+    names."""
+
+    def price(
+        name: Name,
+        value: Annotated[str | None, typer.Argument(metavar="[PRICE]", help="Such as '1.4 EUR/kg', '900 EUR'.")] = None,
+        source: Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the price is from.")] = "",
+        date: Annotated[
+            str | None, typer.Option("--date", metavar="DATE", help="When it was such, e.g. 2026-03; today by default.")
+        ] = None,
+        spread: Annotated[
+            tuple[str, str] | None, typer.Option("--spread", metavar="LOW HIGH", help="Lowest and highest to expect.")
+        ] = None,
+        unset: Annotated[bool, typer.Option("--unset", help="Take your price away.")] = False,
+        catalogue: OwnFile = None,
+    ) -> None:
+        path = own.path(catalogue)
+        if unset:
+            if value is not None:
+                raise InputError("", "--unset", "takes no price")
+            say(remove_price(own.editor, path, name), path)
+            return
+        if value is None:
+            raise InputError("", "PRICE", "is missing; give one with its unit, or --unset")
+        if not source:
+            raise InputError("", "--source", "is missing: say where the price is from")
+        told: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
+        if spread is not None:
+            told["spread"] = list(spread)
+        say(set_price(own.editor, path, name, told, shipped()), path)
+
+    return price
+
+
+def value_of_text(text: str, key: str) -> Any:
+    """A value as YAML reads it: `71 GPa`, `0.3`, `[1 EUR/kg, 2 EUR/kg]`, `{value: 71 GPa, source: x}`."""
+    if text.lstrip().startswith(("[", "{")):
+        return parse_yaml(text, file=f"the value of {key}")
+    found = (
+        parse_yaml(f"[{text}]", file="") if not set(text) & set(",[]{}#&*!|>%@`'\"\n") and ": " not in text else None
+    )
+    return found[0] if isinstance(found, list) and len(found) == 1 and found[0] is not None else text
 
 
 def say(text: str, path: Path) -> None:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import typer
 
-HELP = """What links can be made of: list, show, compare; add, edit, remove, rename, undo; import, export, check."""
+HELP = (
+    """What links can be made of: list, show, compare; add, edit, price, remove, rename, undo; import, export, check."""
+)
 
 
 def group() -> typer.Typer:

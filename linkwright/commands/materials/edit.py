@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -13,7 +13,17 @@ from catalogues.freecad_cards import read_card, write_card
 from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
 from catalogues.materials_csv import read_table, write_table
 from catalogues.materials_editor import MATERIALS
-from linkwright.commands.catalogues.own import Changes, Name, OwnCatalogue, OwnFile, Source, changes_of, say
+from linkwright.commands.catalogues.own import (
+    Changes,
+    Name,
+    OwnCatalogue,
+    OwnFile,
+    Source,
+    changes_of,
+    price_command,
+    say,
+    value_of_text,
+)
 from linkwright.commands.groups import Commands
 from linkwright.commands.options import CatalogueFile
 from linkwright.output.files import check_target
@@ -21,7 +31,6 @@ from materials.catalogue import load_layer, shipped_layers, user_catalogue_path
 from materials.material import Material
 from materials.plausible import doubts_of
 from units.quantities import InputError
-from units.reading import parse_yaml
 
 ADD_HELP = """Add a material to your catalogue.
 
@@ -32,6 +41,10 @@ EDIT_HELP = """Change keys of a material, or the catalogue file in $EDITOR; a sh
 Keys are such as density, cost.spread or title; several at once are one edit: KEY=VALUE KEY=VALUE.
 
 Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
+"""
+PRICE_HELP = """Give a material a price in your catalogue; the rest of it stays where it is.
+
+Example: linkwright materials price steel-s355 '1.3 EUR/kg' --source 'Offer of 3 March'
 """
 IMPORT_HELP = """Put materials from a file in your catalogue: .yaml, .FCMat (FreeCAD), .csv, .xlsx; all or nothing.
 
@@ -44,18 +57,8 @@ Example: linkwright materials export steel-s355 aluminium-6061-t6 --out metals.c
 CHECK_HELP = "Check catalogue files: units, ranges, sources, E, G and nu; without a file the shipped ones and yours."
 
 
-def _value(text: str, key: str) -> Any:
-    """A value as YAML reads it: `71 GPa`, `0.3`, `[1 EUR/kg, 2 EUR/kg]`, `{value: 71 GPa, source: x}`."""
-    if text.lstrip().startswith(("[", "{")):
-        return parse_yaml(text, file=f"the value of {key}")
-    found = (
-        parse_yaml(f"[{text}]", file="") if not set(text) & set(",[]{}#&*!|>%@`'\"\n") and ": " not in text else None
-    )
-    return found[0] if isinstance(found, list) and len(found) == 1 and found[0] is not None else text
-
-
 def _made(name: str, given: dict[str, str], source: str) -> Entry:
-    content = {key: _value(value, key) for key, value in given.items()}
+    content = {key: value_of_text(value, key) for key, value in given.items()}
     return Entry(name, {**content, "source": "own"}, {"own": source}) if source else Entry(name, content)
 
 
@@ -95,7 +98,10 @@ def edit_material(
         say(MATERIALS.remove_key(path, name, changes[0]), path)
         return
     asked = changes_of(changes, OWN.such_as)
-    say(MATERIALS.set_keys(path, name, {key: _value(text, key) for key, text in asked.items()}, source=source), path)
+    say(
+        MATERIALS.set_keys(path, name, {key: value_of_text(text, key) for key, text in asked.items()}, source=source),
+        path,
+    )
     OWN.question(path, name)
 
 
@@ -126,4 +132,7 @@ def export_materials(
 
 def commands() -> Commands:
     """These commands by name."""
-    return OWN.commands({"edit": (edit_material, EDIT_HELP), "export": (export_materials, EXPORT_HELP)})
+    price = price_command(OWN, lambda: [name for layer in shipped_layers() for name in layer.materials])
+    return OWN.commands(
+        {"edit": (edit_material, EDIT_HELP), "export": (export_materials, EXPORT_HELP), "price": (price, PRICE_HELP)}
+    )

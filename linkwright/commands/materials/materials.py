@@ -104,8 +104,9 @@ def show_material(
         spread = "" if found.spread is None else " to ".join(written(x, property_name) for x in found.spread)
         value = value_of(material, property_name)
         shown.add_row(property_name.replace("_", " "), value, _valid(found.valid), spread, found.source)
-        if found.note:
-            shown.add_row("", "", "", "", found.note)
+        said = "; ".join(text for text in (found.date and f"price of {found.date}", found.note) if text)
+        if said:
+            shown.add_row("", "", "", "", said)
     if material.magnetic is not None:
         shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
     screen.print(shown)
@@ -217,6 +218,7 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
             "spread": None if found.spread is None else [written(x, name) for x in found.spread],
             "source": material.references.get(found.source, found.source),
             "note": found.note or None,
+            "date": found.date or None,
         }
     return {
         "name": material.name,

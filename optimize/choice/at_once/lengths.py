@@ -14,6 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from arm.chain.chain import Arm
+from arm.chain.prices import price_by_length
 from arm.errors.model import BEAM_FIELDS
 from optimize.choice.pose_products import error_vectors, features_of
 from optimize.choice.products import Power
@@ -56,6 +57,8 @@ class LengthRows:
         stays = sum(link.length for link in arm.links if link.section is None)
         mass: dict[Power, Array] = {((k, 0), (k, LENGTH)): np.ones(1) for k in self._links}
         cost: dict[Power, Array] = {((k, PRICE), (k, LENGTH)): np.ones(1) for k in self._links}
+        if (by_length := price_by_length(problem.arm)) > 0.0:
+            cost |= {((k, LENGTH),): np.array([by_length]) for k in self._links}
         reach: dict[Power, Array] = {((k, LENGTH),): np.ones(1) for k in self._links}
         own = {"mass": mass, "total_mass": mass, "cost": cost, "reach": reach}
         carried = rigid + carried_mass(problem)

@@ -20,7 +20,7 @@ from optimize.choice.pose_products import SOFT, compression_products, error_vect
 from optimize.choice.products import Power, Products
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.exchange import Context
-from optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from optimize.exchange.program import carried_mass, fixed_error, unchosen_cost
 from optimize.limits import Cut
 from optimize.limits.tip_stiffness import PreparedStiffness
 from optimize.problem import Problem
@@ -148,7 +148,7 @@ def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dic
     rigid = sum(link.mass or 0.0 for link in arm.links if link.section is None)
     mass: dict[Power, Array] = {((k, 0),): np.array([length]) for k, length in elastic}
     cost: dict[Power, Array] = {((k, PRICE),): np.array([length]) for k, length in elastic}
-    rest = {"mass": rigid, "total_mass": rigid + carried_mass(problem), "cost": drives_cost(problem)}
+    rest = {"mass": rigid, "total_mass": rigid + carried_mass(problem), "cost": unchosen_cost(problem)}
     return {"mass": mass, "total_mass": mass, "cost": cost}, rest
 
 

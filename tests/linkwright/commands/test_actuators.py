@@ -7,8 +7,9 @@ import math
 
 import pytest
 
-from arm.actuators import ACTUATORS_VARIABLE
+from arm.actuators import ACTUATORS_VARIABLE, load_actuators, read_actuators, shipped_actuators
 from arm.files.read import read_arm
+from units.reading import load_yaml
 
 OWN = """\
 format_version: 1
@@ -131,3 +132,38 @@ def test_rounding_that_cannot_be_ends_plainly(options, status, message, linkwrig
     found, out, error = linkwright("optimize", "plain.yaml", *options)
     assert found == status
     assert message in (error if status else out)
+
+
+def test_ones_own_file_is_edited_by_commands(linkwright, bench, monkeypatch):
+    own = bench / "mine.yaml"
+    monkeypatch.setenv(ACTUATORS_VARIABLE, str(own))
+    keys = ("maker=Somebody", "gear=planetary", "rated_torque=20 N*m", "stiffness=5 kN*m/rad", "backlash=3 arcmin")
+    assert linkwright("actuators", "add", "TURNER 1", *keys, "mass=2 kg", "--source", "Data sheet 7")[0] == 0
+    assert linkwright("actuators", "edit", "RV-20E", "mass=4.9 kg", "--source", "weighed")[0] == 0
+    assert linkwright("actuators", "price", "RV-6E", "700 EUR", "--source", "Offer 12", "--date", "2026-03")[0] == 0
+    found = load_actuators()
+    turner, heavier, priced = (found.find(name) for name in ("TURNER 1", "RV-20E", "RV-6E"))
+    assert (turner.maker, turner.mass, turner.source) == ("Somebody", 2.0, "Data sheet 7")
+    shipped = shipped_actuators()
+    assert (heavier.maker, heavier.mass, heavier.stiffness) == ("Nabtesco", 4.9, shipped["RV-20E"].stiffness)
+    assert heavier.source == f"{shipped['RV-20E'].source}; mass: weighed"
+    assert (priced.cost, priced.cost_date, priced.file) == (700.0, "2026-03", shipped["RV-6E"].file)
+    assert set(read_actuators(load_yaml(own))) == {"TURNER 1", "RV-20E"}
+    status, _, said = linkwright("actuators", "edit", "TURNER 1", "mass=-1 kg")
+    assert (status, said.count("\n")) == (2, 1)
+    assert "actuators.TURNER 1.mass: must be positive" in said
+    assert linkwright("actuators", "export", "TURNER 1", "RV-20E", "--out", "out.yaml")[0] == 0
+    assert read_actuators(load_yaml(bench / "out.yaml"))["RV-20E"].mass == 4.9
+    assert linkwright("actuators", "remove", "RV-20E")[0] == 0
+    assert load_actuators().find("RV-20E").mass == shipped["RV-20E"].mass
+    assert linkwright("actuators", "price", "RV-6E", "--unset")[0] == 0
+    assert load_actuators().find("RV-6E").cost is None
+
+
+def test_a_file_may_hold_prices_alone(bench):
+    (bench / "prices.yaml").write_text(
+        "format_version: 1\nprices: {RV-20E: {value: 900 EUR, spread: [800 EUR, 1000 EUR], date: 2026, source: x}}\n"
+    )
+    found = load_actuators([bench / "prices.yaml"], user=False).find("RV-20E")
+    assert (found.cost, found.cost_spread, found.cost_date) == (900.0, (800.0, 1000.0), "2026")
+    assert found.note == "cost: x"

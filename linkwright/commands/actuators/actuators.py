@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
+from linkwright.commands.groups import command_group
+from linkwright.commands.options import JsonFile
 from linkwright.output.files import check_target, write_json
 from linkwright.results.figures_in_words import figure, with_unit
 from linkwright.version import program_version
 
-from .groups import command_group
-from .options import JsonFile
+from . import HELP, edit
 
 if TYPE_CHECKING:
     from arm.actuators import Actuator
 
-HELP = """Gears and actuators by name: list, show."""
 LIST_HELP = """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
 
 Example: linkwright actuators list --least-torque '100 N*m'
@@ -112,7 +112,8 @@ def _cost_words(found: Actuator) -> str:
     if found.cost is None or found.cost_spread is None:
         return "not known"
     low, high = (figure(value) for value in found.cost_spread)
-    return f"{figure(found.cost)} EUR ({low} to {high}, {found.cost_date})"
+    spread = "" if low == high else f"{low} to {high}, "
+    return f"{figure(found.cost)} EUR ({spread}{found.cost_date})"
 
 
 def _content(content: dict[str, Any]) -> dict[str, Any]:
@@ -143,4 +144,5 @@ def _as_json(each: Actuator) -> dict[str, Any]:
 
 def group() -> typer.Typer:
     """The command group."""
-    return command_group(HELP, {"list": (list_actuators, LIST_HELP), "show": (show_actuator, SHOW_HELP)})
+    look = {"list": (list_actuators, LIST_HELP), "show": (show_actuator, SHOW_HELP)}
+    return command_group(HELP, {**look, **edit.commands()})
