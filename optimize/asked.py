@@ -36,6 +36,8 @@ def limits_in_words(problem: Problem) -> tuple[str, ...]:
         for name, span in ranges.items()
         if span is not None
     ]
+    if problem.taper is not None:
+        spans.append(f"taper {problem.taper[0]:g} to {problem.taper[1]:g}")
     # Where sections are listed, ranges have left out sizes already.
     return (*(limit.text for limit in problem.limits), *(() if problem.sizes is not None else spans))
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 from arm.evaluation import Evaluation
 from optimize.choice.combinations import Choice
-from optimize.exchange.design import Variable
+from optimize.exchange.design import TAPER, Variable
+from optimize.exchange.far_ends import far_constraints
 from optimize.exchange.program import Solution
 from sections import SHAPES
 from units.quantities import format_quantity
@@ -57,13 +61,16 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
         if abs(multiplier) < _FELT:
             continue
         side = 1 if multiplier > 0.0 else 0
+        if variable.name == TAPER:
+            continue
         value = variable.upper if side else variable.lower
         for name, moves in _moves(problem, choice, variable, side):
             slope = moves / (value if variable.logarithmic else variable.scale)
             prices[name, side] = prices.get((name, side), 0.0) - multiplier * slope
             where.setdefault((name, side), []).append(f"link {variable.link + 1} {variable.name}")
     _add_wall_prices(problem, choice, solution, prices, where)
-    found: list[BindingLimit] = []
+    _add_far_prices(problem, choice, solution, prices, where)
+    found = list(_taper_bounds(problem, choice, solution, worth))
     for (name, side), slope in prices.items():
         bound = dict(_ranges(problem))[name][side]
         relation = "<=" if side else ">="
@@ -72,6 +79,21 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
         price = slope * worth * 1e-3
         found.append(BindingLimit(name, text, bound * 1e3, bound * 1e3, "mm", price, price_unit(problem, "mm")))
     return found
+
+
+def _taper_bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) -> Iterator[BindingLimit]:
+    """The bounds on tapers that hold, with the multipliers of all links at each added up."""
+    prices: dict[int, list[tuple[int, float]]] = {}
+    for variable, multiplier in zip(choice.space.variables, solution.bound_prices.tolist(), strict=True):
+        if variable.name == TAPER and abs(multiplier) > _FELT:
+            prices.setdefault(1 if multiplier > 0.0 else 0, []).append((variable.link, multiplier))
+    for side, own in prices.items():
+        assert problem.taper is not None
+        bound = problem.taper[side]
+        places = ", ".join(f"link {link + 1}" for link, _ in own)
+        text = f"taper {'<=' if side else '>='} {bound:g} ({places})"
+        price = -sum(multiplier for _, multiplier in own) / bound * worth
+        yield BindingLimit("taper", text, bound, bound, "", price, price_unit(problem, ""))
 
 
 def _ranges(problem: Problem) -> list[tuple[str, tuple[float, float]]]:
@@ -129,3 +151,34 @@ def _add_wall_prices(
                 if abs(multiplier) > _FELT and slope != 0.0 and abs(float(before.value)) < 1e-6:
                     prices["thickness", side] = prices.get(("thickness", side), 0.0) + slope
                     where.setdefault(("thickness", side), []).append(f"link {link + 1} wall")
+
+
+def _add_far_prices(
+    problem: Problem,
+    choice: Choice,
+    solution: Solution,
+    prices: dict[tuple[str, int], float],
+    where: dict[tuple[str, int], list[str]],
+) -> None:
+    """The bounds that hold a far end whose taper is chosen: their price by moving each range a little."""
+    multipliers = dict(solution.shape_prices)
+    sections, _ = choice.space.sections_and_lengths(solution.x.tolist())
+    tapers = choice.space.log_tapers(solution.x)
+    for link, (section, log_taper) in enumerate(zip(sections, tapers, strict=True)):
+        if section is None or problem.taper is None:
+            continue
+        now = far_constraints(section, log_taper, problem)
+        for name, side in (("section_size", 0), ("section_size", 1), ("thickness", 0), ("thickness", 1)):
+            span = list(getattr(problem, name))
+            step = 1e-6 * span[side]
+            span[side] += step
+            moved = far_constraints(section, log_taper, replace(problem, **{name: (span[0], span[1])}))
+            for before, after in zip(now, moved, strict=True):
+                multiplier = multipliers.get(f"link {link + 1}: {before.text}", 0.0)
+                moves = float(after.value - before.value) / step
+                slope = multiplier * moves
+                # Rows are scaled by their ranges: what moves by less than this only does by that.
+                held = abs(multiplier) > _FELT and abs(float(before.value)) < 1e-6 and abs(moves) * span[side] > 1e-4
+                if held:
+                    prices[name, side] = prices.get((name, side), 0.0) + slope
+                    where.setdefault((name, side), []).append(f"link {link + 1} far end")

@@ -19,7 +19,7 @@ from arm.worst.workspace import Workspace
 from materials.catalogue import Catalogue, load_catalogue
 from materials.material import Material
 from sections import SHAPES
-from sections.taper import Tapered
+from sections.taper import MOST_TAPER, Tapered, size_ratio
 from units.quantities import format_quantity, read_quantity, shown
 from units.reading import Mapping, load_yaml, nearest
 
@@ -42,7 +42,8 @@ class Problem:
     `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
     (nothing for a joint that keeps its own); None keeps all. `figures` are those that can be limited, by name.
     `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that. `sizes` are
-    the sections that each link may have (none for rigid ones); None leaves their dimensions free.
+    the sections that each link may have (none for rigid ones); None leaves their dimensions free. `taper` is the least
+    and the greatest size of a link's far end over that at its joint; None keeps links as uniform as they are.
     """
 
     file: str
@@ -61,6 +62,7 @@ class Problem:
     figures: MappingLike[str, Figure] = field(default_factory=lambda: FIGURES)
     uncertain: Uncertain | None = None
     sizes: tuple[tuple[Listed, ...], ...] | None = None
+    taper: tuple[float, float] | None = None
 
     @property
     def objective(self) -> Figure:
@@ -121,6 +123,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         figures=figures,
         uncertain=uncertain,
         sizes=sizes,
+        taper=ranges.get("taper"),
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)
@@ -257,6 +260,8 @@ def _subject_to(
         for name, default in RANGES.items():
             if body.has(name):
                 ranges[name] = _range(body, name, default)
+        if body.has("taper"):
+            ranges["taper"] = _taper(body)
         for name, figure in figures.items():
             if not body.has(name):
                 continue
@@ -283,6 +288,15 @@ def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[floa
     if low < _SMALLEST or high > _LARGEST:
         ends = f"{format_quantity(_SMALLEST, 'length')} and {format_quantity(_LARGEST, 'length')}"
         raise body.error(name, f"must lie between {ends}, not {shown(body.content[name])}")
+    return low, high
+
+
+def _taper(body: Mapping) -> tuple[float, float]:
+    """The least and the greatest size of a far end over that at the joint."""
+    low, high = body.range("taper", "dimensionless")
+    if not 1.0 / MOST_TAPER <= low <= high <= MOST_TAPER:
+        would_do = f"sizes of the far end over those at the joint between {1.0 / MOST_TAPER:g} and {MOST_TAPER:g}"
+        raise body.error("taper", f"holds {would_do}, e.g. [0.4, 1], not {shown(body.content['taper'])}")
     return low, high
 
 
@@ -395,6 +409,9 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if not other:
             would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
             raise mapping.error("minimize", f"{problem.minimize} alone ends at the smallest sections; {would_do}")
+    if problem.taper is not None and problem.uncertain is not None:
+        would_do = "leave out one of them, and ask `evaluate --problem` of the answer"
+        raise body.error("taper", f"is chosen for the arm as it is, not for one that is uncertain; {would_do}")
     if problem.sizes is not None:
         _check_listed(mapping, problem)
         return
@@ -403,9 +420,14 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if reason is not None:
             raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
     for number, link in enumerate(problem.arm.links, start=1):
-        if problem.shapes is None and isinstance(link.section, Tapered):
-            would_do = "name uniform shapes for the links: choose: {section: [...]}"
-            raise mapping.error("choose", f"link {number} is tapered, and tapers are not optimised; {would_do}")
+        if problem.shapes is None and isinstance(link.section, Tapered) and problem.taper is not None:
+            if size_ratio(link.section) is None:
+                would_do = "name shapes for the links: choose: {section: [...]}"
+                message = f"link {number}'s ends are not alike, one larger than the other by the same in all dimensions"
+                raise mapping.error("subject_to.taper", f"{message}; {would_do}")
+        elif problem.shapes is None and isinstance(link.section, Tapered):
+            would_do = "give subject_to: {taper: [0.4, 1]}, or name uniform shapes: choose: {section: [...]}"
+            raise mapping.error("choose", f"link {number} is tapered, and no taper is to be chosen; {would_do}")
     own = {link.section.shape for link in problem.arm.links if link.section is not None}
     for shape in sorted(own):
         if problem.shapes is None and not _can_be_chosen(shape):
@@ -418,6 +440,8 @@ def _check_listed(mapping: Mapping, problem: Problem) -> None:
     if problem.link_length is not None:
         would_do = "leave link_length out, or sizes, and round afterwards (optimize --round stock)"
         raise mapping.error("choose.sizes", f"goes with lengths that stay; {would_do}")
+    if problem.taper is not None:
+        raise mapping.error("choose.sizes", "holds uniform sections; leave out subject_to.taper, or sizes")
     if problem.uncertain is not None:
         would_do = "leave out uncertain, and ask `evaluate --problem` of the answer"
         raise mapping.error("choose.sizes", f"is chosen for the arm as it is; {would_do}")

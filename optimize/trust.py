@@ -10,12 +10,14 @@ from typing import Literal
 
 import numpy as np
 
+from arm.chain.chain import Arm
 from arm.evaluation import Evaluation
 from optimize.choice.combinations import Choice
 from optimize.choice.given import given_design
 from optimize.exchange.design import arm_of
 from optimize.exchange.exchange import Context
-from sections import SHAPES
+from sections import SHAPES, Section
+from sections.taper import Tapered
 from units.quantities import format_quantity
 
 from .limits import OfLinks, broken, excess
@@ -39,8 +41,19 @@ def doubts_of(
     """What is not as it must be in an answer, one line each; `before` and `after` are the evaluations of the arm as
     given and of the design."""
     problem = context.problem
-    own = before.arm.joints == problem.arm.joints and given_design(problem) is not None
+    own = before.arm.joints == problem.arm.joints and _as_given(before.arm, problem.arm)
+    own = own and given_design(problem) is not None
     return doubts(problem, choice.objective, before, after, lower_bound, own=own)
+
+
+def _as_given(given: Arm, changed: Arm) -> bool:
+    """Whether no taper of the arm as given was replaced (see `with_chosen_links`)."""
+    kept = zip(given.links, changed.links, strict=True)
+    return all(not isinstance(old.section, Tapered) or _ends(old.section) == _ends(new.section) for old, new in kept)
+
+
+def _ends(section: Section | None) -> tuple[Section | None, Section | None]:
+    return (section.near, section.far) if isinstance(section, Tapered) else (section, section)
 
 
 def doubts(
@@ -86,9 +99,9 @@ def keeps_limits(problem: Problem, evaluation: Evaluation) -> bool:
 def optimum_of(context: Context, choice: Choice) -> Optimum:
     """How far "the best" reaches: `global` only where the finite problem is a geometric program.
 
-    Sections whose properties are products of powers of their dimensions, fixed lengths, limits from above on masses,
-    cost and error, no terms of the error that cancel at any pose it was held against (Boyd et al. 2007), and every
-    combination looked at.
+    Sections whose properties are products of powers of their dimensions, fixed lengths and tapers, limits from above on
+    masses, cost and error, no terms of the error that cancel at any pose it was held against (Boyd et al. 2007), and
+    every combination looked at.
     """
     problem = context.problem
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
@@ -104,6 +117,8 @@ def optimum_of(context: Context, choice: Choice) -> Optimum:
     sound = all(each.outcome != "unsolved" for each in choice.candidates)
     if not (plain and sound and choice.exhaustive and choice.one_signed and not choice.space.free_lengths):
         return "local"
+    if problem.taper is not None:
+        return "local"  # what a link's own weight bends is no product of powers of its ends' sizes
     return "global" if all(_product_of_powers(shape, context.model.planar) for shape in shapes) else "local"
 
 

@@ -71,6 +71,33 @@ class Tapered(Section):
         return (*self.near.check(), *self.far.check())
 
 
+@dataclass(frozen=True)
+class FreeTaper(Tapered):
+    """A taper that an optimiser chooses: models of the arm take the ratio of its ends' sizes as an input.
+
+    `near` and `far` are what the arm as given has, alike but in size.
+    """
+
+
+MOST_TAPER = 10.0
+"""How much larger one end of a link can be than the other where the ends are alike."""
+
+
+def similar(near: Section, ratio: float) -> Section:
+    """The section whose far end is the one at the joint with every dimension times a ratio."""
+    return near if ratio == 1.0 else Tapered(near, near.scaled(ratio))
+
+
+def size_ratio(section: Section) -> float | None:
+    """The size of the far end over that at the joint, 1 of a uniform link; None where the ends are not alike."""
+    if not isinstance(section, Tapered):
+        return 1.0
+    ends = section.near.given(), section.far.given()
+    ratios = [ends[1][name] / value for name, value in ends[0].items()]
+    alike = max(ratios) - min(ratios) <= 1e-9 * max(ratios) and 1.0 / MOST_TAPER <= ratios[0] <= MOST_TAPER
+    return float(ratios[0]) if alike else None
+
+
 def build_tapered(shape_name: str, dimensions: Mapping[str, Any]) -> Section:
     """The section of this shape and these dimensions (m), of which some are pairs: at the joint, at the far end.
 

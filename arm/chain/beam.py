@@ -97,6 +97,7 @@ class Beam:
     thermal expansion in 1/K. A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint. `first_moment`
     (kg*m) is what its mass times its centre, along the link and along its height and width, is beyond that of the rest.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the moduli where the arm was calibrated over these.
+    `log_taper` is the logarithm of the far end's size over that at the joint, where the two are alike.
     """
 
     length: Scalar
@@ -115,6 +116,7 @@ class Beam:
     first_moment: Vector = ZERO
     stiffness_when_calibrated: Scalar = 1.0
     shear_when_calibrated: Scalar = 1.0
+    log_taper: Scalar = 0.0
 
     @property
     def calibrated(self) -> Beam:

@@ -16,6 +16,7 @@ Appl. Mech. 30 (1963) 373-378).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -26,7 +27,7 @@ from numpy.polynomial.legendre import leggauss
 from materials.material import MaterialValues
 from sections.numeric import Array
 from sections.properties import SectionProperties
-from sections.taper import Tapered
+from sections.taper import Tapered, size_ratio
 
 from .beam import QUARTERS, STATIONS, Beam, BendingFactors, Part, Station, Taper, elastic_beam
 
@@ -89,7 +90,9 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
         density=tuple(float(fitted(k / QUARTERS)) / mean for k in range(QUARTERS + 1)),
         stations=_stations(at, section.properties(poisson_ratio), whole.mass),
     )
-    return _with(beam, mass_per_length=material.need("density") * mean, taper=taper)
+    ratio = size_ratio(section)
+    log_taper = 0.0 if ratio is None else math.log(ratio)
+    return _with(beam, mass_per_length=material.need("density") * mean, taper=taper, log_taper=log_taper)
 
 
 _RIGIDITIES = (

@@ -14,9 +14,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import UNIFORM, Beam, elastic_beam
+from arm.chain.beam import UNIFORM, Beam, Taper, elastic_beam
 from arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
 from arm.chain.kinematics import parts, place, symbols
+from arm.chain.similar_taper import similar_taper
 from arm.chain.statics import PoseState, solve
 from arm.chain.taper import tapered_beam
 from arm.chain.vectors import scale
@@ -24,7 +25,7 @@ from arm.compiled.vectorise import VectorFunction, vectorise
 from arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
 from materials.material import MissingProperty
 from sections.numeric import Array
-from sections.taper import Tapered
+from sections.taper import FreeTaper, Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
 from .tip import ActiveEffect, TipError, TipInterval, active_effects, tip_error
@@ -42,9 +43,10 @@ BEAM_FIELDS = (
     "thermal_expansion",
     "stiffness_when_calibrated",
     "shear_when_calibrated",
+    "log_taper",
 )
-"""The order in which `beam_values` lists each link's length, mass, rigidities, thermal expansion and what its moduli
-were where the arm was calibrated."""
+"""The order in which `beam_values` lists each link's length, mass, rigidities, thermal expansion, what its moduli
+were where the arm was calibrated, and its taper."""
 
 
 class PropertyNeeded(MissingProperty):
@@ -235,13 +237,19 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
                 values["thermal_expansion"] = None  # an effect that needs it must notice
             if link.section is None or not askew(link.section):
                 values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
-            # Plain factors, whatever the length, so that uniform links cost no more than ever.
-            taper = _beam(arm, index, link).taper if isinstance(link.section, Tapered) else UNIFORM
-            beams.append(Beam(**values, taper=taper))
+            beams.append(Beam(**values, taper=_taper(arm, index, link, values["log_taper"])))
         else:
             rigid = _beam(arm, index, link)
             beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at))
     return tuple(beams)
+
+
+def _taper(arm: Arm, index: int, link: Link, log_taper: Any) -> Taper:
+    """A link's taper: plain factors, whatever the length, so that uniform links cost no more than ever; of one that is
+    to be chosen, factors of its symbol."""
+    if isinstance(link.section, FreeTaper):
+        return similar_taper(log_taper)
+    return _beam(arm, index, link).taper if isinstance(link.section, Tapered) else UNIFORM
 
 
 def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> CaseModel:

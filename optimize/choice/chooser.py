@@ -17,6 +17,7 @@ from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import (
+    TAPER,
     DesignSpace,
     arm_of,
     design_space,
@@ -211,6 +212,21 @@ class Chooser:
             self.finish(pick, x, within=within)
             if self.objective <= known * (1.0 + 1e-6):
                 return
+
+    def hold_against_uniform(self) -> None:
+        """Hold the best design against the best with the same shapes and materials and uniform links, where those are
+        allowed, so that tapers never make an answer worse."""
+        allowed = self.context.problem.taper
+        if self.best is None or self.pool is None or allowed is None or not allowed[0] <= 1.0 <= allowed[1]:
+            return
+        pick, space, materials, _, _, _ = self.best
+        start = starting_points(space, materials, 1)[0]
+        tapers = np.array([variable.name == TAPER for variable in space.variables])
+        exchange = self._exchange(pick.shapes)
+        start = np.where(tapers, 0.0, start)
+        plain = exchange.run(materials, pick.materials, self.pool, start, within=np.where(tapers, 0.0, np.inf))
+        if plain is not None:
+            self.no_worse_than(pick, plain.x)
 
     def totals(self, pick: Combination, x: Array) -> tuple[float, float, float]:
         """Mass (kg), cost (EUR) and reach (m) of a combination's links for the optimiser's numbers."""

@@ -126,6 +126,8 @@ def chosen(
         own = given_design(problem)
         if own is not None:
             chooser.no_worse_than(own.combination, own.x)
+        if problem.taper is not None:
+            chooser.hold_against_uniform()
         if ties and chooser.best is not None and count(problem) > 1 and (among is None or among.bounded):
             first = chooser.best[0]
             near = near_ties(chooser, among)

@@ -42,7 +42,7 @@ def given_design(problem: Problem) -> Given | None:
     if x is None or not np.all(np.isfinite(x)):
         return None
     arm = arm_of(space, x, own.materials)
-    if space.problem.arm is not problem.arm:
+    if problem.taper is None and space.problem.arm is not problem.arm:
         return None  # a taper is no candidate
     was, now = (numeric_beams(each, problem.load_cases) for each in (problem.arm, arm))
     same = np.abs(now - was) <= _ALIKE * np.maximum(np.abs(was), np.abs(now))

@@ -14,6 +14,7 @@ import numpy as np
 from arm.chain.beam import Beam, elastic_beam
 from arm.chain.chain import Arm, LoadCase, askew
 from arm.chain.prices import price_by_length, price_by_mass
+from arm.chain.similar_taper import similar_beam
 from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import (
     BEAM_FIELDS,
@@ -30,7 +31,7 @@ from sections import SHAPES
 from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.section import DesignVariable, Section
-from sections.taper import Tapered
+from sections.taper import FreeTaper, Tapered, similar, size_ratio
 
 MATERIAL_FIELDS = (
     "elastic_modulus",
@@ -44,6 +45,10 @@ MATERIAL_FIELDS = (
     "shear_when_calibrated",
 )
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
+TAPER = "taper"
+"""The variable that is the size of a link's far end over that at its joint."""
+_UNIFORM = 1e-6
+"""A taper nearer to 1 than this is none."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +110,18 @@ class DesignSpace:
             found.append(([sizes[variable.name] for variable in SHAPES[shape].variables], own.get("length", length)))
         return found
 
+    def log_tapers(self, x: Any) -> list[Any]:
+        """For each link the logarithm of its far end's size over that at its joint; 0 where it has no taper to
+        choose."""
+        own = {v.link: x[k] for k, v in enumerate(self.variables) if v.name == TAPER}
+        found: list[Any] = []
+        for link, shape in enumerate(self.shapes):
+            first = self.shapes.index(shape) if shape is not None and "size" in self.problem.same else link
+            found.append(0.0 if shape is None else own.get(first, 0.0))
+        return found
+
     def sections_and_lengths(self, x: Any) -> tuple[list[Section | None], list[Any]]:
-        """Each link's section and length (m) for the optimiser's numbers."""
+        """Each link's section, at its joint, and its length (m) for the optimiser's numbers."""
         chosen = self.chosen(x)
         sections = [
             None if shape is None else SHAPES[shape].from_variables(sizes)
@@ -136,19 +151,22 @@ def symbolic_properties(shape: str, sizes: list[Any], poisson_ratio: Any) -> Sec
     return SectionProperties(**{item.name: column[k] for k, item in enumerate(fields(SectionProperties))})
 
 
-def with_uniform_links(problem: Problem) -> Problem:
-    """The problem with a uniform link wherever the choice of shapes replaces a tapered or an askew one.
+def with_chosen_links(problem: Problem) -> Problem:
+    """The problem with a uniform link wherever the choice of shapes replaces a tapered or an askew one, and with links
+    whose taper is free where that is to be chosen.
 
     What the given section brings beside its rigidities (a taper's factors, a plane that it does not keep) is no
     candidate's, so models are built of the arm without it.
     """
-    if problem.shapes is None:
+    if problem.shapes is None and problem.taper is None:
         return problem
     links = list(problem.arm.links)
     for index, link in enumerate(links):
         section = link.section.near if isinstance(link.section, Tapered) else link.section
-        if section is not None and askew(section):
+        if section is not None and askew(section) and problem.shapes is not None:
             section = SHAPES[problem.shapes[0]].start(1e-3, problem.section_size, problem.thickness)
+        if section is not None and problem.taper is not None:
+            section = _free_taper(link.section, section)
         if section is not link.section:
             links[index] = replace(link, section=section, section_name=None)
     if all(new is old for new, old in zip(links, problem.arm.links, strict=True)):
@@ -156,9 +174,17 @@ def with_uniform_links(problem: Problem) -> Problem:
     return replace(problem, arm=problem.arm.with_links(tuple(links)))
 
 
+def _free_taper(given: Section | None, near: Section) -> Section:
+    """The section whose taper is chosen, with the ends that the arm as given has where those are alike."""
+    if isinstance(given, FreeTaper):
+        return given
+    tapered = isinstance(given, Tapered) and size_ratio(given) is not None
+    return FreeTaper(near, given.far if isinstance(given, Tapered) and tapered else near)
+
+
 def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpace:
     """The variables of a combination of shapes."""
-    problem = with_uniform_links(problem)
+    problem = with_chosen_links(problem)
     variables: list[Variable] = []
     for link, shape in enumerate(shapes):
         if shape is None:
@@ -169,6 +195,8 @@ def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpac
         for variable, (lower, upper) in zip(kind.variables, bounds, strict=True):
             if not shared:
                 variables.append(_section_variable(link, variable, lower, upper))
+        if problem.taper is not None and not shared:
+            variables.append(Variable(link, TAPER, True, 1.0, *problem.taper))
         if problem.link_length is not None:
             low, high = problem.link_length
             variables.append(Variable(link, "length", True, 1.0, low, high))
@@ -222,6 +250,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     sections, _ = space.sections_and_lengths(x)
     chosen = space.chosen(x)
     lengths = [length for _, length in chosen]
+    tapers = space.log_tapers(x)
     own = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
     beams: list[Beam] = []
     stuffs: list[MaterialValues | None] = []
@@ -239,6 +268,8 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         material = material_values(materials, link)
         found = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
         beam = elastic_beam(length, found, material, shear=True)
+        if space.problem.taper is not None:
+            beam = similar_beam(beam, tapers[link])
         properties.append(found)
         beams.append(beam)
         stuffs.append(material)
@@ -263,11 +294,14 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
 def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -> Arm:
     """The arm that the optimiser's numbers describe."""
     sections, lengths = space.sections_and_lengths([float(value) for value in x])
+    tapers = space.log_tapers(x)
     links = list(space.problem.arm.links)
     for k, (section, length, material) in enumerate(zip(sections, lengths, materials, strict=True)):
         if section is None:
             continue
-        plain = type(section)(**{name: float(value) for name, value in section.given().items()})
+        plain: Section = type(section)(**{name: float(value) for name, value in section.given().items()})
+        ratio = math.exp(float(tapers[k]))
+        plain = plain if abs(ratio - 1.0) < _UNIFORM else similar(plain, ratio)
         given = links[k].material_given if material == links[k].material else None
         links[k] = replace(
             links[k], section=plain, length=float(length), material=material, section_name=None, material_given=given
@@ -357,9 +391,10 @@ def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> 
     return np.array(x)
 
 
-def _own_values(space: DesignSpace, link: int, section: Section, length: float) -> list[float]:
+def _own_values(space: DesignSpace, link: int, section: Section, length: float, taper: float = 1.0) -> list[float]:
     named = dict(zip((v.name for v in section.variables), section.variable_values(), strict=True))
     named["length"] = length
+    named[TAPER] = taper
     return [
         variable.to_x(min(max(float(named[variable.name]), variable.lower), variable.upper))
         for variable in space.variables
@@ -376,5 +411,9 @@ def as_given(space: DesignSpace) -> Array | None:
             continue
         if own.section is None or own.section.shape != shape:
             return None
-        x += _own_values(space, link, own.section, lengths[link])
+        ratio = size_ratio(own.section)
+        if ratio is None:
+            return None
+        near = own.section.near if isinstance(own.section, Tapered) else own.section
+        x += _own_values(space, link, near, lengths[link], ratio)
     return np.array(x)

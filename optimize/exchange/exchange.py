@@ -27,7 +27,7 @@ from sections.numeric import Array
 from units.quantities import InputError
 
 from .binding_poses import Anchor, ErrorCut, Pool
-from .design import DesignSpace, arm_of, numeric_beams, with_uniform_links
+from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
 from .program import Program, Solution, anchored, carried_mass, fixed_error, groups_of
 from .rescue import LEAST_ERROR, solved
 from .scenarios import Scenarios
@@ -99,7 +99,7 @@ def context_of(problem: Problem) -> Context:
     if problem.sizes is not None:
         message = "is settled by `optimize` alone; leave it out for this"
         raise InputError(problem.file, "choose.sizes", message)
-    problem = with_uniform_links(problem)
+    problem = with_chosen_links(problem)
     model = error_model(problem.arm, problem.load_cases)
     search = worst_search(model, problem.workspace, gap=CERTIFICATE_GAP)
     limited = families_of({limit.name: limit.figure for limit in problem.limits})
@@ -172,7 +172,7 @@ class Exchange:
         give_up_above: float = math.inf,
         log: Log | None = None,
         push: int | None = None,
-        within: float | None = None,
+        within: float | Array | None = None,
     ) -> Exchanged | None:
         """The exchange from a start; None where the finite problem has no solution, or none was found (`infeasible`
         tells which).

@@ -270,7 +270,7 @@ class Program:
         limits: Sequence[Limit] | None = None,
         push: int | None = None,
         floor: float = 0.0,
-        within: tuple[Array, float] | None = None,
+        within: tuple[Array, float | Array] | None = None,
         elastic: Sequence[float] | None = None,
     ) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m).
@@ -318,7 +318,7 @@ class Program:
         limits: Sequence[Limit] | None,
         push: int | None,
         floor: float,
-        within: tuple[Array, float] | None,
+        within: tuple[Array, float | Array] | None,
         elastic: Sequence[float] | None,
         rounding: float,
     ) -> Solution:

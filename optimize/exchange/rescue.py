@@ -35,7 +35,7 @@ def solved(
     turn: float = TURN,
     limits: Sequence[Limit] | None = None,
     push: int | None = None,
-    within: tuple[Array, float] | None = None,
+    within: tuple[Array, float | Array] | None = None,
 ) -> Solution:
     """The best design for a pool as `Program.solve` finds it, with gentler trials where that fails.
 
@@ -64,7 +64,7 @@ def _smoothly(
     turn: float,
     limits: Sequence[Limit] | None,
     push: int | None,
-    within: tuple[Array, float] | None,
+    within: tuple[Array, float | Array] | None,
 ) -> Solution | None:
     """With a floor that follows the error down, until it no longer hides it."""
     scale = program.greatest_error(start, materials, pool)

@@ -15,6 +15,7 @@ from optimize.limits import Cut, DesignExpressions, Held, Limit, OfLinks, PoseFa
 
 from .binding_poses import ErrorCut
 from .design import DesignSpace
+from .far_ends import far_constraints
 
 AnyCut = TypeVar("AnyCut", ErrorCut, Cut)
 
@@ -197,4 +198,7 @@ def shape_rows(space: DesignSpace, design: DesignExpressions) -> Rows:
             if not value.is_constant():
                 out.rows.append(value)
                 out.labels.append(f"link {link + 1}: {constraint.text}")
+        for constraint in far_constraints(section, design.beams[link].log_taper, problem):
+            out.rows.append(ca.SX(constraint.value))
+            out.labels.append(f"link {link + 1}: {constraint.text}")
     return out

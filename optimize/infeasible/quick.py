@@ -29,7 +29,7 @@ from arm.worst.workspace import Unreachable
 from materials.material import Material
 from optimize.choice.picks import options
 from optimize.exchange.binding_poses import ErrorCut
-from optimize.exchange.design import with_uniform_links
+from optimize.exchange.design import with_chosen_links
 from optimize.exchange.program import carried_mass, fixed_error
 from optimize.exchange.signs import one_signed
 from optimize.limits import KEPT_WITHIN, Limit, excess
@@ -62,7 +62,7 @@ class _Extremes:
 def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
     """The limits that no design of any combination keeps, by bounds that are found at once; few where lengths are
     free, for they say little then."""
-    problem = with_uniform_links(problem)
+    problem = with_chosen_links(problem)
     extremes = _extremes(problem)
     found = [_of_sums(problem, extremes, limit) for limit in problem.limits]
     if problem.link_length is None:

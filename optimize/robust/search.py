@@ -16,7 +16,7 @@ import numpy as np
 from arm.chain.chain import Arm
 from arm.errors.model import beam_values, beams_of, error_model
 from arm.worst.search import WorstCase, WorstSearch
-from optimize.exchange.design import with_uniform_links
+from optimize.exchange.design import with_chosen_links
 from optimize.exchange.exchange import CERTIFICATE_GAP
 from optimize.exchange.scenarios import scenario_values
 from optimize.problem import Problem
@@ -41,7 +41,7 @@ class ScenarioSearch:
         assert problem.uncertain is not None
         self.uncertain: Uncertain = problem.uncertain
         self.loads = problem.load_cases
-        base = with_uniform_links(problem).arm if arm is None else arm
+        base = with_chosen_links(problem).arm if arm is None else arm
         for name, k in self.uncertain.places:
             if name == "stiffness" and base.joints[k].zones:
                 would_do = "leave its stiffness out of uncertain, or give the joint one stiffness"

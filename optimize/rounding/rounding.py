@@ -70,6 +70,9 @@ def optimise_rounded(
     if problem.uncertain is not None:
         would_do = "optimise without, then round by hand and ask `evaluate --problem`"
         raise InputError(problem.file, "uncertain", f"goes without --round; {would_do}")
+    if problem.taper is not None:
+        would_do = "workshops' sizes are those of uniform links; leave one of the two out"
+        raise InputError(problem.file, "subject_to.taper", f"goes without --round; {would_do}")
     if problem.sizes is not None:
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")

@@ -188,6 +188,7 @@ def digest(asked: Question, accuracy: float) -> str:
         "load_cases": [asdict(case) for case in problem.load_cases],
         "limits": [[limit.text, limit.poses] for limit in asked.problem.limits],
         "ranges": [problem.link_length, problem.section_size, problem.thickness],
+        **({} if problem.taper is None else {"taper": problem.taper}),
         "shapes": problem.shapes,
         "materials": [_figures(m, problem.arm.temperature) for m in (*own.values(), *chosen.values())],
         "chosen": list(chosen),

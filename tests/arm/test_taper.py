@@ -266,12 +266,12 @@ def test_a_shape_that_there_is_not() -> None:
         build_tapered("tub", {"diameter": (0.1, 0.05)})
 
 
-def test_the_optimiser_says_that_it_does_not_size_tapers(tmp_path: Path) -> None:
+def test_the_optimiser_says_that_no_taper_is_to_be_chosen(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text("chain:\n" + link(TUBE) + "payload: {mass: 2 kg}\n", encoding="utf-8")
     problem = tmp_path / "problem.yaml"
     text = "arm: arm.yaml\nminimize: max_error\nsubject_to: {mass: '<= 3 kg'}\n"
     problem.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="link 1 is tapered, and tapers are not optimised"):
+    with pytest.raises(InputError, match="link 1 is tapered, and no taper is to be chosen"):
         read_problem(problem)
     problem.write_text(text + "choose: {section: [tube]}\n", encoding="utf-8")
     assert read_problem(problem).shapes == ("tube",)
