@@ -41,7 +41,8 @@ class Recording:
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
-    touched, -1 none. Where rows hold different things, each number is a reading of its own (W = 1) of the same `row`.
+    touched, -1 none, and `bar_at` (N,) m how far along its bar (nought elsewhere). Where rows
+    hold different things, each number is a reading of its own (W = 1) of the same `row`.
     """
 
     file: str
@@ -74,6 +75,7 @@ class Recording:
     date: str = ""
     slots: Slots | None = None
     touches: Slots | None = None
+    bar_at: Array | None = None
     instrument: Instrument = field(default_factory=Instrument)
 
     @property

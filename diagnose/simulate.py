@@ -25,7 +25,8 @@ from diagnose.residual.recorded_conditions import conditions_of
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 
-from .instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
+from .instruments.instrument import ALONG, DISTANCE, PLANE, TILT_X, TILT_Y, Instrument
+from .instruments.level import stand_of
 from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
 
@@ -36,6 +37,8 @@ _BETWEEN_READINGS, _BETWEEN_VISITS = 2.0, 20.0
 _OUTLIERS = (10.0, 50.0)
 """Standard deviations by which an outlier is off, from and to."""
 _BASE_TARGET = (0.1, 0.0, 0.0)
+_ASKEW = 5e-3
+"""rad; how far from straight a level sits, about each axis."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,8 @@ class Plan:
     encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool is
     turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place) and
     `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the recording
-    does not say where the anchor is. `at` are readings
+    does not say where the anchor is, and `bar` is where along bars the tip touches (m). A tilt's noise is in rad. `at`
+    are readings
     that name what to record in its place: poses, sides, payloads, temperatures and times are theirs.
     """
 
@@ -73,6 +77,7 @@ class Plan:
     slots: tuple[int, ...] = ()
     instrument: Instrument = field(default_factory=Instrument)
     anchor_free: bool = False
+    bar: tuple[float, ...] = ()
     at: Recording | None = None
 
 
@@ -97,7 +102,8 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         raise ValueError("a recording has at least one pose and one reading of it")
     random = np.random.default_rng(plan.seed)
     bare = _visited(arm, plan, random) if plan.at is None else plan.at
-    if plan.slots and min(plan.slots) > DISTANCE:
+    levelled = TILT_X in plan.slots
+    if plan.slots and min(plan.slots) > DISTANCE and not levelled:
         bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
     asked = Asked(
@@ -106,10 +112,13 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         base_target=_BASE_TARGET if plan.base_target else None,
         command=plan.commands,
         turn=plan.orientation,
+        levels=np.full(bare.size, plan.instrument.tilt_link) if levelled else None,
     )
     moved = seen_of_model(state, active_effects(arm), asked)
     width = 2 if arm.planar() else 3
     nominal = columns(state.tip(), bare.size)
+    if moved.level is not None:
+        return _levelled(bare, arm, moved.level, plan, random, _idle(state, arm, asked), moved.tip)
     if plan.slots:
         return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, asked), moved.tip)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
@@ -134,6 +143,33 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         frame="free" if plan.free_frame else bare.frame,
     )
     return Simulation(recording, moved.tip, _idle(state, arm, asked))
+
+
+def _levelled(
+    bare: Recording,
+    arm: Arm,
+    turned: Array,
+    plan: Plan,
+    random: np.random.Generator,
+    idle: tuple[str, ...],
+    error: Array,
+) -> Simulation:
+    """What a level reads that sits a little askew, where what it stands on has turned by (N, 3), rad."""
+    recording = replace(
+        bare,
+        tip=np.zeros((bare.size, len(plan.slots))),
+        slots=np.tile(plan.slots, (bare.size, 1)),
+        instrument=plan.instrument,
+    )
+    stand = stand_of(recording, arm)
+    assert stand is not None
+    stand = stand.turned(turned)
+    sits = stand.seat @ Rotation.from_rotvec(random.normal(0.0, _ASKEW, 3)).as_matrix()
+    axes = stand.axes @ sits
+    rises = {TILT_X: axes[:, :, 1] @ stand.up, TILT_Y: -axes[:, :, 0] @ stand.up}
+    read = np.stack([rises[slot] for slot in plan.slots], axis=1)
+    read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
+    return Simulation(replace(recording, tip=read), error, idle)
 
 
 def _in_part(
@@ -175,7 +211,7 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         return columns(state.tip(), bare.size) + moved.tip
 
     planes = plan.slots == (PLANE,)
-    found = touched(arm, bare.q, visit, off, tips, random, planes=planes)
+    found = touched(arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar)
     q = _written(found.q, arm)
     named = replace(plan.instrument, labels=tuple(f"{number + 1}" for number in range(found.count)))
     whole = replace(
@@ -184,6 +220,7 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         tip=np.zeros((bare.size, len(plan.slots))),
         slots=np.tile(plan.slots, (bare.size, 1)),
         touches=found.label,
+        bar_at=found.along if plan.bar else None,
         instrument=named,
     ).kept(found.keep)
     last = since_the_reading_before(whole.q)
@@ -291,7 +328,7 @@ def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
 
     def silent(channels: Channels) -> bool:
         parts: Sequence[Array | None] = (
-            channels.tip, channels.joint_side, channels.base, channels.command, channels.turn
+            channels.tip, channels.joint_side, channels.base, channels.command, channels.turn, channels.level
         )  # fmt: skip
         return all(part is None or not np.any(part) for part in parts)
 

@@ -172,6 +172,12 @@ def no_play(state: PoseState, settings: Settings) -> Iterable[Interval | Disc]:
     return ()
 
 
+def stands_plumb(settings: Settings) -> Vector:
+    """No turn: for effects that leave the base as plumb as the arm file has it."""
+    del settings
+    return ZERO
+
+
 def no_kinks(state: PoseState, settings: Settings) -> Iterable[Kink]:
     """Nothing: for effects that are smooth in the loads."""
     del state, settings
@@ -244,6 +250,8 @@ class Effect:
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
     `watched` marks what is looked at in every watch over dated recordings, found or not.
+    `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
+    see what the tip does not.
     """
 
     id: str
@@ -288,6 +296,7 @@ class Effect:
     under_forces: bool = False
     weights_named: bool = False
     watched: bool = False
+    against_plumb: Callable[[Settings], Vector] = stands_plumb
 
     @property
     def belongs_to_link(self) -> bool:

@@ -41,13 +41,15 @@ class Deformed:
     """An arm at N poses as it stands. `state` holds its places and loads there, so that an effect's twists are those
     about this shape; `tip` (N, 3) m and `turn` (N, 3) rad are how far the tip has moved and turned from nominal.
 
-    `settled` (N,) says where the passes have met their tolerance: a shape that is about to buckle has none.
+    `settled` (N,) says where the passes have met their tolerance: a shape that is about to buckle has none. `turned`
+    are the rotations (N, 3, 3), from where they would stand undeformed, of the base and of each link's far end.
     """
 
     state: PoseState
     tip: Array
     turn: Array
     settled: NDArray[np.bool_]
+    turned: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class _Shape:
     """Places and orientations along the chain, and what the effects did at them.
 
     `pieces` are the frames of the cut arm, `whole` those of the arm itself; `lengths` (m) each link's, with what
-    effects add to it.
+    effects add to it; `turned` how the base and each link's far end are turned (N, 3, 3).
     """
 
     pieces: Frames
@@ -63,6 +65,7 @@ class _Shape:
     lengths: tuple[Scalar, ...]
     tip: Array
     turn: Array
+    turned: tuple[Array, ...]
 
 
 def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False) -> Deformed:
@@ -93,7 +96,7 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
     between = swinging[:, None]
     tip = np.where(between, 0.5 * (shape.tip + last.tip), shape.tip)
     turn = np.where(between, 0.5 * (shape.turn + last.turn), shape.turn)
-    return Deformed(now, tip, turn, settled | swinging)
+    return Deformed(now, tip, turn, settled | swinging, shape.turned)
 
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
@@ -186,6 +189,7 @@ class _Chain:
         cut_joints: list[JointFrame] = []
         cut_links: list[LinkFrame] = []
         carried = base
+        turned_so_far = [orientation]
         for index, frame in enumerate(frames.links):
             lead = carried + _turned(orientation, self.leads[index])
             joint = frames.joints[index]
@@ -214,6 +218,7 @@ class _Chain:
                 place = place + step
                 orientation = _matrix(bend[piece]) @ orientation
             orientation = _after(orientation, turned.get(("link", index)))
+            turned_so_far.append(orientation)
             links.append(_turned_link(_between(root, orientation), frame, place - start))
             carried = np.zeros((rows, 3))
         offset = moved.get(("tip", 0), np.zeros((rows, 3)))
@@ -227,6 +232,7 @@ class _Chain:
             tuple(lengths),
             place - self.nominal,
             Rotation.from_matrix(orientation).as_rotvec(),
+            tuple(turned_so_far),
         )
 
     def _followed(

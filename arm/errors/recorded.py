@@ -3,7 +3,7 @@
 The tip's position is the first channel. Others show more physics: an encoder on the joint's own side sees what the
 drive does between motor and joint, a target on the base sees the base and the measuring frame move, and where commands
 are logged beside encoders their difference shows what the servo lets go. A target that shows how the tool is turned
-tells turns from shifts.
+tells turns from shifts, and a level on the base or a link what turns that against the plumb line.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from arm.chain.arrays import columns
 from arm.chain.statics import PoseState
@@ -20,7 +21,7 @@ from arm.chain.vectors import Vector, add, cross, dot
 from arm.effects import Effect, Settings, Twist
 
 from .exact import Deformed, deformed
-from .tip import ActiveEffect, carried_to_tip, rotation_at_tip
+from .tip import ActiveEffect, carried_to_tip, motions, rotation_at_tip
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,8 @@ class Channels:
 
     `tip` (N, 3); `joint_side` (N, n) how far each joint stands from its encoder's reading; `base` (N, 3) a target on
     the base; `command` (N, n) how far each encoder stands from its command; `turn` (N, 3) how the tool is turned, about
-    the base's axes. All but the first are None where nobody asked.
+    the base's axes; `level` (N, 3) the same of what a level stands on, nought where none does. All but the first are
+    None where nobody asked.
     """
 
     tip: Array
@@ -39,17 +41,20 @@ class Channels:
     base: Array | None = None
     command: Array | None = None
     turn: Array | None = None
+    level: Array | None = None
 
 
 @dataclass(frozen=True)
 class Asked:
-    """Which channels a recording has beside the tip's place. `base_target` is the target's position (m)."""
+    """Which channels a recording has beside the tip's place. `base_target` is the target's position (m), `levels` (N,)
+    on which link, from 1, a level stands at each reading: 0 on the base, -1 there is none."""
 
     rows: int
     joint_side: bool = False
     base_target: Vector | None = None
     command: bool = False
     turn: bool = False
+    levels: NDArray[np.int64] | None = None
 
 
 def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> Channels:
@@ -64,6 +69,7 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
             _base((), asked),
             _drives(state, twists, asked),
             _none(asked, asked.turn, 3),
+            _none(asked, asked.levels is not None, 3),
         )
     return Channels(
         columns(carried_to_tip(state, twists), asked.rows),
@@ -71,7 +77,45 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
         _base(twists, asked),
         _none(asked, asked.command, len(state.joints)),
         columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
+        None if asked.levels is None else _levels(state, effect, settings, twists, asked.levels),
     )
+
+
+def _levels(
+    state: PoseState, effect: Effect, settings: Settings, twists: Sequence[Twist], levels: NDArray[np.int64]
+) -> Array:
+    """How one effect turns what levels stand on (N, 3), rad, about the base's axes. What an instrument of the tip is
+    off by turns nothing; a base that does not stand plumb turns everything."""
+    of_tip = effect.of_instrument and effect.place in ("base", "tip")
+    found = np.zeros((len(levels), 3)) if of_tip else turned_levels(state, twists, levels)
+    return found + np.where((levels >= 0)[:, None], columns(effect.against_plumb(settings), len(levels)), 0.0)
+
+
+def turned_levels(state: PoseState, twists: Sequence[Twist], levels: NDArray[np.int64]) -> Array:
+    """How small turns along the chain turn what levels stand on (N, 3), rad: the far end of the links (from 1) that
+    `levels` (N,) names, the base for 0, nothing for -1."""
+    rows = len(levels)
+    found = np.zeros((rows, 3))
+    base = [twist.rotation for twist in twists if twist.node == "base"]
+    walked = motions(state, twists)
+    for link in np.unique(levels[levels >= 0]).tolist():
+        turns = base if link == 0 else [walked[link - 1][1]]
+        turned = sum((columns(turn, rows) for turn in turns), np.zeros((rows, 3)))
+        found = np.where((levels == link)[:, None], turned, found)
+    return found
+
+
+def levels_of(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) -> Array:
+    """How a whole model turns what levels stand on (N, 3), rad, about the base's axes, from where the links would stand
+    undeformed."""
+    levels = asked.levels
+    assert levels is not None
+    found = np.zeros((asked.rows, 3))
+    plumb = sum((columns(each.effect.against_plumb(each.settings), 1) for each in effects), np.zeros((1, 3)))
+    for link in np.unique(levels[levels >= 0]).tolist():
+        turned = Rotation.from_rotvec(plumb) * Rotation.from_matrix(shape.turned[link])
+        found = np.where((levels == link)[:, None], turned.as_rotvec(), found)
+    return found
 
 
 def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Channels:
@@ -101,6 +145,7 @@ def on_shape(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) -> 
         total((each.base for each in found), 3, asked.base_target is not None),
         total((each.command for each in found), size, asked.command),
         shape.turn if asked.turn else None,
+        None if asked.levels is None else levels_of(shape, effects, asked),
     )
 
 

@@ -19,11 +19,15 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     if observed.view is None:
         return ()
     said, least = list[str](), observed.rules.answer.unseen_share
+    if observed.asked.levels is not None:
+        said.append("A tilt counts as what the level rises by in a metre: 1 mm is 1 mrad.")
     directions = motion_directions(observed.arm, observed.recording.q)
+    # A level sees turns: those of a joint are of the size of its motion.
+    size = [1.0 if observed.asked.levels is not None else rms_length(each) for each in np.moveaxis(directions, 1, 0)]
     blind = [
         str(index + 1)
         for index in range(observed.arm.size)
-        if rms_length(observed.of_tip(directions[:, index])) <= least * rms_length(directions[:, index])
+        if rms_length(observed.drive_moved(index)[:, : observed.components]) <= least * size[index]
     ]
     if blind:
         joints = f"joint{'s' if len(blind) > 1 else ''} {_listed(blind, 'and')}"
@@ -33,7 +37,9 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     reach = max(rms_length(at), 1e-9)
     motions = rigid_motions(at) / np.array([1.0, 1.0, 1.0, reach, reach, reach])
     ways = (0, 1, 5) if flat else tuple(range(6))
-    shown = np.stack([_left(prepared, motions[:, :, way]) for way in ways], axis=1)
+    turns = np.zeros((len(at), 3, 6))
+    turns[:, :, 3:] = np.eye(3)
+    shown = np.stack([_left(prepared, motions[:, :, way], turns[:, :, way] / reach) for way in ways], axis=1)
     size = np.linalg.svd(shown, compute_uv=False)
     lost = len(ways) - int(np.sum(size > least * np.sqrt(len(at))))
     if lost:
@@ -49,11 +55,12 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _left(prepared: Prepared, moved: Array) -> Array:
-    """What shows of displacements of the tip (N, 3) beyond what the nuisances take up, as one column."""
+def _left(prepared: Prepared, moved: Array, turned: Array) -> Array:
+    """What shows of displacements of the tip and turns of the arm (N, 3) beyond what the nuisances take up, as one
+    column."""
     observed = prepared.observed
     columns = np.zeros(observed.residual.shape)
-    columns[:, : observed.components] = observed.of_tip(moved)
+    columns[:, : observed.components] = observed.of_tip(moved, turned)
     return beyond_nuisances(prepared, columns).reshape(-1)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from arm.chain.chain import Arm
 from units.quantities import InputError, shown
 
-from .instrument import KINDS, Instrument
+from .instrument import KINDS, TILT_X, Instrument
 
-_READ = ("position", "along", "distance", "same_point", "plane")
+_READ = ("position", "along", "distance", "same_point", "plane", "tilt", "bar")
 
 
 def observed_by(
@@ -22,9 +22,14 @@ def observed_by(
     arm: Arm,
     *,
     anchor_free: bool,
+    tilt_link: str | int | None = None,
+    bar: Sequence[float] | None = None,
 ) -> dict[str, Any]:
-    """The part of a plan that says what is read; `anchor` in m. Raises `InputError`."""
-    for name, given, kind in (("direction", direction, "along"), ("anchor", anchor, "distance")):
+    """The part of a plan that says what is read; `anchor` and `bar`, the places along it, in m. Raises `InputError`."""
+    for name, given, kind in (
+        ("direction", direction, "along"), ("anchor", anchor, "distance"), ("tilt_link", tilt_link, "tilt"),
+        ("bar", bar, "bar"),
+    ):  # fmt: skip
         if given is not None and observe != kind:
             raise InputError("", name, f"goes with observe {kind}, not {shown(observe)}")
     axes = "xy" if arm.planar() else "xyz"
@@ -52,4 +57,21 @@ def observed_by(
     if observe in ("same_point", "plane"):
         slots = KINDS[observe][:2] if arm.planar() else KINDS[observe]
         return {"slots": slots, "instrument": Instrument((observe,))}
+    if observe == "tilt":
+        slots = (TILT_X,) if arm.planar() else KINDS["tilt"]
+        return {"slots": slots, "instrument": Instrument(("tilt",), tilt_link=_link(tilt_link, arm))}
+    if observe == "bar":
+        if bar is None or len(set(bar)) < 2:
+            raise InputError("", "bar", "needs two places along the bar or more, e.g. 0 mm, 500 mm")
+        slots = KINDS["bar"][:2] if arm.planar() else KINDS["bar"]
+        return {"slots": slots, "instrument": Instrument(("bar",)), "bar": tuple(bar)}
     raise InputError("", "observe", f"{shown(observe)} is not one of {', '.join(_READ)} or some of {', '.join(axes)}")
+
+
+def _link(tilt_link: str | int | None, arm: Arm) -> int:
+    text = str(tilt_link).strip() if tilt_link is not None else ""
+    if text == "base":
+        return 0
+    if text.isdecimal() and 1 <= int(text) <= arm.size:
+        return int(text)
+    raise InputError("", "tilt_link", f"needs base or the number of a link, 1 to {arm.size}, on which the level stands")

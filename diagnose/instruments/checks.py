@@ -16,7 +16,8 @@ from diagnose.rules.rules import RULES, Rules
 from sections.numeric import Array
 from units.quantities import InputError, format_quantity
 
-from .instrument import ALONG, DISTANCE, NAMES, PLANE, Slots
+from .instrument import ALONG, BAR, DISTANCE, NAMES, PLANE, Slots
+from .level import stand_of, tilts
 from .view import View, touched_planes, viewed
 
 _SCALES = ((1e3, "1000 times larger"), (1e-3, "1000 times smaller"), (1e-6, "a million times smaller"))
@@ -34,8 +35,10 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     if recording.size < rules.mistakes.fewest or not np.ptp(recording.q, axis=0).any():
         return recording
 
+    stand = stand_of(recording, arm)
+
     def view(tried: Recording) -> View:
-        return viewed(tried, tips, axes, flat=arm.planar(), rules=rules.residual)
+        return viewed(tried, tips, axes, stand, flat=arm.planar(), rules=rules.residual)
 
     found = view(recording)
     off, extent = np.abs(found.residual), float(np.linalg.norm(np.ptp(tips, axis=0)))
@@ -43,6 +46,8 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     misfit = float(np.median(off[numbers])) if numbers.any() else 0.0
     if misfit > rules.reading.elsewhere * extent:
         _say_why(recording, view, numbers, misfit, extent, rules)
+    _refuse_other_tilts(recording, off, rules)
+    _refuse_other_bars(recording, view, off, rules)
     limit = max(rules.mistakes.far * float(np.median(off)), rules.mistakes.gross * extent)
     far = (off > limit).any(axis=1)
     if not far.any() or far.mean() > rules.mistakes.most_jumps:
@@ -54,6 +59,36 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
         what = NAMES[int(slots[index, column])]
         bad.append(RejectedRow(int(recording.row[index]), f"{what} is {by} from what its joints say"))
     return recording.without(bad)
+
+
+def _refuse_other_tilts(recording: Recording, off: Array, rules: Rules) -> None:
+    """Tilts that are not what the joints say, wherever the level sits."""
+    own = tilts(recording)
+    if not own.any() or float(np.median(off[own])) <= rules.reading.elsewhere:
+        return
+    link = recording.instrument.tilt_link or "base"
+    by = format_quantity(float(np.arcsin(min(1.0, float(np.median(off[own]))))), "angle", digits=2)
+    said = f"the middle tilt is {by} from what a level would read there, however it sits"
+    raise InputError(recording.file, "tilt_x", f"{said}: check `tilt_link: {link}`, the unit in the header and signs")
+
+
+def _refuse_other_bars(recording: Recording, view: Callable[[Recording], View], off: Array, rules: Rules) -> None:
+    """Bars of another length than the tips' places have."""
+    assert recording.slots is not None
+    own = recording.slots >= BAR
+    if recording.bar_at is None or not own.any():
+        return
+    there = own.any(axis=1)
+    length = float(np.sqrt(np.mean((recording.bar_at[there] - recording.bar_at[there].mean()) ** 2)))
+    misfit = float(np.sqrt(np.mean(off[own] ** 2)))
+    apart = max(length, float(np.sqrt(np.mean((view(recording).at[there] - view(recording).at[there].mean()) ** 2))))
+    if misfit <= rules.reading.elsewhere * apart:
+        return
+    for scale, words in _SCALES:
+        other = np.abs(view(replace(recording, bar_at=recording.bar_at * scale)).residual)[own]
+        if float(np.sqrt(np.mean(other**2))) < rules.mistakes.better * misfit:
+            said = f"looks as if its numbers were {words} than the header's unit says; correct the unit in the header"
+            raise InputError(recording.file, "bar_mm", said)
 
 
 def _say_why(

@@ -1,7 +1,8 @@
-"""`observes:` of recording.yaml: what an instrument reads, along which direction, from which anchor."""
+"""`observes:` of recording.yaml: what an instrument reads, along which direction, from which anchor, on which link."""
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import cast
 
 import numpy as np
@@ -11,14 +12,17 @@ from units.reading import Mapping, nearest
 
 from .instrument import KINDS, Instrument, Kind
 
+_GO_WITH: MappingProxyType[str, Kind] = MappingProxyType(
+    {"direction": "along", "anchor": "distance", "tilt_link": "tilt"}
+)
+"""Settings, and the kind of observation that each is of."""
+
 
 def read_instrument(mapping: Mapping) -> Instrument | None:
     """What the settings say that a recording observes, None where they say nothing. Raises `InputError`."""
-    direction_given, anchor_given = mapping.has("direction"), mapping.has("anchor")
     if not mapping.has("observes"):
-        for name, given in (("direction", direction_given), ("anchor", anchor_given)):
-            if given:
-                kind = "along" if name == "direction" else "distance"
+        for name, kind in _GO_WITH.items():
+            if mapping.has(name):
                 raise mapping.error(name, f"goes with `observes: {kind}`; write that as well")
         return None
     raw = mapping.raw("observes")
@@ -40,19 +44,33 @@ def read_instrument(mapping: Mapping) -> Instrument | None:
         kinds.append(cast(Kind, name))
     if not kinds:
         raise mapping.error("observes", f"names nothing; it is one or more of {', '.join(KINDS)}")
-    direction = anchor = None
+    direction, anchor, link = None, None, 0
     for kind in kinds:
         own = of_kind.get(kind, mapping)
         if kind == "along":
             direction = _direction(own)
         if kind == "distance":
             anchor = _anchor(own)
+        if kind == "tilt":
+            link = _link(own)
         if kind in of_kind:
             of_kind[kind].close()
-    for name, kind in (("direction", "along"), ("anchor", "distance")):
+    for name, kind in _GO_WITH.items():
         if mapping.has(name) and kind not in kinds:
             raise mapping.error(name, f"goes with `observes: {kind}`; add {kind} or take it out")
-    return Instrument(tuple(kinds), direction, anchor)
+    return Instrument(tuple(kinds), direction, anchor, tilt_link=link)
+
+
+def _link(mapping: Mapping) -> int:
+    would_do = "where the level stands: `tilt_link: base`, or the number of a link, from 1 at the base"
+    if not mapping.has("tilt_link"):
+        raise mapping.error("tilt_link", f"is missing; write {would_do}")
+    raw = mapping.raw("tilt_link")
+    if raw == "base":
+        return 0
+    if isinstance(raw, bool) or not isinstance(raw, int) or raw < 1:
+        raise mapping.error("tilt_link", f"{shown(raw)} is no link; write {would_do}")
+    return raw
 
 
 def _direction(mapping: Mapping) -> tuple[float, float, float]:

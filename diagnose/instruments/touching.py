@@ -1,4 +1,4 @@
-"""Postures in which an arm touches the same point or plane again, for simulated recordings."""
+"""Postures in which an arm touches the same point, plane or bar again, for simulated recordings."""
 
 from __future__ import annotations
 
@@ -20,17 +20,19 @@ _NEAR, _EXACT = 60, 8
 _LONGEST, _MISSED = 0.3, 1e-7
 """rad or m, the longest step of a joint; m, how far off a touch may end."""
 _POSTURES = 6
-"""Postures to each point; twice as many to each plane."""
+"""Postures to each point and bar; twice as many to each plane."""
 
 
 @dataclass(frozen=True)
 class Touches:
-    """Which readings touch something, `keep` (N,), in postures `q` (N, n), and which label (N,) they touch."""
+    """Which readings touch something, `keep` (N,), in postures `q` (N, n), which label (N,) they touch, and how far
+    `along` its bar (N,), m."""
 
     keep: NDArray[np.bool_]
     q: Array
     label: NDArray[np.int64]
     count: int
+    along: Array
 
 
 def touched(
@@ -42,9 +44,11 @@ def touched(
     random: np.random.Generator,
     *,
     planes: bool,
+    bar: Sequence[float] = (),
 ) -> Touches:
     """Postures near `start` (N, n), alike for the readings of a `visit` (N,), in which the tips that `true_tips` gives
-    for joints (N, n) touch points or planes, `off` (N, 3) m by what nobody can repeat. Raises `InputError`."""
+    for joints (N, n) touch points, planes, or bars at places `bar` along them, m, `off` (N, 3) m by what nobody can
+    repeat. Raises `InputError`."""
     visits = int(visit.max()) + 1
     flat = arm.planar()
     count = max(1, visits // (2 * _POSTURES if planes else _POSTURES))
@@ -53,9 +57,13 @@ def touched(
     middle = completed(arm, low + (high - low) * random.uniform(0.3, 0.7, (count, arm.size)))
     points, _ = nominal(arm, middle, 3)
     normals = _normals(count, random, flat=flat)
+    places = np.array(bar) if len(bar) else np.zeros(1)
+    along = places[(visit // count) % len(places)]
+    # Bars lie along what stands across planes, each about where one posture has the tip.
+    goal = points[label] + (along - places.mean())[:, None] * normals[label]
 
     def missed(tips: Array) -> Array:
-        away = tips + off - points[label]
+        away = tips + off - goal
         return np.sum(away * normals[label], axis=1)[:, None] if planes else away[:, : 2 if flat else 3]
 
     q = start.copy()
@@ -70,16 +78,17 @@ def touched(
     good &= np.bincount(visit, weights=~good)[visit] == 0
     least = (3 if flat else 4) if planes else 2
     for one in range(count):
-        if len(np.unique(visit[good & (label == one)])) < least:
+        own = good & (label == one)
+        if len(np.unique(visit[own])) < least or len(np.unique(along[own])) < min(2, len(places)):
             good &= label != one
     if not good.any():
-        what = "plane" if planes else "point"
+        what = "plane" if planes else "bar" if len(bar) else "point"
         raise InputError(
             "", "observe", f"no {what} could be touched from {least} postures within the joint ranges; try more poses"
         )
     kept, renumbered = np.unique(label[good], return_inverse=True)
     label[good] = renumbered.reshape(-1)
-    return Touches(good, q, label, len(kept))
+    return Touches(good, q, label, len(kept), along)
 
 
 def _normals(count: int, random: np.random.Generator, *, flat: bool) -> Array:

@@ -1,8 +1,9 @@
 """What an instrument should read where the model has the tip, and what of it a displacement of the tip shows.
 
-A reading may be a coordinate, the height along a direction, the distance from an anchor, or nought: that a point or a
-plane was touched again. Residuals are exact (distances are not linearised); what displacements and nuisances show is
-to first order about where the tip stands, as everywhere in the diagnosis.
+A reading may be a coordinate, the height along a direction, the distance from an anchor, the tilt of a level, or
+nought: that a point, a plane or a bar was touched again. Residuals are exact (distances and tilts are not linearised);
+what displacements, turns and nuisances show is to first order about where the arm stands, as everywhere in the
+diagnosis.
 """
 
 from __future__ import annotations
@@ -20,22 +21,26 @@ from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
-from .instrument import ALONG, COUNT, DISTANCE, PLANE, POINT, X
+from .instrument import ALONG, BAR, COUNT, DISTANCE, PLANE, POINT, TILT_X, TILT_Y, X
+from .level import Stand, tilts
 
 _STEPS, _START_STEPS, _START_ROWS = 40, 6, 150
 _FOUND = 1e-12
+_LONGEST = 0.5
+"""rad; how far one step turns a level at most."""
 
 
 @dataclass(frozen=True)
 class View:
     """A recording's readings against the model. `residual` (N, W), m, is measured less modelled; `shown` (N, W, D) what
     a displacement of the tip along each axis of the base shows, `beside` (N, W, b) what the unknown places of anchor,
-    points and planes (`names`) do. `rotation` and `translation` bring what was measured into the base frame, `tool` is
-    added to the arm's own, in the last link's frame, m. `anchor` (3,), m, is that in the base frame (of several
-    recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands; `settled` (N, 3) the
-    same but on the points and planes that were touched: how far off these it is told is what was measured, and nothing
-    may be made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring
-    frame, and distances.
+    points, planes and bars and how a level sits (`names`) do. `rotation` and `translation` bring what was measured into
+    the base frame, `tool` is added to the arm's own, in the last link's frame, m. `anchor` (3,), m, is that in the base
+    frame (of several recordings each reading's, (N, 3)), None without distances; `at` (N, 3) where the tip stands;
+    `settled` (N, 3) the same but on what was touched: how far off it is told is what was measured, and nothing may be
+    made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring frame, and
+    distances. `rises` (N, W, 3) is the axis of a level of which a number tells how far it rises towards `up` (3,), in
+    the base frame; nought for all other numbers.
     """
 
     residual: Array
@@ -50,15 +55,28 @@ class View:
     distances: NDArray[np.bool_]
     framed: NDArray[np.bool_]
     settled: Array
+    rises: Array
+    up: Array
     undetermined: tuple[str, ...] = ()
 
-    def of_tip(self, moved: Array) -> Array:
-        """What displacements of the tip (N, 3), m, show to first order, (N, W)."""
-        return np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
+    @property
+    def turned(self) -> Array:
+        """What a turn about each axis of the base of what a level stands on shows, (N, W, 3)."""
+        return np.cross(self.rises, self.up)
 
-    def change(self, moved: Array) -> Array:
-        """What displacements of the tip (N, 3), m, show, (N, W): of distances exactly."""
+    def of_tip(self, moved: Array, turned: Array | None = None) -> Array:
+        """What displacements of the tip (N, 3), m, and turns of what a level stands on (N, 3), rad, show to first
+        order, (N, W)."""
+        found = np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
+        return found if turned is None else found + np.einsum("nwa,na->nw", self.turned, turned)
+
+    def change(self, moved: Array, turned: Array | None = None) -> Array:
+        """What displacements of the tip (N, 3), m, and turns of what a level stands on (N, 3), rad, show, (N, W): of
+        distances and tilts exactly."""
         found = self.of_tip(moved)
+        if turned is not None:
+            now = np.einsum("nab,nwb->nwa", Rotation.from_rotvec(turned).as_matrix(), self.rises)
+            found = found + (now - self.rises) @ self.up
         if self.anchor is None:
             return found
         away = self.at - self.anchor
@@ -68,7 +86,8 @@ class View:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where the frame stands (measured to base), the tool's offset, anchor, points and planes (n, c)."""
+    """Where the frame stands (measured to base), the tool's offset, anchor, points and planes (n, c), which way bars
+    point (n, 3), unit or nought, and how a level sits on what it stands on (3, 3)."""
 
     rotation: Array
     translation: Array
@@ -77,15 +96,18 @@ class _Place:
     points: Array
     normals: Array
     offsets: Array
+    bars: Array
+    seat: Array
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """Readings against a place: `residual` (N, W), `shown` (N, W, 3), where the tip is `at` (N, 3)."""
+    """Readings against a place: `residual` (N, W), `shown` and `rises` (N, W, 3), where the tip is `at` (N, 3)."""
 
     residual: Array
     shown: Array
     at: Array
+    rises: Array
 
     def rms(self) -> float:
         """The root mean square of the residual."""
@@ -93,12 +115,19 @@ class _Seen:
 
 
 def viewed(
-    recording: Recording, tips: Array, directions: Array, *, flat: bool, rules: ResidualRules = RULES.residual
+    recording: Recording,
+    tips: Array,
+    directions: Array,
+    stand: Stand | None = None,
+    *,
+    flat: bool,
+    rules: ResidualRules = RULES.residual,
 ) -> View:
     """Set what was read against modelled tips (N, 3), m, with frame, tool and anchor free where the recording says so;
-    `directions` (N, 3, 3) are how an offset of the tool displaces the tip. An arm that stays in its plane is `flat`.
+    `directions` (N, 3, 3) are how an offset of the tool displaces the tip, `stand` is what a level stands on. An arm
+    that stays in its plane is `flat`.
     """
-    return _Viewing(recording, tips, directions, flat, rules).view()
+    return _Viewing(recording, tips, directions, stand, flat, rules).view()
 
 
 def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: bool) -> tuple[Array, Array, Array]:
@@ -122,9 +151,17 @@ def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: b
 class _Viewing:
     """The fit of what is free to one recording."""
 
-    def __init__(self, recording: Recording, tips: Array, directions: Array, flat: bool, rules: ResidualRules) -> None:
+    def __init__(
+        self,
+        recording: Recording,
+        tips: Array,
+        directions: Array,
+        stand: Stand | None,
+        flat: bool,
+        rules: ResidualRules,
+    ) -> None:
         assert recording.slots is not None
-        self.recording, self.tips, self.directions = recording, tips, directions
+        self.recording, self.tips, self.directions, self.stand = recording, tips, directions, stand
         self.flat, self.rules, self.width = flat, rules, 2 if flat else 3
         self.slots = recording.slots
         self.touches = np.full(recording.size, -1) if recording.touches is None else recording.touches
@@ -132,6 +169,8 @@ class _Viewing:
         self.distances = self.slots == DISTANCE
         self.framed = self.slots <= ALONG
         self.points = (self.slots >= POINT) & (self.slots < PLANE)
+        self.bars, self.tilts = self.slots >= BAR, tilts(recording)
+        self.along = np.zeros(recording.size) if recording.bar_at is None else _from_middle(recording.bar_at, self)
         known = recording.instrument.anchor is not None
         free = recording.frame == "free"
         # A known place in a frame that stands anywhere is an unknown place, unless more is measured in that frame.
@@ -141,7 +180,7 @@ class _Viewing:
 
     def view(self) -> View:
         """The view that fits best."""
-        place = self._start()
+        place = self._seated(self._start())
         undetermined = np.zeros((0, 0))
         if self.frame_free or self.tool_free or self.anchor_free:
             place, undetermined = self._fitted(place, _STEPS)
@@ -150,6 +189,8 @@ class _Viewing:
         if self.anchor_free:
             columns = [-np.where(self.distances[:, :, None], seen.shown, 0.0), *columns]
             names = [*(f"anchor {axis}" for axis in "xyz"), *names]
+        if self.stand is not None:
+            columns, names = [*columns, self._sits(seen, place)], [*names, *(f"level about {axis}" for axis in "xyz")]
         width = self.width
         return View(
             residual=seen.residual,
@@ -164,6 +205,8 @@ class _Viewing:
             distances=self.distances,
             framed=self.framed,
             settled=self._settled(place, seen.at),
+            rises=seen.rises,
+            up=np.zeros(3) if self.stand is None else self.stand.up,
             undetermined=self._sentences(undetermined),
         )
 
@@ -175,6 +218,9 @@ class _Viewing:
         normals, label = place.normals[self.touches[planes]], self.touches[planes]
         off = np.sum(at[planes] * normals, axis=1) - place.offsets[label]
         found[planes] = at[planes] - off[:, None] * normals
+        bars = self.bars.any(axis=1)
+        label = self.touches[bars]
+        found[bars] = place.points[label] + self.along[bars, None] * place.bars[label]
         return found
 
     def _anchor(self, place: _Place) -> Array | None:
@@ -208,8 +254,53 @@ class _Viewing:
         slope[touched, POINT:PLANE] = np.eye(3)
         modelled[touched, PLANE] = np.sum(at[touched] * place.normals[label], axis=1) - place.offsets[label]
         slope[touched, PLANE] = place.normals[label]
+        modelled[touched, BAR:] = modelled[touched, POINT:PLANE] - self.along[touched, None] * place.bars[label]
+        slope[touched, BAR:] = np.eye(3)
+        rises = np.zeros((rows, COUNT, 3))
+        if self.stand is not None:
+            axes = self.stand.axes @ place.seat
+            # A level turned about its x has its y rise; turned about its y, its x sinks.
+            rises[:, TILT_X], rises[:, TILT_Y] = axes[:, :, 1], -axes[:, :, 0]
+            modelled[:, [TILT_X, TILT_Y]] = rises[:, [TILT_X, TILT_Y]] @ self.stand.up
         residual = self.recording.tip - np.take_along_axis(modelled, self.slots, axis=1)
-        return _Seen(residual, np.take_along_axis(slope, self.slots[:, :, None], axis=1), at)
+        shown, rises = (np.take_along_axis(each, self.slots[:, :, None], axis=1) for each in (slope, rises))
+        return _Seen(residual, shown, at, rises)
+
+    def _sits(self, seen: _Seen, place: _Place) -> Array:
+        """How readings move with small turns of a level about its own axes, (N, W, 3)."""
+        assert self.stand is not None
+        turned = np.einsum("nwa,nab->nwb", np.cross(seen.rises, self.stand.up), self.stand.axes @ place.seat)
+        # About what stays upright, a turn shows nothing but rounding.
+        size = np.linalg.norm(turned.reshape(-1, 3), axis=0)
+        return np.where(size > self.rules.undetermined * size.max(), turned, 0.0)
+
+    def _seated(self, place: _Place) -> _Place:
+        """The place with a level as it sits on what it stands on: on a link turned anyhow, on the base but a little."""
+        if self.stand is None:
+            return place
+        quarters = sorted(Rotation.create_group("O").as_matrix(), key=lambda turn: -float(np.trace(turn)))
+        turns = [np.eye(3)] if self.stand.known else quarters
+        best, least = place, np.inf
+        for turn in turns:
+            tried = replace(place, seat=self.stand.seat @ turn)
+            for _ in range(_START_STEPS):
+                tried = self._levelled(tried)
+            off = float(np.sqrt(np.mean(self.seen(tried).residual[self.tilts] ** 2)))
+            # An earlier one is turned less from level at zero angles: what fits as well is rather that.
+            if off < self.rules.better_start * least:
+                best, least = tried, off
+        for _ in range(_START_STEPS):
+            best = self._levelled(best)
+        return best
+
+    def _levelled(self, place: _Place) -> _Place:
+        """One of Gauss and Newton's steps for how a level sits."""
+        seen = self.seen(place)
+        design, left = self._sits(seen, place)[self.tilts], seen.residual[self.tilts]
+        step = np.linalg.lstsq(design, left, rcond=self.rules.undetermined)[0]
+        size = float(np.linalg.norm(step))
+        step = step * min(1.0, _LONGEST / size) if size > 0.0 else step
+        return replace(place, seat=place.seat @ Rotation.from_rotvec(step).as_matrix())
 
     def _touched(self, place: _Place) -> _Place:
         """The place with the points and planes that fit the touches best: for points their middle."""
@@ -222,13 +313,15 @@ class _Viewing:
         normals, offsets, _ = touched_planes(at, self.touches, count, flat=self.flat)
         # The side from which a plane is looked at is nobody's: it stays the same from fit to fit.
         same = np.where(np.sum(normals * place.normals, axis=1) < 0.0, -1.0, 1.0)
-        return replace(place, points=points, normals=normals * same[:, None], offsets=offsets * same)
+        bars = np.zeros((count, 3))
+        np.add.at(bars, self.touches[self.touches >= 0], (self.along[:, None] * at)[self.touches >= 0])
+        bars /= np.maximum(np.linalg.norm(bars, axis=1, keepdims=True), 1e-12)
+        return replace(place, points=points, normals=normals * same[:, None], offsets=offsets * same, bars=bars)
 
     def _start(self) -> _Place:
         count = len(self.labels)
-        nothing = _Place(
-            np.eye(3), np.zeros(3), np.zeros(3), None, np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-        )
+        each = np.zeros((count, 3))
+        nothing = _Place(np.eye(3), np.zeros(3), np.zeros(3), None, each, each, np.zeros(count), each, np.eye(3))
         place = self._touched(nothing)
         if self.anchor_free:
             place = replace(place, anchor=self._trilaterated())
@@ -237,7 +330,7 @@ class _Viewing:
         rows = np.unique(np.linspace(0, len(self.tips) - 1, _START_ROWS).astype(int))
         few = _Viewing(
             replace(self.recording.kept(_marked(rows, len(self.tips))), tool="known"),
-            self.tips[rows], self.directions[rows], self.flat, self.rules,
+            self.tips[rows], self.directions[rows], None, self.flat, self.rules,
         )  # fmt: skip
         best, least = place, np.inf
         for rotation in self._rotations():
@@ -268,7 +361,7 @@ class _Viewing:
         """Where the frame stands best once it is turned so (3,), m."""
         count = len(self.labels)
         nowhere, each = np.zeros(3), np.zeros((count, 3))
-        place = _Place(rotation, nowhere, nowhere, nowhere, each, each, np.zeros(count))
+        place = _Place(rotation, nowhere, nowhere, nowhere, each, each, np.zeros(count), each, np.eye(3))
         seen = self.seen(place)
         found = np.linalg.lstsq(-seen.shown[self.framed], seen.residual[self.framed], rcond=1e-9)[0]
         return np.asarray(found, dtype=np.float64)
@@ -341,16 +434,29 @@ class _Viewing:
                 found.append(-np.where(point[:, :, None], seen.shown[:, :, : self.width], 0.0))
                 names += [f"point {name} {axis}" for axis in "xyz"[: self.width]]
                 continue
+            bar = self.bars & rows[:, None]
+            if bar.any():
+                own = np.where(bar[:, :, None], seen.shown[:, :, : self.width], 0.0)
+                across = self._across(place.bars[label])[:, : self.width]
+                turned = np.einsum("nwa,ka->nwk", own, across) * self.along[:, None, None]
+                found.append(np.concatenate([own, turned], axis=2))
+                names += [f"bar {name} {axis}" for axis in "xyz"[: self.width]]
+                names += [f"bar {name} {what}" for what in ("turn", "other turn")[: len(across)]]
+                continue
             plane = (self.slots == PLANE) & rows[:, None]
             if not plane.any():
                 continue
             away = seen.at - seen.at[rows].mean(axis=0)
             normal = place.normals[label]
-            tangents = np.linalg.svd(normal[None])[2][1:] if not self.flat else np.array([[-normal[1], normal[0], 0.0]])
+            tangents = self._across(normal)
             tilts = np.stack([np.ones(len(away)), *(away @ tangent for tangent in tangents)], axis=1)
             found.append(np.where(plane[:, :, None], tilts[:, None, :], 0.0))
             names += [f"plane {name} {what}" for what in ("offset", "tilt", "other tilt")[: tilts.shape[1]]]
         return found, names
+
+    def _across(self, direction: Array) -> Array:
+        """Directions across one (3,), (2, 3); in the plane the one, (1, 3)."""
+        return np.array([[-direction[1], direction[0], 0.0]]) if self.flat else np.linalg.svd(direction[None])[2][1:]
 
     def _sentences(self, undetermined: Array) -> tuple[str, ...]:
         """What the readings do not tell of tool and anchor, in words."""
@@ -386,6 +492,16 @@ def _determined(design: Array, target: Array, own: int, share: float) -> tuple[A
     u, s, vt = np.linalg.svd(design[:, :own], full_matrices=False)
     told = s > share * s[0]
     return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+
+
+def _from_middle(along: Array, viewing: _Viewing) -> Array:
+    """How far along its bar each reading touches (N,), m, from the middle of that bar's touches."""
+    found = np.zeros(len(along))
+    for label in range(len(viewing.labels)):
+        rows = (viewing.touches == label) & viewing.bars.any(axis=1)
+        if rows.any():
+            found[rows] = along[rows] - along[rows].mean()
+    return found
 
 
 def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:

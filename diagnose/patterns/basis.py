@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.chain.arrays import columns
+from diagnose.instruments.instrument import TILT_X, TILT_Y
 from diagnose.residual.observed import Observed
 from sections.numeric import Array
 
@@ -39,10 +40,13 @@ def tip_of(observed: Observed) -> Array:
 
 
 def tip_axes(observed: Observed) -> Array:
-    """A displacement of the tip along each axis, alike at all readings, (1 or N, C, D)."""
-    if observed.view is not None:
+    """A displacement of the tip along each axis, alike at all readings, (1 or N, C, D); of a level's tilts each by
+    itself."""
+    if observed.view is not None and observed.recording.slots is not None:
         moved = np.zeros((*observed.residual.shape, observed.space))
         moved[:, : observed.components] = observed.view.shown
+        for number, slot in enumerate((TILT_X, TILT_Y)):
+            moved[:, : observed.components, number] += observed.recording.slots == slot
         return moved
     return np.eye(observed.residual.shape[1])[None, :, : observed.components]
 

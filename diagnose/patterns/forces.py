@@ -12,6 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from arm.errors.recorded import turned_levels
 from arm.errors.tip import carried_to_tip, rotation_at_tip
 from diagnose.residual.observed import Observed, blocks_of
 from diagnose.rules.pattern_rules import PatternRules
@@ -39,7 +40,9 @@ def _give(observed: Observed) -> Array:
         loaded = under_other_loads(observed.state, tip_force=(force[0], force[1], force[2]), weightless=True)
         twists = tuple(elastic_twists(loaded))
         moved = carried_to_tip(loaded, twists)
-        seen = observed.of_tip(np.stack([part + zero for part in moved], axis=1))
+        levels = observed.asked.levels
+        turned = None if levels is None else turned_levels(loaded, twists, levels)
+        seen = observed.of_tip(np.stack([part + zero for part in moved], axis=1), turned)
         columns[:, : observed.components, axis] = seen
         if observed.asked.turn:
             turned = np.stack([part + zero for part in rotation_at_tip(loaded, twists)], axis=1)

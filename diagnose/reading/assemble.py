@@ -106,6 +106,7 @@ def assembled(
         date=held.date,
         slots=None if sights is None else sights.slots,
         touches=None if sights is None else sights.touches,
+        bar_at=None if sights is None else sights.bar_at,
         instrument=Instrument() if sights is None else sights.instrument,
     )
 

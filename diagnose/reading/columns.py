@@ -11,7 +11,7 @@ from units.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
 _WHOLE = re.compile(
-    r"(time|payload|temperature|x|y|z|along|distance|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+    r"(time|payload|temperature|x|y|z|along|distance|bar|tilt_x|tilt_y|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
 )
 _TURNS = MappingProxyType(
     {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
@@ -24,9 +24,9 @@ _KINDS = MappingProxyType(
         "time": "time",
         "payload": "mass",
         "temperature": "temperature",
-        **dict.fromkeys(("x", "y", "z", "along", "distance", "basex", "basey", "basez"), "length"),
+        **dict.fromkeys(("x", "y", "z", "along", "distance", "bar", "basex", "basey", "basez"), "length"),
         **dict.fromkeys(("fx", "fy", "fz"), "force"),
-        **dict.fromkeys(("rx", "ry", "rz"), "angle"),
+        **dict.fromkeys(("rx", "ry", "rz", "tilt_x", "tilt_y"), "angle"),
     }
 )
 _SUFFIXES = MappingProxyType(
@@ -43,6 +43,9 @@ _SUFFIXES = MappingProxyType(
         "acceleration": ("mm_s2", "m_s2"),
         "torque": ("Nm",),
     }
+)
+_OBSERVED = MappingProxyType(
+    {"along": "along", "distance": "distance", "bar": "bar", "tilt_x": "tilt", "tilt_y": "tilt"}
 )
 _IN_BRACKETS = re.compile(r"(.+?)[ _]*[\[(]\s*(.+?)\s*[\])]")
 _APART = re.compile(r"((?:temperature[ _]link|[a-z]+)[ _]?[0-9]*)[ _]+(.+)", re.IGNORECASE)
@@ -115,9 +118,10 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
 
 
 def of_kind(header: str) -> str | None:
-    """`along` or `distance` where a header is of that, which only some recordings observe; else None."""
+    """The kind of observation that a header is of, where only some recordings observe that (`along`, `distance`,
+    `tilt`, `bar`); else None."""
     found = _WHOLE.fullmatch(header)
-    return found[1] if found is not None and found[1] in ("along", "distance") else None
+    return None if found is None else _OBSERVED.get(found[1])
 
 
 def otherwise_spelled(header: str) -> str | None:

@@ -31,8 +31,9 @@ class ReadingSettings:
     `columns` maps our headers (`q1_deg`) to formulas of the file's own columns; where it is given, further columns are
     taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
-    `sigma` (m) is the standard deviation of each component of the tip. `sides` tells whence the sides of approach are
-    known: from columns `dirN`, or from the order of the rows where each joint went straight from row to row. `seat` is
+    `sigma` (m, of tilts alone rad) is the standard deviation of each component of the tip. `sides` tells whence the
+    sides of approach are known: from columns `dirN`, or from the order of the rows where each joint went straight from
+    row to row. `seat` is
     the key `orientation`: free uses orientations, how the target is turned on the tool being free. `unit` says which
     arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`). `instrument` is what is observed, None where
     nobody said: the tip's place.
@@ -78,7 +79,8 @@ def read_settings(path: Path | None) -> ReadingSettings:
             body = mapping.mapping("columns")
             for name in body.content:
                 columns[name] = _formula(body, name)
-        sigma = mapping.optional_quantity("sigma", "length")
+        instrument = read_instrument(mapping)
+        sigma = mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
         if sigma is not None and sigma <= 0.0:
             raise mapping.error("sigma", "must be positive; leave it out where nobody knows it")
         free = ("known", "free")
@@ -96,8 +98,16 @@ def read_settings(path: Path | None) -> ReadingSettings:
             layout=_layout(mapping),
             unit=_name(mapping, "unit"),
             date=_date(mapping),
-            instrument=read_instrument(mapping),
+            instrument=instrument,
         )
+
+
+def _kind_of_sigma(mapping: Mapping, instrument: Instrument | None) -> str:
+    """What sigma is: a length, of tilts alone an angle (or what a level rises by in a metre, which is the same)."""
+    tilts = instrument is not None and instrument.kinds == ("tilt",)
+    text = mapping.content.get("sigma")
+    unit = text.split()[-1].lower() if isinstance(text, str) and text.split() else ""
+    return "angle" if tilts and not unit.endswith(("m", "inch")) else "length"
 
 
 def _of_another(path: Path) -> bool:

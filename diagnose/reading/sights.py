@@ -8,7 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.chain.chain import Arm
-from diagnose.instruments.instrument import KINDS, LABELS, NAMES, PLANE, POINT, Instrument, Kind, Slots
+from diagnose.instruments.instrument import (
+    BAR,
+    KINDS,
+    LABELS,
+    NAMES,
+    PLANE,
+    POINT,
+    TILT_X,
+    TILT_Y,
+    Instrument,
+    Kind,
+    Slots,
+)
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import RejectedRow
 from sections.numeric import Array
@@ -19,17 +31,20 @@ from .read_column import ReadColumn
 from .settings import ReadingSettings
 from .table import Table
 
-_NUMBERS = tuple((name, slot) for slot, name in enumerate(NAMES[:POINT]))
+_NUMBERS = tuple((NAMES[slot].replace(" ", "_"), slot) for slot in (*range(POINT), TILT_X, TILT_Y))
+_ALONG_BAR = "bar"
 
 
 @dataclass(frozen=True)
 class Sights:
     """What rows hold: numbers `tip` (N, W), nought where there is none, `slots` (N, W) that say what each is (-1:
-    none), `touches` (N,) and the `instrument`."""
+    none), `touches` (N,), `bar_at` (N,) m how far along its bar each touches (None without bars) and the
+    `instrument`."""
 
     tip: Array
     slots: Slots
     touches: Slots
+    bar_at: Array | None
     instrument: Instrument
 
 
@@ -58,7 +73,7 @@ def sights_of(
     where every row holds the whole place of the tip."""
     instrument = held.instrument or Instrument()
     flat, total = arm.planar(), len(table.row)
-    rest = {name: column for name, column in columns.items() if name not in dict(_NUMBERS)}
+    rest = {name: column for name, column in columns.items() if name not in (*dict(_NUMBERS), _ALONG_BAR)}
     said: list[str] = []
     numbers: list[tuple[int, Array]] = []
     reasons: dict[int, list[str]] = {}
@@ -82,12 +97,14 @@ def sights_of(
             if negative.any() and negative.sum() > 0.5 * np.isfinite(column.values).sum():
                 row = int(table.row[int(np.argmax(negative))])
                 raise InputError(table.file, column.header, f"is negative in most rows (row {row}); no distance is")
-        numbers.append((slot, column.values))
+        values = column.values
+        numbers.append((slot, np.sin(values) if slot in (TILT_X, TILT_Y) else values))
     touches, labels = np.full(total, -1), list[str]()
     for kind in instrument.kinds:
         if kind in LABELS:
             own, slots = _labelled(table, held, kind, touches, labels, flat=flat)
             numbers += [(slot, np.where(own, 0.0, np.nan)) for slot in slots]
+    bar_at = _along_bars(columns, table, touches, reasons, arm) if "bar" in instrument.kinds else None
     _all_there(instrument, {slot for slot, _ in numbers}, table, held, arm)
     if not numbers:
         raise InputError(table.file, "", f"holds nothing that is observed; write {example_headers('x', arm)}, say")
@@ -101,10 +118,12 @@ def sights_of(
     rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
     sound = np.array([index not in reasons for index in range(total)], dtype=bool)
     _enough_touches(table, touches, labels, slots, sound, flat=flat)
+    if bar_at is not None:
+        _long_enough(table, touches, labels, slots, sound, bar_at)
     if held.instrument is None:
         some = table.row[~there.all(axis=1)]
         said.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
-    sights = Sights(np.where(there, values, 0.0), slots, touches, replace(instrument, labels=tuple(labels)))
+    sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(labels)))
     return sights, rest, rejected, said
 
 
@@ -121,20 +140,50 @@ def _labelled(
     own = np.array([bool(each) and each.lower() != "nan" for each in text])
     both = own & (touches >= 0)
     if both.any():
-        raise InputError(table.file, name, f"row {table.row[int(np.argmax(both))]} names a point and a plane; keep one")
+        row = table.row[int(np.argmax(both))]
+        known = [] if held.instrument is None else [LABELS[k] for k in held.instrument.kinds if k in LABELS]
+        other = " or a ".join(known[: known.index(name)])
+        raise InputError(table.file, name, f"row {row} names a {other} and a {name}; keep one")
     first = len(labels)
     labels += sorted({each for each, there in zip(text, own.tolist(), strict=True) if there})
     number = {label: first + k for k, label in enumerate(labels[first:])}
     for index in np.flatnonzero(own).tolist():
         touches[index] = number[text[index]]
-    return own, ((PLANE,) if kind == "plane" else (POINT, POINT + 1) if flat else (POINT, POINT + 1, POINT + 2))
+    return own, KINDS[kind][:2] if flat else KINDS[kind]
+
+
+def _along_bars(
+    columns: Mapping[str, ReadColumn], table: Table, touches: Slots, reasons: dict[int, list[str]], arm: Arm
+) -> Array:
+    """How far along its bar each row touches, m; nought where it touches none."""
+    if _ALONG_BAR not in columns:
+        would_do = f"write {example_headers(_ALONG_BAR, arm)}: 0 at one ball, say, and 500 at the other"
+        raise InputError(table.file, "bar_mm", f"is missing: where along its bar each row touches; {would_do}")
+    column = columns[_ALONG_BAR]
+    for index in np.flatnonzero(~np.isfinite(column.values) & (touches >= 0)).tolist():
+        reasons.setdefault(index, []).append(column.fault(index))
+    return np.where(np.isfinite(column.values), column.values, 0.0)
+
+
+def _long_enough(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, bar_at: Array) -> None:
+    """Whether each bar was touched at two places along it."""
+    for label, name in enumerate(labels):
+        own = (touches == label) & (slots >= BAR).any(axis=1)
+        if own.any() and np.ptp(bar_at[own & sound]) <= 0.0:
+            where = f"{1e3 * float(bar_at[own & sound][0]):.6g} mm"
+            raise InputError(
+                table.file,
+                "bar_mm",
+                f"'{name}' is touched at {where} only ({rows_text(table.row[own])}): it tells no distance; touch its "
+                "other end too",
+            )
 
 
 def _all_there(instrument: Instrument, slots: set[int], table: Table, held: ReadingSettings, arm: Arm) -> None:
     """Whether every kind that the settings name has a column."""
     for kind in instrument.kinds:
         if not slots & set(KINDS[kind]):
-            name = "x" if kind == "position" else kind
+            name = {"position": "x", "tilt": "tilt_x"}.get(kind, kind)
             said = f"`observes: {kind}` ({held.file})" if held.file else f"observing {kind}"
             raise InputError(table.file, name, f"is missing, which {said} needs; write {example_headers(name, arm)}")
 
@@ -146,7 +195,8 @@ def _enough_touches(table: Table, touches: Slots, labels: list[str], slots: Slot
         plane = bool((slots[touches == label] == PLANE).any())
         least = (3 if flat else 4) if plane else 2
         if int(rows.sum()) < least:
-            what = "plane" if plane else "point"
+            bar = bool((slots[touches == label] >= BAR).any())
+            what = "plane" if plane else "bar" if bar else "point"
             many = f"{int(rows.sum())} row{'s' if rows.sum() != 1 else ''} only"
             raise InputError(
                 table.file,

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from arm.chain.chain import Arm
-from diagnose.instruments.instrument import DISTANCE, KINDS, LABELS, NAMES, Slots
+from diagnose.instruments.instrument import BAR, DISTANCE, KINDS, LABELS, NAMES, TILT_X, TILT_Y, Slots
 from diagnose.recording import Recording
 from sections.numeric import Array
 from units.quantities import format_quantity
@@ -55,6 +55,8 @@ def _instrument(recording: Recording) -> list[str]:
     if "distance" in own.kinds:
         at = "free" if own.anchor is None else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in own.anchor)}]"
         lines.append(f"anchor: {at}\n")
+    if "tilt" in own.kinds:
+        lines.append(f"tilt_link: {own.tilt_link or 'base'}\n")
     return lines
 
 
@@ -78,6 +80,13 @@ def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Arr
     for slot in sorted(set(slots[slots <= DISTANCE].tolist())):
         values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
         yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5
+    for slot in (TILT_X, TILT_Y):
+        if (slots == slot).any():
+            values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
+            tilt = np.degrees(np.arcsin(np.clip(values, -1.0, 1.0)))
+            yield f"{NAMES[slot].replace(' ', '_')}_deg", np.where((slots == slot).any(axis=1), tilt, np.nan), 6
+    if recording.bar_at is not None:
+        yield "bar_mm", np.where((slots >= BAR).any(axis=1), 1e3 * recording.bar_at, np.nan), 5
 
 
 def cell(value: float, digits: int) -> str:

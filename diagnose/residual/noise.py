@@ -18,6 +18,7 @@ from scipy.stats import f as f_distribution
 from arm.chain.arrays import nominal
 from arm.chain.chain import Arm
 from diagnose.instruments.instrument import NAMES
+from diagnose.instruments.level import stand_of
 from diagnose.instruments.view import viewed
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
@@ -158,7 +159,8 @@ def _against_nominal(recording: Recording, arm: Arm, rules: ResidualRules) -> Ar
     """Measured less where the nominal arm would be (N, D), m, in the directions of the instrument."""
     if recording.slots is not None:
         tips, axes = nominal(arm, recording.q, 3)
-        return viewed(recording, tips, axes, flat=arm.planar(), rules=rules).residual
+        stand = stand_of(recording, arm)
+        return viewed(recording, tips, axes, stand, flat=arm.planar(), rules=rules).residual
     free, tool = recording.frame == "free", recording.tool == "free"
     place = placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
     # Components are those of the measuring instrument: the residual is turned back into its frame.

@@ -22,8 +22,9 @@ from arm.effects.angles.encoder_offset import ENCODER_OFFSET
 from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
 from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, Channels, on_shape, seen, shape_of
+from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
+from diagnose.instruments.level import link_of_levels, stand_of
 from diagnose.instruments.view import View, viewed
 from diagnose.recording import Recording
 from diagnose.rules.residual_rules import ResidualRules
@@ -94,9 +95,10 @@ class Observed:
         """How many components a displacement of the tip has, 2 or 3."""
         return self.components if self.view is None else self.view.shown.shape[2]
 
-    def of_tip(self, moved: Array) -> Array:
-        """What the instrument of the tip sees of displacements (N, 3), m, of the tip: (N, W), all of it as a rule."""
-        return moved[:, : self.components] if self.view is None else self.view.of_tip(moved)
+    def of_tip(self, moved: Array, turned: Array | None = None) -> Array:
+        """What the instrument of the tip sees of displacements (N, 3), m, of the tip: (N, W), all of it as a rule; a
+        level sees the turns (N, 3), rad, of what it stands on."""
+        return moved[:, : self.components] if self.view is None else self.view.of_tip(moved, turned)
 
     @property
     def which(self) -> NDArray[np.int64] | None:
@@ -119,7 +121,7 @@ class Observed:
 
     def stacked(self, channels: Channels) -> Array:
         """Channels as (N, C), in the order of `residual`."""
-        parts = [self.of_tip(channels.tip)]
+        parts = [self.of_tip(channels.tip, channels.level)]
         parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
         if channels.turn is not None:
             parts.append(self.turns(channels.turn))
@@ -261,6 +263,7 @@ def observe(
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
         turn=bool(has_orientation(recording).any()),
+        levels=link_of_levels(recording),
     )
     nominal, state, modelled, alignment, first, view = _placed(known, recording, asked, about, rules.residual)
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
@@ -323,7 +326,11 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         recording,
         joined([each.nominal for each in parts], counts),
         joined([each.state for each in parts], counts),
-        replace(joined([replace(each.asked, rows=0) for each in parts], counts), rows=sum(counts)),
+        replace(
+            joined([replace(each.asked, rows=0, levels=None) for each in parts], counts),
+            rows=sum(counts),
+            levels=_levels_of_several(parts),
+        ),
         nowhere,
         residual,
         np.ones(residual.shape[1]) if scale is None else scale,
@@ -333,6 +340,14 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         first.rules,
         view=view_of_several([each.view for each in parts], recording.names),
     )
+
+
+def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
+    """On which link a level stands at each reading of several recordings (N,), -1 where there is none."""
+    if all(each.asked.levels is None for each in parts):
+        return None
+    none = [np.full(each.rows, -1) if each.asked.levels is None else each.asked.levels for each in parts]
+    return np.concatenate(none).astype(np.int64)
 
 
 def _placed(
@@ -353,13 +368,15 @@ def _placed(
     whole = (*own, *_entries(arm, about))
     shape = shape_of(nominal, whole, asked)
     modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
-    first, turn = _to_first_order(shape.state, arm, about, asked)
+    first, turn, level = _to_first_order(shape.state, arm, about, asked)
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
     tips = columns(nominal.tip(), recording.size) + shape.tip
     if recording.slots is not None:
         directions = matrices(shape.state.frames.orientation, recording.size)
-        view = viewed(recording, tips, directions, flat=arm.planar(), rules=rules)
-        residual = view.residual + view.of_tip(first)
+        stand = stand_of(recording, arm)
+        stands = None if stand is None else stand.turned(levels_of(shape, whole, asked))
+        view = viewed(recording, tips, directions, stands, flat=arm.planar(), rules=rules)
+        residual = view.residual + view.of_tip(first, level)
         placed = Alignment(view.rotation, view.translation, view.tool, residual, view.undetermined)
         return nominal, shape.state, modelled, placed, turn, view
     width = recording.tip.shape[1]
@@ -368,13 +385,17 @@ def _placed(
     return nominal, shape.state, modelled, placed, turn, None
 
 
-def _to_first_order(state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked) -> tuple[Array, Array]:
-    """What entries beside the arm's own move and turn the tip by to first order about `state`; (N, 3) m and rad."""
+def _to_first_order(
+    state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked
+) -> tuple[Array, Array, Array]:
+    """What entries beside the arm's own move and turn the tip by to first order about `state`, and turn what levels
+    stand on; (N, 3) m and rad."""
     found = [seen(state, each.effect, each.settings, asked) for each in _entries(arm, about)]
     nothing = np.zeros((asked.rows, 3))
     return (
         sum((each.tip for each in found), nothing),
         sum((each.turn for each in found if each.turn is not None), nothing),
+        sum((each.level for each in found if each.level is not None), nothing),
     )
 
 
@@ -388,13 +409,17 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     if not about:
         return np.zeros((observed.rows, observed.components))
     arm, asked = observed.arm, observed.asked
-    with_them = shape_of(observed.nominal, (*active_effects(arm), *_entries(arm, about)), asked).tip
-    without = shape_of(observed.nominal, active_effects(arm), asked).tip
-    first, _ = _to_first_order(observed.state, arm, about, asked)
-    if observed.view is not None:
-        beyond = observed.view.change(with_them) - observed.view.change(without)
-        return beyond - observed.view.of_tip(first)
-    return (with_them - without - first)[:, : observed.components]
+    own = active_effects(arm)
+    whole = (*own, *_entries(arm, about))
+    with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
+    first, _, level = _to_first_order(observed.state, arm, about, asked)
+    if observed.view is None:
+        return (with_them.tip - without.tip - first)[:, : observed.components]
+    turned = [None, None]
+    if asked.levels is not None:
+        turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
+    beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
+    return beyond - observed.view.of_tip(first, level)
 
 
 def _moved(tool: FloatVector, by: Array) -> FloatVector:

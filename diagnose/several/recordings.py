@@ -70,6 +70,7 @@ class Several(Recording):
 _COLUMNS = (
     "q", "tip", "row", "orientation", "time", "sides", "payload_mass", "temperature", "link_temperature", "velocity",
     "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "base_target", "slots", "touches",
+    "bar_at",
 )  # fmt: skip
 
 
@@ -167,6 +168,9 @@ def together(
         base_target=column("base_target", None, "a target on the base"),
         slots=None if recordings[0].slots is None else _joined_slots(recordings),
         touches=None if all(each.touches is None for each in recordings) else _joined_touches(recordings),
+        bar_at=None
+        if all(each.bar_at is None for each in recordings)
+        else np.concatenate([np.zeros(each.size) if each.bar_at is None else each.bar_at for each in recordings]),
         frame="free" if any(each.frame == "free" for each in recordings) else "known",
         tool="free" if any(each.tool == "free" for each in recordings) else "known",
         seat=seat,

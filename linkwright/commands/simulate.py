@@ -23,7 +23,7 @@ compliance: 21 urad/(N*m)}'
 """
 
 
-_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor"})
+_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor", "tilt_link"})
 
 
 def simulate(
@@ -64,7 +64,7 @@ def simulate(
         str,
         typer.Option(
             "--observe",
-            help="position, some of x, y, z (xy), along, distance, same_point or plane.",
+            help="position, some of x, y, z (xy), along, distance, same_point, plane, tilt or bar.",
         ),
     ] = "position",
     direction: Annotated[
@@ -76,6 +76,12 @@ def simulate(
     anchor_free: Annotated[
         bool, typer.Option("--anchor-free", help="The settings do not tell where the anchor is.")
     ] = False,
+    tilt_link: Annotated[
+        str | None, typer.Option("--tilt-link", metavar="LINK", help="Where a level stands, for tilt: base, or 2.")
+    ] = None,
+    bar: Annotated[
+        str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
+    ] = None,
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
     ] = False,
@@ -121,8 +127,10 @@ def simulate(
                 declare_sigma=declare_sigma,
                 observe=observe,
                 direction=None if direction is None else _numbers(direction),
-                anchor=None if anchor is None else [each.strip() for each in anchor.split(",")],
+                anchor=_listed(anchor),
                 anchor_free=anchor_free,
+                tilt_link=tilt_link,
+                bar=_listed(bar),
                 at=at,
             )
         made.save(out)
@@ -150,6 +158,10 @@ def read_entries(texts: list[str]) -> list[dict[str, Any]]:
             raise InputError("", "--with", f"needs an entry such as {example}, not {text!r}")
         entries.append(cast(dict[str, Any], entry))
     return entries
+
+
+def _listed(text: str | None) -> list[str] | None:
+    return None if text is None else [each.strip() for each in text.split(",")]
 
 
 def _numbers(text: str) -> list[float]:

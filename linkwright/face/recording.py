@@ -165,6 +165,8 @@ def simulate(
     direction: Sequence[float] | None = None,
     anchor: Sequence[Quantity] | None = None,
     anchor_free: bool = False,
+    tilt_link: str | int | None = None,
+    bar: Sequence[Quantity] | None = None,
     at: File | None = None,
 ) -> Simulation:
     """A recording from a model, with noise and repeats: poses spread over the joint ranges.
@@ -175,8 +177,10 @@ def simulate(
     `repeats`, `payloads`, `sides`, `temperature` and `hours`. `sides`: joints arrive from both, one, or random ones.
     `outliers` is a share of readings. The same `seed` gives the same recording. `observe` says what is read: the
     `position`, some of its coordinates (`z`, `xy`), the height `along` a `direction`, or the `distance` from an
-    `anchor` (lengths; `anchor_free`: the recording does not tell where it is), or that the `same_point` or `plane` was
-    touched again. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
+    `anchor` (lengths; `anchor_free`: the recording does not tell where it is), the `tilt` of a level on a `tilt_link`
+    (`base`, or a link's number; its noise counts in a metre: 15 um are 15 urad), or that the `same_point` or `plane`
+    was touched again, or a `bar` at places along it (lengths). Raises `InputError`, and `MissingProperty` where the arm
+    lacks a figure.
 
     >>> import linkwright as lw
     >>> lw.simulate(
@@ -187,7 +191,7 @@ def simulate(
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
     given = with_effects(arm_of(arm), with_)
-    if at is not None and observe in ("same_point", "plane"):
+    if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)
     plan = _plan(
@@ -205,7 +209,15 @@ def simulate(
         commands=commands,
         base_target=base_target,
         orientation=orientation,
-        **observed_by(observe, direction, _lengths(anchor), given.model, anchor_free=anchor_free),
+        **observed_by(
+            observe,
+            direction,
+            _lengths("anchor", anchor),
+            given.model,
+            anchor_free=anchor_free,
+            tilt_link=tilt_link,
+            bar=_lengths("bar", bar),
+        ),
         at=readings,
     )
     made = simulated(given.model, plan)
@@ -224,8 +236,8 @@ def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files:
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
 
 
-def _lengths(anchor: Sequence[Quantity] | None) -> list[float] | None:
-    return None if anchor is None else [in_si(each, "length", "anchor") for each in anchor]
+def _lengths(name: str, given: Sequence[Quantity] | None) -> list[float] | None:
+    return None if given is None else [in_si(each, "length", name) for each in given]
 
 
 def _span(temperature: tuple[Quantity, Quantity]) -> tuple[float, float]:

@@ -14,13 +14,17 @@ from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    given = settings.values
-    about_x, about_y = (0.0, 0.0) if state.planar else (given.get("about_x", 0.0), given.get("about_y", 0.0))
-    tilt: Vector = (about_x, about_y, given.get("about_z", 0.0))
+    about_x, about_y, about_z = _turned(settings)
+    tilt: Vector = (0.0, 0.0, about_z) if state.planar else (about_x, about_y, about_z)
     # A base turned by `tilt` sees gravity turned back by it.
     change = cross(state.gravity, tilt)
     if not is_zero(change):
         yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
+
+
+def _turned(settings: Settings) -> Vector:
+    given = settings.values
+    return (given.get("about_x", 0.0), given.get("about_y", 0.0), given.get("about_z", 0.0))
 
 
 def _turn(axis: str) -> Parameter:
@@ -42,6 +46,7 @@ BASE_TILT = Effect(
     "(Springer, 2009), gravity in the base frame, doi:10.1007/978-1-84628-642-1",
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
+    against_plumb=_turned,
     through_flexibility=True,
     lasts="a while",
     rank=240,

@@ -63,6 +63,18 @@ def tips(q: Array, payload: Array, truth: Truth) -> Array:
     return placed(bent, truth.longer)[0]
 
 
+def torques(q: Array, payload: Array, truth: Truth) -> Array:
+    """What the payload's weight turns each joint by (N, 5), N*m, where the drives that give are in balance."""
+    bent = real = q + np.array(truth.zeros)
+    torque = np.zeros(q.shape)
+    for _ in range(4):
+        tip, places, axes = placed(bent, truth.longer)
+        force = np.stack([np.zeros(len(q)), np.zeros(len(q)), -GRAVITY * payload], axis=1)
+        torque = np.einsum("nja,nja->nj", np.cross(tip[:, None] - places, force[:, None]), axes)
+        bent = real + np.array(truth.compliance) * torque
+    return torque
+
+
 def session(count: int, seed: int, repeats: int = 2, payloads: tuple[float, ...] = (0.0, 5.0)) -> tuple[Array, Array]:
     """Encoder readings (N, 5), rad, and payloads (N,), kg: random poses, each read some times in a row."""
     rng = np.random.default_rng(seed)

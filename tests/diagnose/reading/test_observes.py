@@ -189,3 +189,83 @@ def test_what_is_simulated_is_read_back_as_it_was(tmp_path, slots, instrument):
     tip = placed(made.q)[0]
     read = {2: tip[:, 2], ALONG: tip @ [0.0, 0.6, 0.8], DISTANCE: np.linalg.norm(tip - [0.2, 1.1, 0.4], axis=1)}
     assert made.tip[:, 0] == pytest.approx(read[slots[0]], abs=1e-12)
+
+
+def _levelled(**changed):
+    """What a level on link 2 of the arm in the plane reads, in deg, by the sum of two angles, 90 deg askew."""
+    tilts = np.degrees(Q[:, 0] + Q[:, 1]) - 90.0
+    return _only(**({"tilt_x_deg": tilts} | changed))
+
+
+_ON_LINK = "observes: tilt\ntilt_link: 2\nsigma: 20 urad"
+
+
+def test_a_level_is_read_as_what_it_rises_by(tmp_path):
+    recording = _read(tmp_path, _ON_LINK, _levelled())
+
+    assert recording.tip[:, 0] == pytest.approx(-np.cos(Q[:, 0] + Q[:, 1]), abs=2e-8)
+    assert recording.sigma == pytest.approx(20e-6)
+    assert recording.instrument.tilt_link == 2
+    again = written_again(tmp_path, recording)
+    assert again.tip == pytest.approx(recording.tip, abs=2e-8)
+    assert _read(tmp_path, _ON_LINK.replace("20 urad", "15 um"), _levelled()).sigma == pytest.approx(15e-6)
+
+
+def written_again(tmp_path, recording):
+    (tmp_path / "again.csv").write_text(recording_text(recording, planar_arm()))
+    (tmp_path / "again.yaml").write_text(settings_text(recording))
+    return read_recording(tmp_path / "again.csv", planar_arm())
+
+
+@pytest.mark.parametrize(
+    ("settings", "columns", "words"),
+    [
+        ("observes: tilt", _levelled(), "tilt_link: is missing; write where the level stands: `tilt_link: base`"),
+        ("observes: tilt\ntilt_link: tip", _levelled(), "tilt_link: 'tip' is no link"),
+        ("observes: tilt\ntilt_link: 7", _levelled(), "tilt_link: is 7, but 'test arm' has 3 links"),
+        ("tilt_link: 2", _levelled(), "goes with `observes: tilt`"),
+        (_ON_LINK, _only(), "tilt_x: is missing, which `observes: tilt`"),
+        (_ON_LINK.replace("2\n", "1\n"), _levelled(), "check `tilt_link: 1`, the unit in the header and signs"),
+        (_ON_LINK, _levelled(tilt_x_deg=np.cos(np.arange(24.0)) * 60.0), "the middle tilt is"),
+    ],
+)
+def test_a_level_that_cannot_be_right(tmp_path, settings, columns, words):
+    with pytest.raises(InputError, match=words):
+        _read(tmp_path, settings, columns)
+
+
+def _bars(label, along):
+    """Pairs of postures, each as the two ends of a bar of just that length."""
+    apart = 1e3 * np.linalg.norm(TIP[0::2] - TIP[1::2], axis=1)
+    columns = _only()
+    columns["bar"] = [f"{number // 2 + 1}" for number in range(24)] if label is None else label
+    ends = np.column_stack([np.zeros(12), apart]).reshape(-1) if along is None else along
+    return columns | {"bar_mm": [f"{each:.7f}" for each in ends]}
+
+
+def test_ends_of_bars_are_read_and_written_again(tmp_path):
+    recording = _read(tmp_path, "observes: bar", _bars(None, None))
+
+    assert recording.bar_at[:2] == pytest.approx([0.0, np.linalg.norm(TIP[0] - TIP[1])], abs=1e-8)
+    assert recording.instrument.labels == tuple(sorted(str(number) for number in range(1, 13)))
+    assert recording.touches[0] == recording.touches[1] != recording.touches[2]
+    again = written_again(tmp_path, recording)
+    assert again.bar_at == pytest.approx(recording.bar_at, abs=2e-8)
+    assert (again.touches == recording.touches).all()
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        (_bars(None, np.zeros(24)), r"bar_mm: '1' is touched at 0 mm only \(rows 1 to 2\): it tells no distance"),
+        ({k: v for k, v in _bars(None, None).items() if k != "bar_mm"}, "bar_mm: is missing: where along its bar"),
+        (_bars(["a"] * 23 + ["b"], None), "bar: 'b' has 1 row only"),
+        (
+            _bars(None, np.array(_bars(None, None)["bar_mm"], dtype=float) / 1e3),
+            "bar_mm: looks as if its numbers were 1000 times larger",
+        ),
+    ],
+)
+def test_bars_that_tell_nothing(tmp_path, columns, words):
+    with pytest.raises(InputError, match=words):
+        _read(tmp_path, "observes: bar", columns)
