@@ -71,8 +71,9 @@ class _Shape:
 def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False) -> Deformed:
     """The arm of `state` (numbers or arrays of `rows`, at its undeformed pose) with `effects` as finite motions.
 
-    Play lies where the loads on the shape seat it, or, where it `play_stays`, where those of the undeformed pose do:
-    a joint that nothing loads there is loaded by a hair on the shape, and all its play would count as bending.
+    Play lies where the loads on the shape seat it, or, where it `play_stays`, where those of the undeformed pose do.
+    A joint that nothing loads at the undeformed pose (about a plumb axis) is loaded by a hair on the shape, which the
+    least friction holds: there its play stays in the middle in any case.
 
     Effects of the instrument move nothing of the arm; they are added to first order in what it has moved. Where play
     that the load seats one way makes it seat the other way (a link that hangs nearly plumb), passes go to and fro
@@ -138,7 +139,7 @@ class _Chain:
                     strain[twist.index] = strain[twist.index] + columns(twist.translation, self.rows)
                     bend[twist.index] = bend[twist.index] + columns(twist.rotation, self.rows)
                 continue
-            twists = [*effect.twists(now, settings), *effect.seated(self.state if self.play_stays else now, settings)]
+            twists = [*effect.twists(now, settings), *self._seated(active, now)]
             if effect.of_instrument and effect.place in ("base", "tip"):
                 seen_tip += twists
                 continue
@@ -159,6 +160,21 @@ class _Chain:
             lengths.append(own)
         found = self._walk(moved, turned, strain, bend, lengths)
         return self._measured(found, seen_tip), now
+
+    def _seated(self, active: ActiveEffect, now: PoseState) -> list[Twist]:
+        """Where an effect's play lies."""
+        undeformed = list(active.effect.seated(self.state, active.settings))
+        if self.play_stays or not undeformed:
+            return undeformed
+        on_shape = active.effect.seated(now, active.settings)
+        return [self._where(first, there) for first, there in zip(undeformed, on_shape, strict=True)]
+
+    def _where(self, first: Twist, there: Twist) -> Twist:
+        """A twist at the readings at which its first is not nothing."""
+        motions = (columns(first.translation, self.rows), columns(first.rotation, self.rows))
+        seated = np.any([motion.any(axis=1) for motion in motions], axis=0)[:, None]
+        shift, turn = (seated * columns(part, self.rows) for part in (there.translation, there.rotation))
+        return replace(there, translation=_vector(shift), rotation=_vector(turn))
 
     def _measured(self, shape: _Shape, twists: Sequence[Twist]) -> _Shape:
         """The tip as an instrument that is itself off sees it."""

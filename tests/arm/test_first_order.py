@@ -123,6 +123,18 @@ def test_a_joint_that_nothing_loads_does_not_turn_all_its_play_into_bending():
     assert with_play.largest == pytest.approx(without.largest, rel=0.05)
 
 
+def test_play_that_nothing_loads_is_left_in_its_middle():
+    """The same arm: its compensation takes the sag, and none of the play, which the least friction holds anywhere."""
+    turntable = Joint(range=(-1.0, 1.0), backlash=2e-3)
+    links = (Link(0.5, section=Tube(0.05, 0.004), material=STEEL), Link(0.5, mass=1.0))
+    arm = Arm("level", (turntable, turntable), links, gravity=(0.0, 0.0, -9.81), payload=LoadCase(5.0))
+    still = replace(arm, joints=(Joint(range=(-1.0, 1.0)),) * 2)
+    poses = np.array([[0.3, 0.8], [-0.5, -0.9]])
+    with_play, without = (model_error(each, poses, 5.0) for each in (arm, still))
+    np.testing.assert_allclose(with_play, without, atol=1e-15)
+    assert np.abs(without[:, 2]).min() > 1e-4
+
+
 def test_what_rigid_links_would_leave_is_what_the_drives_and_their_play_do():
     """A level beam on a drive: of the tip's drop m g L^2 / K + b L / 2 is not the beam's; the rest is that its weight
     turns the drive, and that both bend it: m g L^3 / 3EI + w g L^3 / 8EI (S. Timoshenko, Strength of Materials, part
