@@ -73,7 +73,8 @@ def optimise(
         raise NoAnswer(f"workspace: {error}{hint}") from None
     context, choice, problem = found.context, found.choice, found.context.problem
     if choice is None:
-        raise Infeasible(explained(context, unsolved=found.unsolved, progress=progress), _looked_at(found.names))
+        why = explained(context, unsolved=found.unsolved, told=found.feasibility, progress=progress)
+        raise Infeasible(why, _looked_at(found.names))
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -212,6 +213,12 @@ class Arm:
 
     def planar(self, load: LoadCase | None = None) -> bool:
         """Whether everything stays in the x-y plane: axes, links, gravity and, with `load`, the tip's force too."""
+        case = self.payload if load is None else load
+        return case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0) and self._flat
+
+    @cached_property
+    def _flat(self) -> bool:
+        """Whether axes, links, gravity and tool stay in the x-y plane (asked at every pose)."""
         for joint in self.joints:
             if joint.revolute != (joint.axis[:2] == (0.0, 0.0)) or (not joint.revolute and joint.axis[2] != 0.0):
                 return False
@@ -224,10 +231,7 @@ class Arm:
                 return False
             if link.section is not None and askew(link.section):
                 return False
-        if self.gravity[2] != 0.0 or self.tool[2] != 0.0:
-            return False
-        case = self.payload if load is None else load
-        return case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
+        return self.gravity[2] == 0.0 and self.tool[2] == 0.0
 
     @property
     def carried_mass(self) -> float:

@@ -23,6 +23,7 @@ from optimize.problem import Problem
 from optimize.result import DriveCandidate, Iteration
 from units.quantities import NoAnswer
 
+from .at_once.feasibility import Feasibility
 from .combinations import Choice, NoChoice, Progress, chosen
 from .drive_frequency import frequency_allowed, frequency_asked
 
@@ -49,6 +50,8 @@ class Driven:
     names: str
     unsolved: int = 0
     """On how many combinations of shapes and materials the solver failed, where there is no choice."""
+    feasibility: Feasibility | None = None
+    """What is known of how far all combinations break the limits, where there is no choice."""
 
 
 def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
@@ -180,7 +183,7 @@ def choose_driven(
         context = context_of(problem)
         found = chosen(context, progress=progress, log=log, executor=executor)
         if isinstance(found, NoChoice):
-            return Driven(context, None, (), True, "", found.unsolved)
+            return Driven(context, None, (), True, "", found.unsolved, found.feasibility)
         return Driven(context, found, (), True, "")
     search = _Search(problem, progress, log, executor)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same

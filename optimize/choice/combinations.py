@@ -14,6 +14,7 @@ from optimize.exchange.design import DesignSpace
 from optimize.exchange.exchange import Context, Exchange, Exchanged
 from optimize.result import Candidate, Iteration
 
+from .at_once.feasibility import Feasibility
 from .chooser import Chooser, Progress
 from .given import given_design
 from .many import CLOSE, Among, among_many, possible
@@ -60,6 +61,8 @@ class NoChoice:
     """What became of the combinations where none has a solution."""
 
     candidates: tuple[Candidate, ...]
+    feasibility: Feasibility | None = None
+    """What is known of how far all of them break the limits."""
 
     @property
     def unsolved(self) -> int:
@@ -143,7 +146,7 @@ def chosen(
             raise
         interrupted = True
     if chooser.best is None:
-        return NoChoice(tuple(chooser.candidates.values()))
+        return NoChoice(tuple(chooser.candidates.values()), chooser.feasibility)
     pick, space, materials, exchange, exchanged, objective = chooser.best
     noted: list[Candidate] = []
     for other, candidate in chooser.candidates.items():

@@ -7,6 +7,8 @@ in the exchange; what is said is judged on a whole evaluation of the arm that ke
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -34,74 +36,91 @@ from .answer import Change, Infeasibility, Needed, OutOfReach
 
 _ALL = 12
 """Up to this many combinations every one is looked at."""
-_NEAREST, _RANKED = 4, 2000
+_NEAREST, _AGREEING, _RANKED = 4, 4, 2000
 """Of more, so many that come nearest, and so many in which all links agree, among so many that come nearest."""
-_CLOSEST, _HALVINGS = 8, 4
-"""So many more for each limit, where it is so much that it gives way alone."""
+_CLOSEST, _KINDS, _CLOSER = 12, 2, 2
+"""So many more for each question, of so many kinds of shapes; and so often again about the best of them."""
 _FREE = 1e3
 """A limit so many times wider is none."""
 _ROUNDS = 12
 _STARTS = 2
 _BROKEN = 1e-5
 """A limit whose logarithm has to give way by more than this is one that stands in the way."""
-_CHEAP = 1e-3
-"""The price of what may give way where it is asked whether the rest can be kept at all."""
+_DEAR = 1e3
+"""The price of what must not give way, over that of what may: where it does nevertheless, the rest cannot be kept."""
 
 
 @dataclass(frozen=True)
 class _Found:
-    """How a combination came out: the slacks of the limits and their sum, and the arm, where there is a design."""
+    """How combinations came out: the slacks of the limits and their sum, where there is a design."""
 
     outcome: Literal["found", "none", "undecided"]
     total: float = math.inf
     slacks: tuple[float, ...] = ()
-    arm: Arm | None = None
 
 
 def explained(
-    context: Context, *, beyond: Sequence[OutOfReach] = (), unsolved: int = 0, progress: Progress | None = None
+    context: Context,
+    *,
+    beyond: Sequence[OutOfReach] = (),
+    unsolved: int = 0,
+    told: Feasibility | None = None,
+    progress: Progress | None = None,
 ) -> Infeasibility:
-    """Why a problem has no answer; `beyond` are limits that no design keeps, and `unsolved` is on how many combinations
-    the solver failed when a design was sought."""
+    """Why a problem has no answer; `beyond` are limits that no design keeps, `unsolved` is on how many combinations the
+    solver failed when a design was sought, and `told` what is known from there of how far all break the limits."""
     problem = context.problem
     # An error that nothing limits would otherwise be looked for at every pose.
     problem = replace(problem, minimize="mass")
     context = replace(context, problem=problem)
     total = count(problem)
     size = len(problem.limits)
-    near = None if total <= _ALL else _nearest(context)
+    exchanges: dict[tuple[str | None, ...], Exchange] = {}
+    near = None if total <= _ALL else _nearest(context, told, exchanges)
     if near is not None:
         picks, among = near.picks, "that come nearest by bounds on all of them"
     elif total <= _ALL:
         picks, among = combinations(problem), ""
     else:
         picks, among = uniform(problem), "in which the links agree"
-    exchanges: dict[tuple[str | None, ...], Exchange] = {}
-    trials = [_Trial(context, pick, exchanges) for pick in picks]
-    questions = [(k,) for k in range(size)] + ([tuple(range(size))] if size > 1 else [])
+    pool = None if near is None else near.pool
+    trials = {pick: _Trial(context, pick, exchanges, pool) for pick in picks}
+    # What the joint change comes to is where the others begin.
+    questions = ([tuple(range(size))] if size > 1 else []) + [(k,) for k in range(size)]
     stuck = {problem.limits.index(each.limit) for each in beyond}
-    answers: list[_Found] = []
+    answers: dict[tuple[int, ...], _Found] = {}
     for number, question in enumerate(questions):
-        if stuck - set(question) or (near is not None and near.none_keeps_without(question)):
-            answers.append(_Found("none"))
+        if stuck - set(question):
+            answers[question] = _Found("none")
             continue
-        found: list[_Found] = []
-        for done, trial in enumerate(trials):
+        closer = near.closer(question) if near is not None else []
+        if closer is None:
+            answers[question] = _Found("none")
+            continue
+        for pick in closer:
+            trials.setdefault(pick, _Trial(context, pick, exchanges, near and near.pool))
+        asked = _Question(problem, question)
+        for done, trial in enumerate(trials.values()):
             if progress is not None:
                 progress(number * len(trials) + done, len(questions) * len(trials), "what the limits would have to be")
-            found.append(trial.least(question, min((each.total for each in found), default=math.inf)))
-        if near is not None and len(question) == 1:
-            known = {trial.pick for trial in trials}
-            for pick in near.closer(question[0], min((each.total for each in found), default=math.inf)):
-                if pick not in known:
-                    trials.append(_Trial(context, pick, exchanges))
-                    found.append(trials[-1].least(question, min(each.total for each in found)))
-        answers.append(_best(problem, found))
+            asked.put(trial)
+        answers[question] = asked.answer()
+        for _ in range(_CLOSER):
+            if near is None or asked.best is None or asked.best[1].x is near.x:
+                break
+            # About a design that comes near, bounds tell more.
+            near = near.about(*asked.best)
+            for pick in near.closer(question) or ():
+                if pick not in trials:
+                    trials[pick] = _Trial(context, pick, exchanges, near.pool)
+                    asked.put(trials[pick])
+            answers[question] = asked.answer()
     limits = tuple(
         Needed(limit, _needed(limit, each.slacks[k]) if each.outcome == "found" else None, each.outcome)
-        for k, (limit, each) in enumerate(zip(problem.limits, answers, strict=False))
+        for k, limit in enumerate(problem.limits)
+        if (each := answers[k,])
     )
-    joint = answers[-1] if size > 1 else _Found("undecided")
+    joint = answers[tuple(range(size))] if size > 1 else _Found("undecided")
     changes = tuple(
         Change(limit, _needed(limit, slack))
         for limit, slack in zip(problem.limits, joint.slacks, strict=False)
@@ -140,51 +159,53 @@ class _Nearest:
     x: Array
     pool: Pool
 
-    def closer(self, number: int, least: float) -> list[Combination]:
-        """The combinations that come nearest where one limit gives way alone, by less than the `least` change known (of
-        its logarithm): halved until what is known to be too little is close to it."""
-        limit = self.context.problem.limits[number]
-        if limit.relation == "==" or isinstance(limit.figure.follows, OfLinks):
-            return []  # what a single link keeps is in the cells of all bounds
-        found: list[Combination] = []
-        low, high = 0.0, min(least, math.log(_FREE))
-        for _ in range(_HALVINGS):
-            change = 0.5 * (low + high)
-            value = limit.value * math.exp(change if limit.relation == "<=" else -change)
-            limits = tuple(
-                replace(each, value=value) if k == number else each
-                for k, each in enumerate(self.context.problem.limits)
-            )
-            nearest = self.told.nearest(self.trial.exchange, self.x, self.trial.pick, self.pool, _CLOSEST, limits)
-            if nearest:
-                low, found = change, nearest
-            else:
-                high = change
-        return found
+    def about(self, trial: _Trial, solution: Solution) -> _Nearest:
+        """The same, with bounds read off about another combination's solution, at the poses that hold it."""
+        return replace(self, trial=trial, x=solution.x, pool=solution.active)
 
-    def none_keeps_without(self, question: tuple[int, ...]) -> bool:
-        """Whether no combination keeps the limits that are not in question."""
+    def closer(self, question: tuple[int, ...]) -> list[Combination] | None:
+        """The combinations that come nearest where one limit gives way alone, or where all may; None where none keeps
+        the others."""
+        exchange, pick = self.trial.exchange, self.trial.pick
         problem = self.context.problem
-        if len(question) == len(problem.limits) or any(problem.limits[k].relation == "==" for k in question):
-            return False
-        limits = tuple(
-            replace(limit, value=limit.value * (_FREE if limit.relation == "<=" else 1.0 / _FREE))
-            if k in question
-            else limit
-            for k, limit in enumerate(problem.limits)
-        )
+        if len(question) != 1:
+            return _kinds(self.told.nearest(exchange, self.x, pick, self.pool, _RANKED), _CLOSEST)
+        limit = problem.limits[question[0]]
+        if limit.relation == "==":
+            return []
+        if not isinstance(limit.figure.follows, OfLinks):
+            found = self.told.nearest_by_one(exchange, self.x, pick, self.pool, _RANKED, question[0])
+            return None if found is None else _kinds(found, _CLOSEST)
+        # What a single link keeps is in the cells of all bounds.
+        free = replace(limit, value=limit.value * (_FREE if limit.relation == "<=" else 1.0 / _FREE))
+        limits = tuple(free if k == question[0] else each for k, each in enumerate(problem.limits))
         told = feasibility_of(replace(self.context, problem=replace(problem, limits=limits)))
-        return told is not None and told.none_keeps(self.trial.exchange, self.x, self.trial.pick, self.pool)
+        return None if told is not None and told.none_keeps(exchange, self.x, pick, self.pool) else []
 
 
-def _nearest(context: Context) -> _Nearest | None:
+def _kinds(picks: Sequence[Combination], number: int) -> list[Combination]:
+    """The first so many, of not more than `_KINDS` kinds of shapes: each kind takes a program of its own."""
+    kinds = list(dict.fromkeys(pick.shapes for pick in picks))[:_KINDS]
+    return [pick for pick in picks if pick.shapes in kinds][:number]
+
+
+def _nearest(
+    context: Context, told: Feasibility | None, exchanges: dict[tuple[str | None, ...], Exchange]
+) -> _Nearest | None:
     """The combinations that come nearest to keeping all limits; None where no bound tells."""
-    told = feasibility_of(context)
+    told = told or feasibility_of(context)
     if told is None:
         return None
+    most = min(count(context.problem), _RANKED)
+    picks = told.nearest_known(most)
+    if told.shown is not None and picks:
+        shown = told.shown
+        pool = shown.pool if context.uses_error else replace(shown.pool, errors=())
+        trial = _Trial(context, shown.pick, exchanges, pool)
+        return _Nearest(context, _first(context, picks), told, trial, shown.x, pool)
     price = np.ones(len(context.problem.limits))
     for pick in uniform(context.problem)[:_STARTS]:
-        trial = _Trial(context, pick, {})
+        trial = _Trial(context, pick, exchanges)
         try:
             pool = first_pool(context, trial.exchange.space, trial.starts[0], pick.materials)
         except Unreachable:
@@ -193,14 +214,18 @@ def _nearest(context: Context) -> _Nearest | None:
         if isinstance(solution, _Found):
             continue
         pool = trial.exchange.worse_poses(solution, pick.materials, pool)
-        picks = told.nearest(trial.exchange, solution.x, pick, pool, min(count(context.problem), _RANKED))
+        picks = told.nearest(trial.exchange, solution.x, pick, pool, most)
         if picks:
-            # Bounds on mixtures of what a link can be like those best in which the links differ.
-            alike = set(uniform(context.problem))
-            agreeing = [each for each in picks if each in alike]
-            picks = list(dict.fromkeys([*picks[:_NEAREST], *agreeing[:_NEAREST]]))
-            return _Nearest(context, picks, told, trial, solution.x, pool)
+            return _Nearest(context, _first(context, picks), told, trial, solution.x, pool)
     return None
+
+
+def _first(context: Context, picks: Sequence[Combination]) -> list[Combination]:
+    """The nearest, and the nearest in which the links agree: bounds on mixtures of what a link can be like those best
+    in which the links differ."""
+    alike = set(uniform(context.problem))
+    agreeing = [each for each in picks if each in alike]
+    return list(dict.fromkeys([*_kinds(picks, _NEAREST), *_kinds(agreeing, _AGREEING)]))
 
 
 def _sizes(problem: Problem) -> str:
@@ -208,81 +233,121 @@ def _sizes(problem: Problem) -> str:
     return f"section_size {low} to {high}"
 
 
-def _best(problem: Problem, found: Sequence[_Found]) -> _Found:
-    """The least change over combinations that a whole evaluation confirms; only where all of them have none is there
-    none."""
-    for each in sorted(found, key=lambda each: each.total):
-        if each.arm is None:
-            continue
-        relaxed = _relaxed(problem, each.slacks)
-        after = evaluate(each.arm, problem.workspace, problem.load_cases)
-        if not any(excess(limit, limit.of(after)) > GAP for limit in relaxed):
-            return each
-    return _Found("none" if all(each.outcome == "none" for each in found) else "undecided")
-
-
 class _Trial:
     """One combination, asked again and again with the poses that it has met."""
 
-    def __init__(self, context: Context, pick: Combination, exchanges: dict[tuple[str | None, ...], Exchange]) -> None:
+    def __init__(
+        self,
+        context: Context,
+        pick: Combination,
+        exchanges: dict[tuple[str | None, ...], Exchange],
+        pool: Pool | None = None,
+    ) -> None:
         self.context, self.pick = context, pick
         if pick.shapes not in exchanges:
             exchanges[pick.shapes] = Exchange(context, design_space(context.problem, pick.shapes))
         self.exchange = exchanges[pick.shapes]
         self.materials = material_row(pick.materials, context.problem)
         self.starts = starting_points(self.exchange.space, self.materials, _STARTS)
-        self.pool: Pool | None = None
+        self.pool = pool
+        self._latest: Array | None = None
 
-    def least(self, question: tuple[int, ...], known: float) -> _Found:
-        """The least change of the limits in question; given up where it is above what is known."""
-        price = np.zeros(len(self.context.problem.limits))
-        price[list(question)] = 1.0
+    def least(self, price: Array, start: Array | None = None) -> Solution | _Found:
+        """The least change of the limits that have a price, for the poses met so far; from one start, or from where the
+        last answer was and others."""
         outcomes: set[str] = set()
-        for start in self.starts:
+        first = [] if self._latest is None else [self._latest]
+        for each in [start] if start is not None else [*first, *self.starts][:_STARTS]:
             try:
-                found = self._from(price, start, known)
+                self.pool = self.pool or first_pool(self.context, self.exchange.space, each, self.pick.materials)
             except Unreachable:
-                found = _Found("undecided")
-            outcomes.add(found.outcome)
-            if found.outcome == "found":
+                outcomes.add("undecided")
+                continue
+            found = _elastic(self.exchange.program(self.pool), each, self.materials, self.pool, price)
+            if not isinstance(found, _Found):
+                self._latest = found.x
                 return found
+            outcomes.add(found.outcome)
         return _Found("none" if outcomes == {"none"} else "undecided")
 
-    def _from(self, price: Array, start: Array, known: float) -> _Found:
-        context, space, chosen = self.context, self.exchange.space, self.pick.materials
-        self.pool = self.pool or first_pool(context, space, start, chosen)
-        x = start
-        for _ in range(_ROUNDS):
-            solution = _elastic(self.exchange.program(self.pool), x, self.materials, self.pool, price)
-            if isinstance(solution, _Found):
-                return solution
-            slacks = tuple(slack if cost > 0.0 else 0.0 for slack, cost in zip(solution.slacks, price, strict=True))
-            total = sum(map(abs, slacks))
-            if total > known * (1.0 + 1e-6) + _BROKEN:
-                return _Found("found", total, slacks)  # for these poses alone it is worse than another combination
-            relaxed = replace(context.problem, limits=_relaxed(context.problem, slacks))
-            judge = Exchange(replace(context, problem=relaxed), space)
-            grown = judge.worse_poses(solution, chosen, self.pool)
-            if grown.size == self.pool.size:
-                return _Found("found", total, slacks, arm_of(space, solution.x, chosen))
-            x, self.pool = solution.x, grown
-        return _Found("undecided")
+    def met(self, solution: Solution, slacks: Sequence[float]) -> bool:
+        """Whether a solution, its limits given way, meets poses that break them; they are known from then on."""
+        assert self.pool is not None
+        relaxed = replace(self.context.problem, limits=_relaxed(self.context.problem, slacks))
+        judge = Exchange(replace(self.context, problem=relaxed), self.exchange.space)
+        grown = judge.worse_poses(solution, self.pick.materials, self.pool)
+        more = grown.size > self.pool.size
+        self.pool = grown
+        return more
+
+    def arm(self, x: Array) -> Arm:
+        """The arm of the optimiser's numbers."""
+        return arm_of(self.exchange.space, x, self.pick.materials)
+
+
+class _Question:
+    """Which least change of some limits does, over combinations: each is solved for the poses that it has met, and only
+    those that come to least so far are held against further ones."""
+
+    def __init__(self, problem: Problem, question: tuple[int, ...]) -> None:
+        self.problem = problem
+        self.price = np.zeros(len(problem.limits))
+        self.price[list(question)] = 1.0
+        self._order = itertools.count()
+        self._heap: list[tuple[float, int, int, _Trial, Solution]] = []
+        self._outcomes: set[str] = set()
+        self._least = _Found("undecided")
+        self.best: tuple[_Trial, Solution] | None = None
+        """The combination whose change is the least."""
+
+    def put(self, trial: _Trial) -> None:
+        """One more combination."""
+        self._note(trial, trial.least(self.price), 1)
+
+    def _note(self, trial: _Trial, found: Solution | _Found, rounds: int) -> None:
+        if isinstance(found, _Found):
+            self._outcomes.add(found.outcome)
+        else:
+            total = sum(map(abs, self._slacks(found)))
+            heapq.heappush(self._heap, (total, next(self._order), rounds, trial, found))
+
+    def _slacks(self, found: Solution) -> tuple[float, ...]:
+        return tuple(slack if cost > 0.0 else 0.0 for slack, cost in zip(found.slacks, self.price, strict=True))
+
+    def answer(self) -> _Found:
+        """The least change that a whole evaluation confirms; only where all combinations have none is there none."""
+        while self._heap and self._heap[0][0] < self._least.total:
+            _, _, rounds, trial, found = heapq.heappop(self._heap)
+            slacks = self._slacks(found)
+            try:
+                more = trial.met(found, slacks)
+            except Unreachable:
+                self._outcomes.add("undecided")
+                continue
+            if more:
+                again = trial.least(self.price, found.x) if rounds < _ROUNDS else _Found("undecided")
+                self._note(trial, again, rounds + 1)
+                continue
+            after = evaluate(trial.arm(found.x), self.problem.workspace, self.problem.load_cases)
+            if any(excess(limit, limit.of(after)) > GAP for limit in _relaxed(self.problem, slacks)):
+                self._outcomes.add("undecided")
+                continue
+            self._least, self.best = _Found("found", sum(map(abs, slacks)), slacks), (trial, found)
+        if self._least.outcome == "found":
+            return self._least
+        return _Found("none" if self._outcomes == {"none"} else "undecided")
 
 
 def _elastic(program: Program, x: Array, materials: Array, pool: Pool, price: Array) -> Solution | _Found:
-    """The least slacks for a pool, or what became of it: whether the limits that are kept can be is a question of its
-    own, for a solver's failure proves nothing."""
-    solution = program.solve(x, materials, pool, elastic=price.tolist())
-    if solution.solved:
-        return solution
+    """The least slacks for a pool, or what became of it. What is kept may give way as well, at so high a price that it
+    does only where it must: a start that breaks limits is no trouble then, and a solver's failure proves nothing."""
     held = price == 0.0
-    softer = program.solve(x, materials, pool, elastic=np.where(held, 1.0, _CHEAP).tolist())
-    if not softer.solved:
+    solution = program.solve(x, materials, pool, elastic=np.where(held, _DEAR, price).tolist())
+    if not solution.solved:
         return _Found("undecided")
-    if any(abs(slack) > _BROKEN for slack in np.array(softer.slacks)[held]):
+    if any(abs(slack) > _BROKEN for slack in np.array(solution.slacks)[held]):
         return _Found("none")
-    again = program.solve(softer.x, materials, pool, elastic=price.tolist())
-    return again if again.solved else _Found("undecided")
+    return solution
 
 
 def _relaxed(problem: Problem, slacks: Sequence[float]) -> tuple[Limit, ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context, Exchange
 from optimize.exchange.program import Solution
-from optimize.limits import Limit
 from sections.numeric import Array
 
 from .cells import Ids, elastic_links, link_cells
@@ -36,6 +35,15 @@ _WORTH_IT, _IN_VAIN = 4, 4
 """One combination that rules out fewer others was in vain; after so many of those no more are asked."""
 _MOST = 3_000_000
 """For more combinations it is not kept which of them are out."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """About what rows were read off: a combination with its numbers, and the poses that its limits give way at."""
+
+    pick: Combination
+    x: Array
+    pool: Pool
 
 
 class Feasibility:
@@ -53,6 +61,9 @@ class Feasibility:
             {option: number for number, option in enumerate(cells.options)} for cells in self.relaxation.cells
         ]
         self.impossible = np.zeros(tuple(len(own) for own in self._places), dtype=bool)
+        self.shown: Shown | None = None
+        self._broken = np.zeros(self.impossible.shape)
+        """How far limits are broken at least (relative), as far as that is known."""
         self._pool: Pool | None = None
         self._in_vain = 0
         self._asked_all = False
@@ -72,6 +83,7 @@ class Feasibility:
         self._pool = pool if self._pool is None else self._pool.joined(pool)
         if not self._read(exchange, relaxed.x, pick, self._pool):
             return
+        self.shown = Shown(pick, relaxed.x, self._pool)
         before = int(self.impossible.sum())
         if not self._asked_all:
             self._asked_all = True
@@ -80,24 +92,38 @@ class Feasibility:
             self._note(self._only(pick))
         self._in_vain = self._in_vain + 1 if int(self.impossible.sum()) - before < _WORTH_IT else 0
 
-    def nearest(
-        self,
-        exchange: Exchange,
-        x: Array,
-        pick: Combination,
-        pool: Pool,
-        number: int,
-        limits: tuple[Limit, ...] | None = None,
-    ) -> list[Combination]:
+    def nearest(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool, number: int) -> list[Combination]:
         """So many combinations at most that break limits least, by the multipliers of all together; none where it is
-        not known that one is broken by all. Rows are read off about a design: a combination with its numbers; `limits`
-        stand for the problem's, in the same order."""
-        if not self._read(exchange, x, pick, pool, limits):
+        not known that one is broken by all. Rows are read off about a design: a combination with its numbers."""
+        if not self._read(exchange, x, pick, pool):
             return []
         found = self.relaxation.least_breach(self._root, self._root)
         if not math.isfinite(found.bound) or found.bound <= _SURE:
             return []
-        table = self._breaches(found)
+        return self._least(self._breaches(found), number)
+
+    def nearest_by_one(
+        self, exchange: Exchange, x: Array, pick: Combination, pool: Pool, number: int, limit: int
+    ) -> list[Combination] | None:
+        """So many combinations at most in which one limit (its number) has to give way least for all others to be kept;
+        None where it is known that none keeps the others. Rows as for `nearest`."""
+        if not self._read(exchange, x, pick, pool):
+            return []
+        self.relaxation.rows = [
+            replace(row, objective=True, shift=row.shift + 1.0) if row.limit == limit else row
+            for row in self.relaxation.rows
+        ]
+        if not any(row.objective for row in self.relaxation.rows):
+            return []
+        found = self.relaxation.solve(self._root, math.inf)
+        return self._least(self._breaches(found), number) if math.isfinite(found.bound) else None
+
+    def nearest_known(self, number: int) -> list[Combination]:
+        """So many combinations at most that break limits least as far as is known of all; none where it is not known
+        that all break one."""
+        return self._least(self._broken, number) if bool((self._broken > _SURE).all()) else []
+
+    def _least(self, table: NDArray[np.float64], number: int) -> list[Combination]:
         picks: list[Combination] = []
         for place in np.argsort(table, axis=None, kind="stable").tolist():
             near = self._combination([int(k) for k in np.unravel_index(place, table.shape)])
@@ -113,14 +139,10 @@ class Feasibility:
             return False
         return self.relaxation.least_breach(self._root, self._root, enough=2.0 * _SURE).bound > _SURE
 
-    def _read(
-        self, exchange: Exchange, x: Array, pick: Combination, pool: Pool, limits: tuple[Limit, ...] | None = None
-    ) -> bool:
+    def _read(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool) -> bool:
         """The rows of a pool, read off about a design; False where there are none."""
-        problem = self.context.problem
-        context = self.context if limits is None else replace(self.context, problem=replace(problem, limits=limits))
         arm = arm_of(exchange.space, x, pick.materials)
-        rows = rows_of(context, pool, arm, numeric_beams(arm, problem.load_cases), 1.0)
+        rows = rows_of(self.context, pool, arm, numeric_beams(arm, self.context.problem.load_cases), 1.0)
         self.relaxation.rows = [row for row in rows or () if not row.objective]
         return bool(self.relaxation.rows)
 
@@ -147,7 +169,8 @@ class Feasibility:
         """Rule out what the multipliers of a part of all designs show to be impossible."""
         found = self.relaxation.least_breach(node, self._root)
         if math.isfinite(found.bound):
-            self.impossible |= self._breaches(found) > _SURE
+            self._broken = np.maximum(self._broken, self._breaches(found))
+            self.impossible |= self._broken > _SURE
 
     def _breaches(self, found: Relaxed) -> NDArray[np.float64]:
         """How far limits are broken at least (relative), for every combination."""

@@ -38,7 +38,8 @@ class PoseRow:
     """The length of a vector (or a number) that is a sum of products, plus a shift: not above t (where `objective`) or
     not above nought. All are relative to what the best design does, or to the limit.
 
-    `powers` (T, n K) are of the links' columns in logarithms, `linear` (n K, D) of columns as they are.
+    `powers` (T, n K) are of the links' columns in logarithms, `linear` (n K, D) of columns as they are; `limit` is the
+    number of the problem's limit that it holds, where it does.
     """
 
     constant: Array
@@ -47,6 +48,7 @@ class PoseRow:
     linear: Array
     objective: bool
     shift: float
+    limit: int | None = None
 
     def vector(self, y: Array) -> Array:
         """Its vector for columns y (n K)."""
@@ -58,7 +60,15 @@ class PoseRow:
         return self.shift + (float(found[0]) if len(found) == 1 else float(np.linalg.norm(found)))
 
 
-def row_of(terms: dict[Power, Array], size: int, *, objective: bool, scale: float, shift: float = 0.0) -> PoseRow:
+def row_of(
+    terms: dict[Power, Array],
+    size: int,
+    *,
+    objective: bool,
+    scale: float,
+    shift: float = 0.0,
+    limit: int | None = None,
+) -> PoseRow:
     """The row of a sum of products with vector coefficients, each over `scale`; the shift as well."""
     dimension = len(next(iter(terms.values()))) if terms else 1
     width = len(COLUMNS)
@@ -86,6 +96,7 @@ def row_of(terms: dict[Power, Array], size: int, *, objective: bool, scale: floa
         linear,
         objective,
         shift / scale,
+        limit,
     )
 
 
@@ -120,26 +131,27 @@ def sums_rows(
     if problem.minimize in own:
         terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
         found.append(row_of(terms, size, objective=True, scale=worth))
-    for limit in problem.limits:
+    for number, limit in enumerate(problem.limits):
         if limit.name not in own:
             continue
         terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
         if limit.relation != ">=":
-            found.append(row_of(terms, size, objective=False, scale=limit.value))
+            found.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
         if limit.relation != "<=":
             terms = {power: -c for power, c in terms.items()}
-            found.append(row_of(terms, size, objective=False, scale=limit.value))
+            found.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
     return found
 
 
 def error_rows(problem: Problem, terms: dict[Power, Array], size: int, worth: float, fixed: float) -> Iterator[PoseRow]:
     """The rows of the error at a pose: to be least, over `worth`, and within its tightest limit; `fixed` (m) adds to
     either."""
-    least = min((each.value for each in problem.limit("max_error")), default=math.inf)
+    limits = [(each.value, k) for k, each in enumerate(problem.limits) if each.name == "max_error"]
+    least, number = min(limits, default=(math.inf, None))
     if problem.minimize == "max_error":
         yield row_of(terms, size, objective=True, scale=worth, shift=fixed)
     if math.isfinite(least):
-        yield row_of(terms, size, objective=False, scale=least, shift=fixed - least)
+        yield row_of(terms, size, objective=False, scale=least, shift=fixed - least, limit=number)
 
 
 def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dict[str, float]]:
@@ -155,18 +167,18 @@ def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dic
 def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm, p: Array) -> list[PoseRow]:
     size = arm.size
     if name == "strengths":
-        return [_scalar(each, size) for each in _strength(problem, prepared[cut.group], cut, p)]
+        return [_scalar(each, size, limit) for limit, each in _strength(problem, prepared[cut.group], cut, p)]
     if isinstance(prepared, PreparedStiffness):
         return _stiffness(problem, prepared, cut, p)
     if name != "modes":
         return []
     beams = beams_of(arm, problem.load_cases)
     found: list[PoseRow] = []
-    for limit in problem.limits:
+    for number, limit in enumerate(problem.limits):
         if limit.name == "first_frequency":
             sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)
             if sums is not None:
-                found.append(_scalar(sums[0].scaled(1.0 / sums[1]), size))
+                found.append(_scalar(sums[0].scaled(1.0 / sums[1]), size, number))
     return found
 
 
@@ -186,23 +198,25 @@ def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array
     moved = moved @ np.array(cut.more)
     if not np.linalg.norm(moved[0] + (moved[1:-1] - moved[0]).sum(axis=0) - moved[-1]) <= _CLOSE * np.abs(moved).max():
         return []
-    limit = problem.limits[prepared.limits[cut.group]].value
+    number = prepared.limits[cut.group]
+    limit = problem.limits[number].value
     terms: dict[Power, Array] = {(): limit * moved[0]}
     for (link, k), value in zip(soft, moved[1:-1], strict=True):
         terms[((link, SOFT[k]),)] = limit * (value - moved[0]) * abs(own[link, k])
-    return [row_of(terms, size, objective=False, scale=1.0, shift=-1.0)]
+    return [row_of(terms, size, objective=False, scale=1.0, shift=-1.0, limit=number)]
 
 
-def _scalar(products: Products, size: int) -> PoseRow:
-    return row_of({power: np.array([c]) for power, c in products.terms.items()}, size, objective=False, scale=1.0)
+def _scalar(products: Products, size: int, limit: int) -> PoseRow:
+    terms = {power: np.array([c]) for power, c in products.terms.items()}
+    return row_of(terms, size, objective=False, scale=1.0, limit=limit)
 
 
-def _strength(problem: Problem, case: Any, cut: Cut, p: Array) -> list[Products]:
-    """Stresses and compressions of a pose that tell, over what is allowed, less one."""
+def _strength(problem: Problem, case: Any, cut: Cut, p: Array) -> list[tuple[int, Products]]:
+    """Stresses and compressions of a pose that tell, over what is allowed, less one; each with its limit's number."""
     stresses = stress_products(case, cut, p)
     presses = compression_products(case, cut, p)
-    found: list[Products] = []
-    for limit in problem.limits:
+    found: list[tuple[int, Products]] = []
+    for number, limit in enumerate(problem.limits):
         for entry in range(len(presses)):
             if limit.name == "buckling":
                 sums: Sequence[Products] = [presses[entry]]
@@ -213,5 +227,5 @@ def _strength(problem: Problem, case: Any, cut: Cut, p: Array) -> list[Products]
             for each in sums:
                 terms = {power: limit.value * c for power, c in each.terms.items() if c != 0.0}
                 terms[()] = terms.get((), 0.0) - 1.0
-                found.append(Products(terms))
+                found.append((number, Products(terms)))
     return found
