@@ -18,6 +18,7 @@ from optimize.choice.combinations import Choice, Progress, count
 from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context
+from optimize.journal import Journal
 from units.quantities import NoAnswer
 
 from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
@@ -41,8 +42,11 @@ def optimise(
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
     executor: Executor | None = None,
+    journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design for a problem; what falls apart into steps is done by `executor`, else by this process.
+
+    `journal` answers what an earlier search for the same problem has solved, and notes what is solved.
 
     `told` hears at once of limits that no design can keep, before it is found out what they would have to be.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
@@ -52,7 +56,7 @@ def optimise(
     """
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
-        nominal = optimise(replace(problem, uncertain=None), **settings, told=told)
+        nominal = optimise(replace(problem, uncertain=None), **settings, told=told, journal=journal)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     if problem.sizes is not None:
         return optimise_listed(problem, progress=progress, log=log)
@@ -67,7 +71,7 @@ def optimise(
             context, names = first_driven(problem)
             raise Infeasible(explained(context, beyond=beyond, progress=progress), _looked_at(names))
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
-        found = choose_driven(problem, progress=progress, log=log, executor=executor)
+        found = choose_driven(problem, progress=progress, log=log, executor=executor, journal=journal)
     except Unreachable as error:
         hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
         raise NoAnswer(f"workspace: {error}{hint}") from None

@@ -47,6 +47,7 @@ HELP = """The best design within a problem's limits: what changes, how sure it i
 
 Example: linkwright optimize problem.yaml --out result
 Example: linkwright optimize problem.yaml --round stock --out result
+Example: linkwright optimize problem.yaml --resume search.jsonl --out result
 """
 
 
@@ -69,6 +70,14 @@ def optimize(
         str | None,
         typer.Option("--round-length", metavar="STEP", help="With --round: the grid of link lengths, 1 mm by default."),
     ] = None,
+    resume: Annotated[
+        Path | None,
+        typer.Option(
+            "--resume",
+            metavar="FILE",
+            help="Note all that is solved in FILE, and go on with what it holds after a stop.",
+        ),
+    ] = None,
     workers: Workers = None,
     dask: Dask = None,
 ) -> None:
@@ -78,7 +87,7 @@ def optimize(
     from linkwright.screen.console import console, waiting
     from linkwright.screen.described import show
 
-    for target in (json, markdown, pdf):
+    for target in (json, markdown, pdf, resume):
         check_target(target, problem, catalogue)
     check_pdf(pdf)
     if round_to is None and round_length is not None:
@@ -92,7 +101,7 @@ def optimize(
     with asked_of(problem), crew_of(workers, dask) as crew:
         claim_folder(out, "optimize")
         try:
-            result = _solved(asked, round_to, round_length, crew)
+            result = _solved(asked, round_to, round_length, resume, crew)
         except NoAnswer as error:
             if error.infeasible is not None:
                 write_json(json, infeasible_json(error.infeasible, "optimize", problem))
@@ -110,11 +119,13 @@ def optimize(
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
     tell(describe(result.found), markdown, *written, pdf, json)
     if result.interrupted:
-        _stopped("this is the best design so far")
+        _stopped("this is the best design so far", resume)
         raise KeyboardInterrupt
 
 
-def _solved(problem: Problem, round_to: str | None, round_length: str | None, crew: Executor) -> Optimization:
+def _solved(
+    problem: Problem, round_to: str | None, round_length: str | None, resume: Path | None, crew: Executor
+) -> Optimization:
     """Optimise (and round), with a line for each iteration and a bar while combinations are tried."""
     from linkwright.results.optimization import iteration_line
     from linkwright.screen.console import console
@@ -129,19 +140,20 @@ def _solved(problem: Problem, round_to: str | None, round_length: str | None, cr
     def beyond(text: str) -> None:
         screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
 
-    given: Any = {"round_to": round_to, "round_length": round_length}
+    given: Any = {"round_to": round_to, "round_length": round_length, "resume": resume}
     try:
         return lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond, executor=crew)
     except KeyboardInterrupt:
         steps.close()
-        _stopped("no design was finished yet, so there is none to keep")
+        _stopped("no design was finished yet, so there is none to keep", resume)
         raise
     finally:
         steps.close()
 
 
-def _stopped(words: str) -> None:
+def _stopped(words: str, resume: Path | None) -> None:
     """Say on standard error what an interrupt leaves."""
     from linkwright.screen.console import console
 
-    console(errors=True).print(f"stopped: {words}", soft_wrap=True)
+    goes_on = "" if resume is None else f"; the same command goes on with what is in {resume}"
+    console(errors=True).print(f"stopped: {words}{goes_on}", soft_wrap=True)

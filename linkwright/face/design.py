@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
+from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
 from linkwright.redesigning import Redesign as FoundRedesign
 from linkwright.report.contents import Contents
@@ -15,6 +18,7 @@ from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.redesign import redesign_json, redesign_sentences
+from optimize.choice.kept import search_journal
 from optimize.result import Iteration, OptimizationResult
 from optimize.rounding.options import read_rounding
 from optimize.rounding.rounding import optimise_rounded
@@ -139,6 +143,7 @@ def optimize(
     out_of_reach: Callable[[str], None] | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
+    resume: str | Path | None = None,
 ) -> Optimization:
     """The best design within a problem's limits.
 
@@ -147,8 +152,10 @@ def optimize(
     nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody looks; `log` of every
     round; `out_of_reach` at once of a limit that no design can keep. What takes long is done by so many `workers`,
     processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the
-    best design so far, marked `interrupted`. Raises `InputError`, `MissingProperty`, and `NoAnswer`, whose `infeasible`
-    says what each limit would have to be.
+    best design so far, marked `interrupted`. `resume` names a file in which every combination solved is noted at once:
+    a search that was stopped, however, goes on there when it is asked again, to the same design as without the stop.
+    Raises `InputError` (where that file is of another problem or version, too), `MissingProperty`, and `NoAnswer`,
+    whose `infeasible` says what each limit would have to be.
 
     >>> import linkwright as lw
     >>> problem = lw.Problem(
@@ -168,7 +175,13 @@ def optimize(
         raise InputError("", "round_length", "goes with round_to; write 'stock' there, or '0.5 mm'")
     length = round_length if round_length is None or isinstance(round_length, str) else _metres(round_length)
     rounding = None if round_to is None else read_rounding(round_to, length)
-    with told(progress) as tell, interrupts() as check, at_work(executor, workers) as crew:
+    journal = search_journal(asked.model, None if resume is None else Path(resume), made_by())
+    with (
+        journal or nullcontext(),
+        told(progress) as tell,
+        interrupts() as check,
+        at_work(executor, workers) as crew,
+    ):
 
         def tries(done: int, total: int, text: str) -> None:
             check()
@@ -179,10 +192,11 @@ def optimize(
             if log is not None:
                 log(iteration)
 
+        settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "executor": crew, "journal": journal}
         if rounding is not None:
-            found = optimise_rounded(asked.model, rounding, log=heard, progress=tries, told=out_of_reach, executor=crew)
+            found = optimise_rounded(asked.model, rounding, **settings)
         else:
-            found = optimise(asked.model, log=heard, progress=tries, told=out_of_reach, executor=crew)
+            found = optimise(asked.model, **settings)
     return Optimization(asked, found)
 
 

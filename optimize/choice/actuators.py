@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from arm.actuators import Actuator
 from arm.chain.chain import Arm
@@ -19,6 +20,7 @@ from executors import Executor
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import Context, context_of
 from optimize.exchange.program import carried_mass, drives_cost
+from optimize.journal import Journal
 from optimize.problem import Problem
 from optimize.result import DriveCandidate, Iteration
 from units.quantities import NoAnswer
@@ -92,9 +94,15 @@ class _Search:
     """Works through assignments with one incumbent."""
 
     def __init__(
-        self, problem: Problem, progress: Progress | None, log: Log | None, executor: Executor | None = None
+        self,
+        problem: Problem,
+        progress: Progress | None,
+        log: Log | None,
+        executor: Executor | None = None,
+        journal: Journal | None = None,
     ) -> None:
         self.problem, self.progress, self.log, self.executor = problem, progress, log, executor
+        self.journal = journal
         self.best: tuple[Assignment, Context, Choice] | None = None
         self.candidates: dict[Assignment, DriveCandidate] = {}
         self.unsolved = 0
@@ -116,7 +124,8 @@ class _Search:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
             before = math.inf if self.best is None else self.objective
-            choice = chosen(context, log=self.log, known=before, ties=False, executor=self.executor)
+            settings: Any = {"executor": self.executor, "journal": self.journal}
+            choice = chosen(context, log=self.log, known=before, ties=False, **settings)
             if isinstance(choice, Choice):
                 self._note(pick, choice.objective, "solved")
                 if choice.objective < before:
@@ -174,18 +183,20 @@ def choose_driven(
     progress: Progress | None = None,
     log: Log | None = None,
     executor: Executor | None = None,
+    journal: Journal | None = None,
 ) -> Driven:
     """The best actuators with the best links for them; without a choice of actuators, the best links.
 
-    `executor` as for `choose`. A `KeyboardInterrupt` of `progress` or `log` ends the search as in `choose`.
+    `executor` and `journal` as for `chosen`. A `KeyboardInterrupt` of `progress` or `log` ends the search as in
+    `choose`.
     """
     if problem.actuators is None:
         context = context_of(problem)
-        found = chosen(context, progress=progress, log=log, executor=executor)
+        found = chosen(context, progress=progress, log=log, executor=executor, journal=journal)
         if isinstance(found, NoChoice):
             return Driven(context, None, (), True, "", found.unsolved, found.feasibility)
         return Driven(context, found, (), True, "")
-    search = _Search(problem, progress, log, executor)
+    search = _Search(problem, progress, log, executor, journal)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
     picks = assignments(problem) if exhaustive else []
     if exhaustive and not picks:

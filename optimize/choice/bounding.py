@@ -64,8 +64,10 @@ def bound_all(
     picks: Sequence[Combination],
     pool: Pool,
     told: Callable[[int], None],
-) -> list[Bounded]:
-    """What each combination comes to on a pool, in their order; `told` hears often how many are done."""
+    keep: Callable[[Combination, Bounded], None],
+) -> None:
+    """What each combination comes to on a pool, which `keep` hears as it comes; `told` hears often how many are
+    done."""
     groups: list[list[Combination]] = []
     for pick in picks:
         if groups and groups[-1][0].shapes == pick.shapes and len(groups[-1]) < _TOGETHER:
@@ -74,9 +76,10 @@ def bound_all(
             groups.append([pick])
     done = 0
 
-    def count(_: int, found: tuple[Bounded, ...]) -> None:
+    def count(number: int, found: tuple[Bounded, ...]) -> None:
         nonlocal done
         done += len(found)
+        for pick, each in zip(groups[number], found, strict=True):
+            keep(pick, each)
 
-    results = executor.map(work, [(tuple(group), pool) for group in groups], lambda: told(done), count)
-    return [each for found in results for each in found]
+    executor.map(work, [(tuple(group), pool) for group in groups], lambda: told(done), count)

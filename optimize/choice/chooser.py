@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from arm.worst.workspace import Unreachable
 from executors import Executor
-from optimize.exchange.binding_poses import Pool
+from optimize.exchange.binding_poses import Pool, Room
 from optimize.exchange.design import (
     TAPER,
     DesignSpace,
@@ -29,11 +29,13 @@ from optimize.exchange.design import (
 from optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
 from optimize.exchange.program import Program, Solution, carried_mass
 from optimize.exchange.signs import one_signed
+from optimize.journal import Journal
 from optimize.limits import OfDesign, Totals, excess
 from optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
-from .bounding import bound_all, bounding
+from .bounding import Bounded, bound_all, bounding
+from .kept import Answer, Ended, Kept, Key
 from .picks import Combination, one_link_changed, uniform
 
 Array = NDArray[np.float64]
@@ -72,9 +74,12 @@ class Chooser:
         log: Callable[[Iteration], None] | None,
         known: float = math.inf,
         executor: Executor | None = None,
+        journal: Journal | None = None,
     ) -> None:
         """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
-        `executor` bounds combinations; without one this process does."""
+        `executor` bounds combinations; without one this process does. `journal` answers what it knows and notes what is
+        found."""
+        self._answers = None if journal is None else Kept(journal, context.problem.arm)
         self._executor, self._bounding = executor, bounding(context.problem)
         self.context, self.progress, self.known = context, progress, known
         self.history: list[Iteration] = []
@@ -121,14 +126,27 @@ class Chooser:
         left = [(number, pick) for number, pick in enumerate(picks) if pick not in self.candidates]
         if not left or self.pool is None:
             return []
+        found: dict[Combination, Bounded] = {}
+        keys: dict[Combination, Key] = {}
+        if self._answers is not None:
+            keys = {pick: self._answers.key("bound", pick, self.pool) for _, pick in left}
+            found = {pick: each for pick, key in keys.items() if (each := self._answers.bounded(key)) is not None}
+        known = len(found)
 
         def told(done: int) -> None:
             if self.progress is not None:
-                self.progress(done, len(left), "bounding combinations")
+                self.progress(known + done, len(left), "bounding combinations")
 
-        found = bound_all(executor, self._bounding, [pick for _, pick in left], self.pool, told)
+        def keep(pick: Combination, each: Bounded) -> None:
+            found[pick] = each
+            if self._answers is not None:
+                self._answers.note_bounded(keys[pick], each)
+
+        fresh = [pick for _, pick in left if pick not in found]
+        bound_all(executor, self._bounding, fresh, self.pool, told, keep)
         bounds: list[tuple[float, int, Array]] = []
-        for (number, pick), each in zip(left, found, strict=True):
+        for number, pick in left:
+            each = found[pick]
             if each.objective is None:
                 self.note(pick, None, each.outcome)
             else:
@@ -145,8 +163,9 @@ class Chooser:
             unsolved = False
             for start in starting_points(exchange.space, materials, 2):
                 self.pool = first_pool(self.context, exchange.space, start, pick.materials)
-                if exchange.bound(materials, self.pool, start) is None:
-                    unsolved = unsolved or not exchange.infeasible
+                alone = self._from(pick, exchange, materials, start)
+                if alone.solution is None:
+                    unsolved = unsolved or alone.unsolved
                     continue
                 self.finish(pick, start)
                 if self.best is not None:
@@ -257,17 +276,65 @@ class Chooser:
         unsolved = False
         starts = starting_points(exchange.space, materials, 2)
         self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
+        key = None
+        if self._answers is not None:
+            key = self._answers.key("solve", pick, self.pool, explain, _slots(exchange.room))
+            answer = self._answers.answer(key)
+            if answer is not None:
+                exchange.room = answer.room
+                return self._solved(pick, exchange, materials, answer)
         for start in starts:
             found = exchange.bound(materials, self.pool, start)
             if found is not None:
-                return Solved(exchange, materials, self.pool, found[1], found[0])
+                return self._answered(key, pick, exchange, materials, found, unsolved=False)
             unsolved = unsolved or not exchange.infeasible
-        self.note(pick, None, "unsolved" if unsolved else "infeasible")
         relaxed = None
         if explain and not unsolved:
             program = exchange.program(self.pool, spare=False)
             relaxed = program.solve(starts[0], materials, self.pool, relax=True, limits=self.context.problem.limits)
-        return Solved(exchange, materials, self.pool, None, None, relaxed)
+        return self._answered(key, pick, exchange, materials, (None, None), unsolved=unsolved, relaxed=relaxed)
+
+    def _from(self, pick: Combination, exchange: Exchange, materials: Array, start: Array) -> Answer:
+        """What a combination comes to for the pool alone from one start."""
+        assert self.pool is not None
+        key = None
+        if self._answers is not None:
+            key = self._answers.key("start", pick, self.pool, start, _slots(exchange.room))
+            answer = self._answers.answer(key)
+            if answer is not None:
+                exchange.room = answer.room
+                return answer
+        found = exchange.bound(materials, self.pool, start)
+        assert exchange.room is not None
+        solution, objective = (None, None) if found is None else found
+        answer = Answer(exchange.room, objective, solution, found is None and not exchange.infeasible, None)
+        if self._answers is not None and key is not None:
+            self._answers.note_answer(key, answer)
+        return answer
+
+    def _answered(
+        self,
+        key: Key | None,
+        pick: Combination,
+        exchange: Exchange,
+        materials: Array,
+        found: tuple[Solution, float] | tuple[None, None],
+        *,
+        unsolved: bool,
+        relaxed: Solution | None = None,
+    ) -> Solved:
+        """What a combination came to, kept where answers are."""
+        assert exchange.room is not None
+        answer = Answer(exchange.room, found[1], found[0], unsolved, relaxed)
+        if self._answers is not None and key is not None:
+            self._answers.note_answer(key, answer)
+        return self._solved(pick, exchange, materials, answer)
+
+    def _solved(self, pick: Combination, exchange: Exchange, materials: Array, answer: Answer) -> Solved:
+        assert self.pool is not None
+        if answer.solution is None:
+            self.note(pick, None, "unsolved" if answer.unsolved else "infeasible")
+        return Solved(exchange, materials, self.pool, answer.objective, answer.solution, answer.relaxed)
 
     @property
     def some_impossible(self) -> bool:
@@ -301,24 +368,14 @@ class Chooser:
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        known = self.objective if above is None else above
-        try:
-            done = exchange.run(
-                materials, pick.materials, self.pool, start, give_up_above=known, log=self._heard, within=within
-            )
-        except Unreachable:
-            # Lengths that lead nowhere say nothing of the others.
+        ended = self._ended(pick, exchange, materials, start, within, self.objective if above is None else above)
+        done, objective = ended.done, ended.objective
+        if done is None or objective is None:
             if pick not in self.candidates:
-                self.note(pick, None, "unsolved")
-            return None
-        if done is None:
-            if pick not in self.candidates:
-                self.note(pick, None, "infeasible" if exchange.infeasible else "unsolved")
+                # Lengths that lead nowhere say nothing of the others.
+                self.note(pick, None, "infeasible" if ended.infeasible and not ended.unreachable else "unsolved")
             return None
         self.pool = self.pool.joined(done.solution.active)
-        program = exchange.program(done.pool)
-        error = done.solution.error if done.worst is None else done.worst.error
-        objective = objective_of(self.context, program, done.x, materials, error)
         if done.bounded_out:
             if pick not in self.candidates:
                 self.note(pick, objective, "bounded out")
@@ -328,6 +385,43 @@ class Chooser:
         if objective < self.objective * (1.0 - 1e-7):
             self.best = (pick, exchange.space, materials, exchange, done, objective)
         return done
+
+    def _ended(
+        self, pick: Combination, exchange: Exchange, materials: Array, start: Array, within: float | None, known: float
+    ) -> Ended:
+        """How an exchange ends that is given up above what is known; as it ended before where that is kept."""
+        assert self.pool is not None
+        key = None
+        if self._answers is not None:
+            key = self._answers.key("finish", pick, self.pool, start, within, known, _slots(exchange.room))
+            ended = self._answers.ended(key)
+            if ended is not None:
+                exchange.room, exchange.infeasible = ended.room, ended.infeasible
+                for each in ended.rounds:
+                    self._heard(each)
+                return ended
+        rounds: list[Iteration] = []
+
+        def heard(iteration: Iteration) -> None:
+            rounds.append(iteration)
+            self._heard(iteration)
+
+        done, objective, unreachable = None, None, False
+        try:
+            done = exchange.run(
+                materials, pick.materials, self.pool, start, give_up_above=known, log=heard, within=within
+            )
+        except Unreachable:
+            unreachable = True
+        if done is not None:
+            program = exchange.program(done.pool)
+            error = done.solution.error if done.worst is None else done.worst.error
+            objective = objective_of(self.context, program, done.x, materials, error)
+        assert exchange.room is not None
+        ended = Ended(exchange.room, done, objective, exchange.infeasible, unreachable, tuple(rounds))
+        if self._answers is not None and key is not None:
+            self._answers.note_ended(key, ended)
+        return ended
 
     def _heard(self, iteration: Iteration) -> None:
         """Exchanges of one choice after another make one log, numbered through."""
@@ -357,3 +451,8 @@ class Chooser:
                 trials = one_link_changed(problem, self.best[0], link)
                 self.try_all([trial for trial in trials if trial not in self.candidates])
             improved = self.objective < before * (1.0 - 1e-6)
+
+
+def _slots(room: Room | None) -> object:
+    """The slots of a program, as answers depend on them; None where there is none yet."""
+    return None if room is None else [list(room.errors), [[name, list(slots)] for name, slots in room.held]]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from executors import Executor
 from optimize.exchange.design import DesignSpace
 from optimize.exchange.exchange import Context, Exchange, Exchanged
+from optimize.journal import Journal
 from optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility
@@ -95,18 +96,20 @@ def chosen(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
+    journal: Journal | None = None,
     ties: bool = True,
 ) -> Choice | NoChoice:
     """The best combination of shapes and materials, where any has a solution (better than `known`, SI). With `ties`
     those that come near it are solved to the end as well.
 
-    `executor` does what falls apart into steps; without one this process does all.
+    `executor` does what falls apart into steps; without one this process does all. `journal` answers what it knows of
+    an earlier search, and notes what is found.
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
     is none yet.
     """
     problem = context.problem
     shared = executor if executor is not None and executor.shares else None
-    chooser = Chooser(context, progress, log, known, shared)
+    chooser = Chooser(context, progress, log, known, shared, journal)
     exhaustive = count(problem) <= MOST_COMBINATIONS
     interrupted = False
     gap: float | None = None

@@ -26,7 +26,7 @@ from optimize.result import Iteration
 from sections.numeric import Array
 from units.quantities import InputError
 
-from .binding_poses import Anchor, ErrorCut, Pool
+from .binding_poses import Anchor, ErrorCut, Pool, Room
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
 from .program import Program, Solution, anchored, carried_mass, fixed_error, groups_of
 from .rescue import LEAST_ERROR, solved
@@ -122,17 +122,21 @@ class Exchange:
         self.context, self.space = context, space
         self._anchors = anchored(space)
         self._program: Program | None = None
+        self.room: Room | None = None
+        """That of the program, which is compiled when it is needed."""
         self.infeasible = False
         """Whether the last failure was for limits that no design near kept, not for the solver's."""
 
     def program(self, pool: Pool, *, spare: bool = True) -> Program:
         """A compiled program with room for the pool (with `spare`, for some more)."""
-        if self._program is None or not self._program.holds(pool):
-            families = [family for family, _ in self.context.families]
-            room = pool.room(self.context.error_groups, groups_of(self.context.problem, families))
+        families = [family for family, _ in self.context.families]
+        room = pool.room(self.context.error_groups, groups_of(self.context.problem, families))
+        if self.room is None or not self.room.holds(room):
             # Each slot takes its time to compile; most designs are held by fewer poses than these.
-            room = room.spare(1 if self._anchors else 4) if spare else room
-            self._program = Program(self.space, self.context.model, self.context.families, room, self.context.scenarios)
+            self.room = room.spare(1 if self._anchors else 4) if spare else room
+        if self._program is None or self._program.room != self.room:
+            context = self.context
+            self._program = Program(self.space, context.model, context.families, self.room, context.scenarios)
         return self._program
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:

@@ -21,6 +21,7 @@ from executors import Executor
 from optimize.choice.combinations import Progress
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import context_of
+from optimize.journal import Journal
 from optimize.limits import broken
 from optimize.problem import Problem
 from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
@@ -59,10 +60,11 @@ def optimise_rounded(
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
     executor: Executor | None = None,
+    journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    `log`, `progress`, `told` and `executor` as in `optimise`.
+    `log`, `progress`, `told`, `executor` and `journal` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
@@ -76,7 +78,7 @@ def optimise_rounded(
     if problem.sizes is not None:
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")
-    result = optimise(problem, log=log, progress=progress, told=told, executor=executor)
+    result = optimise(problem, log=log, progress=progress, told=told, executor=executor, journal=journal)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:

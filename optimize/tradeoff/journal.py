@@ -1,140 +1,22 @@
-"""The journal of a trade-off: one line of JSON for each point solved, only ever added to, so that a stop loses nothing.
-
-The first line names the question by its digest. Each further line is written whole by one call and flushed to the disk;
-a line that a kill cut short, and only that, is passed over on reading. While a process writes, it holds a lock that the
-operating system frees when the process ends, however it ends.
-"""
+"""What the journal of a trade-off holds of each point solved."""
 
 from __future__ import annotations
 
-import json
-import os
-from collections.abc import Mapping
-from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from types import TracebackType
-from typing import Any, cast
+from typing import Any
 
 from optimize.choice.combinations import Combination
-from optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
-from optimize.limits import Cut
+from optimize.exchange.binding_poses import pool_of
+from optimize.journal import Journal, Record, journal_digest
 from optimize.problem import Problem
-from units.files import lock_path, locked
-from units.quantities import InputError
+from units.files import lock_path
 
 from .point import Design
 
 JOURNAL = "journal.jsonl"
 LOCK = lock_path(Path(JOURNAL)).name
 """What stands beside a journal as soon as one is begun."""
-VERSION = 2
-Record = Mapping[str, Any]
-
-
-class Journal:
-    """Solved points by key, in a file (or, without one, only for as long as this lives)."""
-
-    def __init__(self, path: Path | None, digest: str, *, resume: bool = False, made_by: str = "") -> None:
-        """Open the journal, or with `resume` go on with one.
-
-        Where there is none yet, one begins. Raises `InputError` where it is of another question, where another process
-        holds it, or where it cannot be written.
-        """
-        self._records: dict[tuple[str, ...], Record | None] = {}
-        self._stream: int | None = None
-        self._held = ExitStack()
-        if path is None:
-            return
-        self._held.enter_context(locked(path, wait=False))
-        try:
-            before = path.read_bytes() if resume and path.exists() else b""
-            self._stream = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-            if not resume:
-                os.ftruncate(self._stream, 0)
-        except OSError as error:
-            self.close()
-            raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
-        try:
-            self._begin(path, before, digest, made_by)
-        except InputError:
-            self.close()
-            raise
-
-    @property
-    def size(self) -> int:
-        """How many points are known."""
-        return len(self._records)
-
-    def has(self, key: tuple[str, ...]) -> bool:
-        """Whether a point was solved before, with a design or without."""
-        return key in self._records
-
-    def get(self, key: tuple[str, ...]) -> Record | None:
-        """What was noted of a point; None where it has no design."""
-        return self._records[key]
-
-    def put(self, key: tuple[str, ...], record: Record | None) -> None:
-        """Note a point."""
-        self._records[key] = record
-        self._write({"key": list(key), "found": record})
-
-    def close(self) -> None:
-        """Give the file up."""
-        if self._stream is not None:
-            os.close(self._stream)
-            self._stream = None
-        self._held.close()
-
-    def __enter__(self) -> Journal:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
-
-    def _begin(self, path: Path, before: bytes, digest: str, made_by: str) -> None:
-        if not before.strip():
-            self._write({"made_by": made_by, "version": VERSION, "digest": digest})
-            return
-        self._read(path, before, digest)
-        if self._stream is not None and not before.endswith(b"\n"):
-            os.write(self._stream, b"\n")
-
-    def _write(self, content: Mapping[str, Any]) -> None:
-        if self._stream is not None:
-            os.write(self._stream, (json.dumps(content, separators=(",", ":")) + "\n").encode())
-            os.fsync(self._stream)
-
-    def _read(self, path: Path, content: bytes, digest: str) -> None:
-        lines = content.split(b"\n")
-        header = _parsed(lines[0])
-        if header is None or "digest" not in header:
-            raise InputError(path, "", "is not the journal of a trade-off")
-        if header["digest"] != digest or header.get("version") != VERSION:
-            would_do = "name another folder, or leave --resume out to begin anew"
-            raise InputError(path, "", f"is of another question (problem, axes, choice or accuracy differ); {would_do}")
-        for line in lines[1:]:
-            entry = _parsed(line)
-            if entry is not None and "key" in entry:
-                self._records[tuple(entry["key"])] = entry.get("found")
-
-
-def journal_digest(path: Path) -> str | None:
-    """The digest in a journal's first line; None where the file is not there or is no journal."""
-    try:
-        with path.open("rb") as stream:
-            header = _parsed(stream.readline())
-    except OSError:
-        return None
-    return None if header is None else header.get("digest")
-
-
-def _parsed(line: bytes) -> dict[str, Any] | None:
-    try:
-        content: object = json.loads(line)
-    except ValueError:
-        return None
-    return cast(dict[str, Any], content) if isinstance(content, dict) else None
 
 
 def design_record(design: Design) -> dict[str, Any]:
@@ -160,27 +42,11 @@ def design_of(record: Record, problem: Problem) -> Design:
             tuple(record["shapes"]), tuple(None if name is None else known[name] for name in record["materials"])
         ),
         numbers=tuple(record["numbers"]),
-        pool=_pool(record["pool"]),
+        pool=pool_of(record["pool"]),
         badness=record["badness"],
         elasticity=record["elasticity"],
         converged=record["converged"],
     )
 
 
-def _pool(content: Mapping[str, Any]) -> Pool:
-    errors: list[ErrorCut] = []
-    for cut in content["errors"]:
-        anchor = cut["anchor"]
-        if anchor is not None:
-            null = tuple(tuple(row) for row in anchor["null"])
-            anchor = Anchor(_three(anchor["tip"]), null, anchor["side"])
-        errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
-    held = tuple(
-        (family, tuple(Cut(tuple(cut["q"]), cut["group"], tuple(cut["more"])) for cut in cuts))
-        for family, cuts in content["held"]
-    )
-    return Pool(tuple(errors), held)
-
-
-def _three(values: list[float]) -> tuple[float, float, float]:
-    return values[0], values[1], values[2]
+__all__ = ["JOURNAL", "LOCK", "Journal", "Record", "design_of", "design_record", "journal_digest"]
