@@ -10,8 +10,9 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -93,19 +94,20 @@ def explained(
         if stuck - set(question):
             answers[question] = _Found("none")
             continue
-        closer = near.closer(question) if near is not None else []
+        closer = near.closer(question) if near is not None and len(question) == 1 else []
         if closer is None:
             answers[question] = _Found("none")
             continue
         for pick in closer:
-            trials.setdefault(pick, _Trial(context, pick, exchanges, near and near.pool))
+            if pick not in trials:
+                trials[pick] = _Trial(context, pick, exchanges, near and near.pool)
         asked = _Question(problem, question)
         for done, trial in enumerate(trials.values()):
             if progress is not None:
                 progress(number * len(trials) + done, len(questions) * len(trials), "what the limits would have to be")
-            asked.put(trial)
+            asked.put(trial, starts=_STARTS if near is None or done < _NEAREST else 1)
         answers[question] = asked.answer()
-        for _ in range(_CLOSER):
+        for _ in range(_CLOSER if len(question) == 1 else 1):
             if near is None or asked.best is None or asked.best[1].x is near.x:
                 break
             # About a design that comes near, bounds tell more.
@@ -248,16 +250,27 @@ class _Trial:
             exchanges[pick.shapes] = Exchange(context, design_space(context.problem, pick.shapes))
         self.exchange = exchanges[pick.shapes]
         self.materials = material_row(pick.materials, context.problem)
-        self.starts = starting_points(self.exchange.space, self.materials, _STARTS)
         self.pool = pool
         self._latest: Array | None = None
 
-    def least(self, price: Array, start: Array | None = None) -> Solution | _Found:
-        """The least change of the limits that have a price, for the poses met so far; from one start, or from where the
-        last answer was and others."""
+    @cached_property
+    def starts(self) -> list[Array]:
+        """Where to begin where nothing is known yet."""
+        return starting_points(self.exchange.space, self.materials, _STARTS)
+
+    def _from(self, number: int) -> Iterator[Array]:
+        """So many starts: where the last answer was, and others."""
+        if self._latest is not None:
+            yield self._latest
+            number -= 1
+        if number > 0:
+            yield from self.starts[:number]
+
+    def least(self, price: Array, starts: int) -> Solution | _Found:
+        """The least change of the limits that have a price, for the poses met so far, from so many starts until there
+        is an answer."""
         outcomes: set[str] = set()
-        first = [] if self._latest is None else [self._latest]
-        for each in [start] if start is not None else [*first, *self.starts][:_STARTS]:
+        for each in self._from(starts):
             try:
                 self.pool = self.pool or first_pool(self.context, self.exchange.space, each, self.pick.materials)
             except Unreachable:
@@ -300,9 +313,9 @@ class _Question:
         self.best: tuple[_Trial, Solution] | None = None
         """The combination whose change is the least."""
 
-    def put(self, trial: _Trial) -> None:
-        """One more combination."""
-        self._note(trial, trial.least(self.price), 1)
+    def put(self, trial: _Trial, starts: int = _STARTS) -> None:
+        """One more combination, looked at from so many starts until it has an answer."""
+        self._note(trial, trial.least(self.price, starts), 1)
 
     def _note(self, trial: _Trial, found: Solution | _Found, rounds: int) -> None:
         if isinstance(found, _Found):
@@ -325,7 +338,7 @@ class _Question:
                 self._outcomes.add("undecided")
                 continue
             if more:
-                again = trial.least(self.price, found.x) if rounds < _ROUNDS else _Found("undecided")
+                again = trial.least(self.price, 1) if rounds < _ROUNDS else _Found("undecided")
                 self._note(trial, again, rounds + 1)
                 continue
             after = evaluate(trial.arm(found.x), self.problem.workspace, self.problem.load_cases)

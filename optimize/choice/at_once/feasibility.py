@@ -9,7 +9,7 @@ Chinneck, Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,10 +25,12 @@ from sections.numeric import Array
 
 from .cells import Ids, elastic_links, link_cells
 from .pose_rows import rows_of
-from .relaxation import Node, Relaxation, Relaxed
+from .relaxation import LOOSE, Node, Relaxation, Relaxed
 
 _SURE = 1e-4
 """A combination that breaks limits by less (relative) is not ruled out."""
+_ROUGH = 5e-3
+"""How loose cells may be where combinations are ranked only."""
 _ROOM = 1e-2
 """Bounds of options that are out by more than this need not be exact."""
 _WORTH_IT, _IN_VAIN = 4, 4
@@ -97,7 +99,7 @@ class Feasibility:
         not known that one is broken by all. Rows are read off about a design: a combination with its numbers."""
         if not self._read(exchange, x, pick, pool):
             return []
-        found = self.relaxation.least_breach(self._root, self._root)
+        found = self._roughly(lambda: self.relaxation.least_breach(self._root, self._root))
         if not math.isfinite(found.bound) or found.bound <= _SURE:
             return []
         return self._least(self._breaches(found), number)
@@ -115,8 +117,15 @@ class Feasibility:
         ]
         if not any(row.objective for row in self.relaxation.rows):
             return []
-        found = self.relaxation.solve(self._root, math.inf)
+        found = self._roughly(lambda: self.relaxation.solve(self._root, math.inf))
         return self._least(self._breaches(found), number) if math.isfinite(found.bound) else None
+
+    def _roughly(self, solve: Callable[[], Relaxed]) -> Relaxed:
+        self.relaxation.loose = _ROUGH
+        try:
+            return solve()
+        finally:
+            self.relaxation.loose = LOOSE
 
     def nearest_known(self, number: int) -> list[Combination]:
         """So many combinations at most that break limits least as far as is known of all; none where it is not known
