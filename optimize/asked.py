@@ -58,6 +58,10 @@ def choices_in_words(problem: Problem) -> tuple[str, ...]:
         each = [f"joint {number}: {names}" for number, names in enumerate(lists, start=1) if names]
         alike = len(each) == len(lists) and len(set(lists)) == 1
         found.append(f"actuator: {lists[0] if alike else '; '.join(each)}")
+    for each in problem.balances:
+        low, high = (format_quantity(value, each.kind) for value in (each.lower, each.upper))
+        found.append(f"{each.words}: {low} to {high}")
+    found += [f"motor {' or '.join(place.words for place in choice.places)}" for choice in problem.motors]
     if problem.same:
         found.append(f"the same for all links: {', '.join(sorted(problem.same))}")
     return tuple(found)

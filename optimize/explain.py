@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 from arm.evaluation import Evaluation
+from optimize.balance.balance import FIELDS
 from optimize.choice.combinations import Choice
 from optimize.exchange.design import TAPER, Variable
 from optimize.exchange.far_ends import far_constraints
@@ -61,7 +63,7 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
         if abs(multiplier) < _FELT:
             continue
         side = 1 if multiplier > 0.0 else 0
-        if variable.name == TAPER:
+        if variable.name == TAPER or variable.name in FIELDS:
             continue
         value = variable.upper if side else variable.lower
         for name, moves in _moves(problem, choice, variable, side):
@@ -70,7 +72,10 @@ def _bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) 
             where.setdefault((name, side), []).append(f"link {variable.link + 1} {variable.name}")
     _add_wall_prices(problem, choice, solution, prices, where)
     _add_far_prices(problem, choice, solution, prices, where)
-    found = list(_taper_bounds(problem, choice, solution, worth))
+    found = [
+        *_taper_bounds(problem, choice, solution, worth),
+        *_balance_bounds(problem, choice, solution, worth),
+    ]
     for (name, side), slope in prices.items():
         bound = dict(_ranges(problem))[name][side]
         relation = "<=" if side else ">="
@@ -94,6 +99,33 @@ def _taper_bounds(problem: Problem, choice: Choice, solution: Solution, worth: f
         text = f"taper {'<=' if side else '>='} {bound:g} ({places})"
         price = -sum(multiplier for _, multiplier in own) / bound * worth
         yield BindingLimit("taper", text, bound, bound, "", price, price_unit(problem, ""))
+
+
+_UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        "torque": ("N*m", 1.0),
+        "linear_stiffness": ("N/mm", 1e-3),
+        "force": ("N", 1.0),
+        "mass": ("kg", 1.0),
+        "length": ("mm", 1e3),
+    }
+)
+"""The unit in which people read what balances an arm, by its kind, and what one SI unit is in it."""
+
+
+def _balance_bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) -> Iterator[BindingLimit]:
+    """The ends of ranges of counterweights and counterbalances that hold."""
+    words = {(each.place, each.field): each for each in problem.balances}
+    for variable, multiplier in zip(choice.space.variables, solution.bound_prices.tolist(), strict=True):
+        if variable.name not in FIELDS or abs(multiplier) < _FELT:
+            continue
+        balance = words[variable.link, variable.name]
+        bound = variable.upper if multiplier > 0.0 else variable.lower
+        unit, factor = _UNITS[balance.kind]
+        text = f"{balance.words} {'<=' if multiplier > 0.0 else '>='} {format_quantity(bound, balance.kind)}"
+        price = -multiplier / variable.scale * worth / factor
+        value = bound * factor
+        yield BindingLimit(variable.name, text, value, value, unit, price, price_unit(problem, unit))
 
 
 def _ranges(problem: Problem) -> list[tuple[str, tuple[float, float]]]:

@@ -23,6 +23,9 @@ from sections.taper import MOST_TAPER, Tapered, size_ratio
 from units.quantities import format_quantity, read_quantity, shown
 from units.reading import Mapping, load_yaml, nearest
 
+from .balance.balance import Balance
+from .balance.motor_places import MotorChoice, read_motor_places
+from .balance.read import check_balances, read_balances
 from .conditions import materials_where
 from .limits import FIGURES, RANGES, Figure, Limit
 from .limits.read import read_limit
@@ -44,6 +47,8 @@ class Problem:
     `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that. `sizes` are
     the sections that each link may have (none for rigid ones); None leaves their dimensions free. `taper` is the least
     and the greatest size of a link's far end over that at its joint; None keeps links as uniform as they are.
+    `balances` are the numbers to choose of counterweights and counterbalances, which `arm` marks as chosen; `motors`
+    the places to choose from for joints' motors.
     """
 
     file: str
@@ -63,6 +68,8 @@ class Problem:
     uncertain: Uncertain | None = None
     sizes: tuple[tuple[Listed, ...], ...] | None = None
     taper: tuple[float, float] | None = None
+    balances: tuple[Balance, ...] = ()
+    motors: tuple[MotorChoice, ...] = ()
 
     @property
     def objective(self) -> Figure:
@@ -106,6 +113,12 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, same, actuators, sizes = chosen
+        balances: tuple[Balance, ...] = ()
+        motors: tuple[MotorChoice, ...] = ()
+        if mapping.has("choose"):
+            arm, balances = read_balances(mapping.mapping("choose"), arm)
+            motors = read_motor_places(mapping.mapping("choose"), arm)
+            check_balances(mapping.mapping("choose"), balances, frozenset(limit.name for limit in limits))
     problem = Problem(
         file=str(mapping.file),
         arm=arm,
@@ -124,6 +137,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         uncertain=uncertain,
         sizes=sizes,
         taper=ranges.get("taper"),
+        balances=balances,
+        motors=motors,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)
@@ -315,7 +330,7 @@ def _choose(
 ]:
     if not mapping.has("choose"):
         return None, None, frozenset(), None, None
-    with mapping.mapping("choose").reading() as body:
+    with mapping.mapping("choose").reading("balancer", "counterweight", "motor") as body:
         shapes: tuple[str, ...] | None = None
         materials: tuple[Material, ...] | None = None
         if body.has("section"):
@@ -412,6 +427,14 @@ def _check(mapping: Mapping, problem: Problem) -> None:
     if problem.taper is not None and problem.uncertain is not None:
         would_do = "leave out one of them, and ask `evaluate --problem` of the answer"
         raise body.error("taper", f"is chosen for the arm as it is, not for one that is uncertain; {would_do}")
+    if (problem.balances or problem.motors) and (problem.uncertain is not None or problem.sizes is not None):
+        other = "uncertain" if problem.uncertain is not None else "sizes"
+        would_do = "write what the arm has of them into its file, and leave them out here"
+        raise mapping.error("choose", f"balancer, counterweight and motor go without {other}; {would_do}")
+    twice = [each.joint + 1 for each in problem.motors if problem.actuators and problem.actuators[each.joint]]
+    if twice:
+        would_do = "name its drive in the arm file, or leave out its motor"
+        raise mapping.error("choose.motor", f"joint {twice[0]} chooses its actuator as well; {would_do}")
     if problem.sizes is not None:
         _check_listed(mapping, problem)
         return

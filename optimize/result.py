@@ -93,6 +93,30 @@ class DriveCandidate:
 
 
 @dataclass(frozen=True)
+class PlaceCandidate:
+    """One combination of motors' places, in words: the objective that it allows (SI), None where it has none better
+    than another's."""
+
+    places: tuple[str, ...]
+    objective: float | None
+    outcome: Literal["best", "solved", "bounded out", "infeasible"]
+
+
+@dataclass(frozen=True)
+class ChosenBalance:
+    """A number (SI) that was chosen of a counterweight or a counterbalance: in words, of which joint or link (from 1),
+    the arm's own, and whether it came to the `least` or the `greatest` that was allowed."""
+
+    words: str
+    at: int
+    field: str
+    kind: str
+    before: float
+    value: float
+    bound: Literal["least", "greatest"] | None
+
+
+@dataclass(frozen=True)
 class KeptLimit:
     """A limit with what the optimum had and what the rounded design has of it (SI)."""
 
@@ -222,6 +246,8 @@ class OptimizationResult:
     """Why there is none, where that was asked for."""
     listed: bool = False
     """Whether sections were chosen from lists: limits then have no price."""
+    balance: tuple[ChosenBalance, ...] = ()
+    motor_places: tuple[PlaceCandidate, ...] = ()
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
     robust: Robust | None = None
     """The same for what is uncertain, where the problem asks for that: `objective` is then the robust error, and

@@ -13,7 +13,10 @@ from arm.evaluation import Evaluation, error_map, evaluate, link_masses, materia
 from arm.limits.slowest_pose import least_frequency
 from arm.worst.workspace import Unreachable
 from executors import Executor
-from optimize.choice.actuators import choose_driven, first_driven
+from optimize.balance.balance import settled
+from optimize.balance.chosen import balance_of
+from optimize.balance.motors import choose_placed
+from optimize.choice.actuators import first_driven
 from optimize.choice.combinations import Choice, Progress, count
 from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
@@ -32,6 +35,8 @@ from .robust.run import robust_optimum
 from .sizes.run import optimise_listed
 from .trust import doubts_of, optimum_of
 
+_NOUGHT = 1e-5
+"""An error that is this share of what the arm as given has is none."""
 Log = Callable[[Iteration], None]
 
 
@@ -63,7 +68,8 @@ def optimise(
     began = time.perf_counter()
     given = problem
     try:
-        beyond = out_of_reach(problem)
+        # With motors to place, its bounds would be those of the motors where they are.
+        beyond = () if problem.motors else out_of_reach(problem)
         if beyond:
             if told is not None:
                 for each in beyond:
@@ -71,7 +77,8 @@ def optimise(
             context, names = first_driven(problem)
             raise Infeasible(explained(context, beyond=beyond, progress=progress), _looked_at(names))
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
-        found = choose_driven(problem, progress=progress, log=log, executor=executor, journal=journal)
+        placed = choose_placed(problem, progress=progress, log=log, executor=executor, journal=journal)
+        found = placed.driven
     except Unreachable as error:
         hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
         raise NoAnswer(f"workspace: {error}{hint}") from None
@@ -79,9 +86,11 @@ def optimise(
     if choice is None:
         why = explained(context, unsolved=found.unsolved, told=found.feasibility, progress=progress)
         raise Infeasible(why, _looked_at(found.names))
-    arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
+    arm = settled(arm_of(choice.space, choice.exchanged.x, choice.combination.materials))
     after = evaluate(arm, problem.workspace, problem.load_cases)
     lower_bound = choice.exchanged.solution.error if problem.minimize == "max_error" else choice.objective
+    if problem.minimize == "max_error" and lower_bound < _NOUGHT * before.max_error:
+        lower_bound = min(lower_bound, after.max_error)  # where loads cancel, what is left over is the solver's
     everywhere = choice.bound is not None and math.isfinite(choice.bound)
     if choice.bound is not None and everywhere:
         lower_bound = choice.bound
@@ -116,6 +125,8 @@ def optimise(
         drives=found.candidates,
         drives_exhaustive=found.exhaustive,
         figures=problem.figures,
+        balance=balance_of(problem, choice),
+        motor_places=placed.candidates,
         interrupted=choice.interrupted,
     )
 
@@ -140,7 +151,7 @@ def _near_tie(context: Context, tie: Tie) -> NearTie:
         sum(masses),
         material_cost(arm, masses),
         None if slowest is None else slowest.value,
-        arm,
+        settled(arm),
     )
 
 

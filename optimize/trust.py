@@ -47,9 +47,12 @@ def doubts_of(
 
 
 def _as_given(given: Arm, changed: Arm) -> bool:
-    """Whether no taper of the arm as given was replaced (see `with_chosen_links`)."""
+    """Whether no motor stands elsewhere, and no taper of the arm as given was replaced (see `with_chosen_links`)."""
     kept = zip(given.links, changed.links, strict=True)
-    return all(not isinstance(old.section, Tapered) or _ends(old.section) == _ends(new.section) for old, new in kept)
+    return all(
+        old.masses == new.masses and (not isinstance(old.section, Tapered) or _ends(old.section) == _ends(new.section))
+        for old, new in kept
+    )
 
 
 def _ends(section: Section | None) -> tuple[Section | None, Section | None]:
@@ -117,8 +120,10 @@ def optimum_of(context: Context, choice: Choice) -> Optimum:
     sound = all(each.outcome != "unsolved" for each in choice.candidates)
     if not (plain and sound and choice.exhaustive and choice.one_signed and not choice.space.free_lengths):
         return "local"
-    if problem.taper is not None:
-        return "local"  # what a link's own weight bends is no product of powers of its ends' sizes
+    if problem.taper is not None or problem.balances:
+        return (
+            "local"  # a weight's moment about a cut is no product of powers of ends' sizes, and balance cancels loads
+        )
     return "global" if all(_product_of_powers(shape, context.model.planar) for shape in shapes) else "local"
 
 

@@ -98,6 +98,8 @@ class Beam:
     (kg*m) is what its mass times its centre, along the link and along its height and width, is beyond that of the rest.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the moduli where the arm was calibrated over these.
     `log_taper` is the logarithm of the far end's size over that at the joint, where the two are alike.
+    Of what an optimiser chooses beside sections, `balancer` is the figure of the joint's counterbalance,
+    `counterweight` (kg) the mass on the joint's housing and `counterweight_at` (m) where that is along the link.
     """
 
     length: Scalar
@@ -117,6 +119,9 @@ class Beam:
     stiffness_when_calibrated: Scalar = 1.0
     shear_when_calibrated: Scalar = 1.0
     log_taper: Scalar = 0.0
+    balancer: Scalar = 0.0
+    counterweight: Scalar = 0.0
+    counterweight_at: Scalar = 0.0
 
     @property
     def calibrated(self) -> Beam:

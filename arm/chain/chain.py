@@ -71,6 +71,7 @@ class Joint:
     follows: Following | None = None
     cost: float | None = None
     cost_date: str = ""
+    balancer_chosen: str = field(default="", compare=False)
 
     @property
     def driven(self) -> bool:

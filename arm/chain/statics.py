@@ -7,7 +7,8 @@ All forces are fixed in the base frame (dead loads), moments are those about the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from units.temperature import REFERENCE_TEMPERATURE
 
@@ -133,7 +134,7 @@ def solve(
         if point_forces is not None:
             force = add(force, point_forces[index])
         ends[index] = moment
-        own = arm.links[index].masses
+        own = [_chosen(each, beam) if each.chosen else each for each in arm.links[index].masses]
         force, moment = _hung(own, "end", frame, pull, force, moment)
         weight = scale(times(beam.mass_per_length, beam.length), pull)
         half = add(force, scale(beam.taper.balance, weight))
@@ -175,7 +176,11 @@ def solve(
             drive_load = dot(axis, base_moment)
         drive_load = plus(drive_load, couplings.across(index))
         if joint.counterbalance is not None:
-            drive_load = plus(drive_load, joint.counterbalance.turning(own_turns[index]))
+            counterbalance = joint.counterbalance
+            if joint.balancer_chosen:
+                figure: dict[str, Any] = {joint.balancer_chosen: beam.balancer}
+                counterbalance = replace(counterbalance, **figure)
+            drive_load = plus(drive_load, counterbalance.turning(own_turns[index]))
         joints.append(
             JointState(
                 joint.revolute,
@@ -246,6 +251,12 @@ class _Couplings:
     def _with(self, joint: int, sign: float, moment: Vector) -> Vector:
         coupled = self._coupled(joint, along=True)
         return add(moment, scale(times(sign, coupled), self.placed.joints[joint].axis))
+
+
+def _chosen(mass: PointMass, beam: Beam) -> PointMass:
+    """A counterweight as the link's beam has it."""
+    own: dict[str, Any] = {"mass": beam.counterweight, "at": (beam.counterweight_at, *mass.at[1:])}
+    return replace(mass, **own)
 
 
 def _hung(

@@ -44,9 +44,15 @@ BEAM_FIELDS = (
     "stiffness_when_calibrated",
     "shear_when_calibrated",
     "log_taper",
+    "balancer",
+    "counterweight",
+    "counterweight_at",
 )
 """The order in which `beam_values` lists each link's length, mass, rigidities, thermal expansion, what its moduli
-were where the arm was calibrated, and its taper."""
+were where the arm was calibrated, its taper, and what is chosen of a counterbalance and a counterweight."""
+
+
+_BALANCE = ("balancer", "counterweight", "counterweight_at")
 
 
 class PropertyNeeded(MissingProperty):
@@ -82,7 +88,16 @@ def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
     Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
     """
     shear, calibrated_at = needs_shear_modulus(arm, loads), calibrated_temperature(loads)
-    return tuple(_beam(arm, index, link, shear, calibrated_at) for index, link in enumerate(arm.links))
+    beams = (_beam(arm, index, link, shear, calibrated_at) for index, link in enumerate(arm.links))
+    return tuple(_with_balance(arm, index, beam) for index, beam in enumerate(beams))
+
+
+def _with_balance(arm: Arm, index: int, beam: Beam) -> Beam:
+    """A link's beam with what is chosen of its joint's counterbalance and its counterweight."""
+    joint, own = arm.joints[index], [each for each in arm.links[index].masses if each.chosen]
+    if joint.balancer_chosen:
+        beam = replace(beam, balancer=getattr(joint.counterbalance, joint.balancer_chosen))
+    return replace(beam, counterweight=own[0].mass, counterweight_at=own[0].at[0]) if own else beam
 
 
 def _beam(arm: Arm, index: int, link: Link, shear: bool = False, calibrated_at: float | None = None) -> Beam:
@@ -240,7 +255,8 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
             beams.append(Beam(**values, taper=_taper(arm, index, link, values["log_taper"])))
         else:
             rigid = _beam(arm, index, link)
-            beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at))
+            own = {name: p[base + BEAM_FIELDS.index(name)] for name in _BALANCE}
+            beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at, **own))
     return tuple(beams)
 
 

@@ -16,8 +16,15 @@ _RIGID = 1e30
 
 
 def rigid(beam: Beam) -> Beam:
-    """A beam of the same length that neither gives nor weighs, and grows as it did when it warms."""
-    return Beam(length=beam.length, thermal_expansion=beam.thermal_expansion)
+    """A beam of the same length that neither gives nor weighs, and grows as it did when it warms; what balances the arm
+    stays."""
+    return Beam(
+        length=beam.length,
+        thermal_expansion=beam.thermal_expansion,
+        balancer=beam.balancer,
+        counterweight=beam.counterweight,
+        counterweight_at=beam.counterweight_at,
+    )
 
 
 def values_of_rigid(beams: Sequence[Beam]) -> Array:

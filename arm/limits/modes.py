@@ -145,6 +145,7 @@ def _hung(link: Link, beam: Beam, start: int, nodes: Sequence[int]) -> Iterator[
         shares = [centre / link.length if link.length else 0.0, 1.0]
     for each in link.masses:
         away = math.hypot(*each.at)
+        own: Scalar = beam.counterweight if each.chosen else each.mass
         if each.on == "end":
             yield nodes[-1], each.mass
             continue
@@ -154,11 +155,11 @@ def _hung(link: Link, beam: Beam, start: int, nodes: Sequence[int]) -> Iterator[
         else:
             k = far[0] if far else len(nodes) - 1
             reach = times(shares[k], beam.length)
-            part = each.mass * away**2 / (reach * reach)
+            part = own * away**2 / (reach * reach)
             yield nodes[k], part
         if start >= 0:
             # A mass beyond the far end counts by more than itself there, and no less at the joint.
-            yield start, (each.mass if not far and away > 0.0 else each.mass - part)
+            yield start, (own if not far and away > 0.0 else own - part)
 
 
 def response(

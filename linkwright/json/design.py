@@ -285,6 +285,13 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         ],
         "near_ties_not_solved": result.near_ties_left,
         "actuators": [{**fields(each, "actuators", "outcome"), **objective(each.objective)} for each in result.drives],
+        "motor_places": [
+            {**fields(each, "places", "outcome"), **objective(each.objective)} for each in result.motor_places
+        ],
+        "balance": [
+            {**fields(each, "words", "at", "field", "bound"), "before_SI": each.before, "value_SI": each.value}
+            for each in result.balance
+        ],
         **fields(
             result,
             "exhaustive",

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from linkwright.json.design import objective_unit
 from optimize.infeasible.answer import Infeasibility, changed
 from optimize.result import BindingLimit, Iteration, OptimizationResult
+from units.quantities import format_quantity
 
 from . import design, rounding
 from .document import (
@@ -63,6 +64,8 @@ def describe(result: OptimizationResult) -> Description:
         section("Error over the workspace", Picture("map"), poses, lead=_COLOURS, detail=True),
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),
         section("What binds, and its price", _binding(result), lead="Limits that hold the design where it is."),
+        *_balance(result),
+        *_motors(result),
         *_drives(result),
         *_near_ties(result),
         _search(result),
@@ -195,6 +198,32 @@ def _others(result: OptimizationResult) -> str:
     if result.gap is None:
         return "nothing is known of the others"
     return f"none of the others is more than {percent(result.gap)} better"
+
+
+def _balance(result: OptimizationResult) -> list[Section]:
+    """What was chosen of counterweights and counterbalances."""
+    if not result.balance:
+        return []
+    rows = [
+        (
+            each.words,
+            Value(format_quantity(each.before, each.kind, digits=4)),
+            Value(format_quantity(each.value, each.kind, digits=4)),
+            "" if each.bound is None else f"the {each.bound} allowed",
+        )
+        for each in result.balance
+    ]
+    return [section("What balances the arm", table(("", "before", "after", ""), rows))]
+
+
+def _motors(result: OptimizationResult) -> list[Section]:
+    """The combinations of places for motors, best first."""
+    if not result.motor_places:
+        return []
+    rows = [(", ".join(each.places), _objective(result, each.objective), each.outcome) for each in result.motor_places]
+    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
+    found = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
+    return [section("Where motors stand", found)]
 
 
 def _drives(result: OptimizationResult) -> list[Section]:

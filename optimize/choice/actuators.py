@@ -184,15 +184,19 @@ def choose_driven(
     log: Log | None = None,
     executor: Executor | None = None,
     journal: Journal | None = None,
+    known: float = math.inf,
+    ties: bool = True,
 ) -> Driven:
-    """The best actuators with the best links for them; without a choice of actuators, the best links.
+    """The best actuators with the best links for them; without a choice of actuators, the best links (better than
+    `known`, SI, and with near ties where `ties`).
 
     `executor` and `journal` as for `chosen`. A `KeyboardInterrupt` of `progress` or `log` ends the search as in
     `choose`.
     """
     if problem.actuators is None:
         context = context_of(problem)
-        found = chosen(context, progress=progress, log=log, executor=executor, journal=journal)
+        settings: Any = {"known": known, "ties": ties}
+        found = chosen(context, progress=progress, log=log, executor=executor, journal=journal, **settings)
         if isinstance(found, NoChoice):
             return Driven(context, None, (), True, "", found.unsolved, found.feasibility)
         return Driven(context, found, (), True, "")

@@ -255,7 +255,8 @@ class Chooser:
 
     def _light_enough(self, program: Program, x: Array, materials: Array) -> bool:
         """Whether a design keeps the limits that cost nothing to look at."""
-        totals = Totals(*program.mass_cost_reach(x, materials), carried_mass(self.context.problem))
+        carried = carried_mass(self.context.problem) + program.space.hung(x)
+        totals = Totals(*program.mass_cost_reach(x, materials), carried)
         return all(
             excess(limit, float(limit.figure.follows.value(totals))) <= 1e-6
             for limit in self.context.problem.limits

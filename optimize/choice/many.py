@@ -4,7 +4,7 @@ Every combination solved raises the bounds of the others (`optimize.choice.bound
 the best design are out without a solution of their own. Where there are too many for a bound each, all are bounded at
 once (`at_once.branching`), and so they are where lengths are chosen. Where the model is no sum of products, play
 depends on the design, or poses of a place in space turn with the lengths, nothing bounds them: they are then searched
-link by link; and so they are where tapers are chosen.
+link by link; and so they are where tapers or counterweights are chosen.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def among_many(chooser: Chooser) -> Among:
     context = chooser.context
     problem = context.problem
     sums = (problem.arm.play == "worst" or not context.uses_error) and context.scenarios is None
-    if problem.taper is not None:
+    if problem.taper is not None or problem.balances:
         chooser.link_by_link()
         return Among(None)
     if problem.link_length is not None:

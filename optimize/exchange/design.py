@@ -25,6 +25,7 @@ from arm.errors.model import (
 )
 from arm.limits.strength import STRENGTH_FIELDS
 from materials.material import Material, MaterialValues
+from optimize.balance.balance import FIELDS, balance_values, balanced
 from optimize.limits import DesignExpressions
 from optimize.problem import Problem
 from sections import SHAPES
@@ -94,6 +95,22 @@ class DesignSpace:
         lower = np.array([variable.to_x(variable.lower) for variable in self.variables])
         upper = np.array([variable.to_x(variable.upper) for variable in self.variables])
         return lower, upper
+
+    def balance(self, x: Any) -> dict[tuple[int, str], Any]:
+        """What is chosen of counterbalances and counterweights (SI), by link and field of its beam."""
+        values = self.values(x)
+        found = {(v.link, v.name): values[k] for k, v in enumerate(self.variables) if v.name in FIELDS}
+        for index, link in enumerate(self.problem.arm.links):
+            for each in link.masses:
+                if each.chosen:
+                    found.setdefault((index, "counterweight_at"), each.at[0])
+        return found
+
+    def hung(self, x: Any) -> Any:
+        """By how much the counterweights (kg) are heavier than those of the arm as given."""
+        given = sum(each.mass for link in self.problem.arm.links for each in link.masses if each.chosen)
+        chosen = [value for (_, name), value in self.balance(x).items() if name == "counterweight"]
+        return sum(chosen, -given) if chosen else 0.0
 
     def chosen(self, x: Any) -> list[tuple[list[Any], Any]]:
         """For each link the values (SI) of its section's design variables (none where rigid), and its length (m)."""
@@ -200,6 +217,9 @@ def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpac
         if problem.link_length is not None:
             low, high = problem.link_length
             variables.append(Variable(link, "length", True, 1.0, low, high))
+    for each in problem.balances:
+        scale = max(abs(each.lower), abs(each.upper))
+        variables.append(Variable(each.place, each.field, False, scale, each.lower, each.upper))
     return DesignSpace(problem, shapes, tuple(variables))
 
 
@@ -276,6 +296,9 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         weight = beam.mass_per_length * length
         mass = mass + weight
         cost = cost + weight * material.cost + price_by_length(arm) * length
+    for (link, name), value in space.balance(x).items():
+        own_figure: dict[str, Any] = {name: value}
+        beams[link] = replace(beams[link], **own_figure)
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
     strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
@@ -288,6 +311,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         mass,
         cost,
         sum(lengths),
+        space.hung(x),
     )
 
 
@@ -306,7 +330,7 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
         links[k] = replace(
             links[k], section=plain, length=float(length), material=material, section_name=None, material_given=given
         )
-    return space.problem.arm.with_links(tuple(links))
+    return balanced(space.problem.arm.with_links(tuple(links)), space.balance([float(value) for value in x]))
 
 
 def numeric_beams(arm: Arm, loads: Sequence[LoadCase]) -> Array:
@@ -351,8 +375,8 @@ def ladder(space: DesignSpace, materials: Array, count: int) -> list[Array]:
             density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
             mass += float(section.properties(0.3).area) * density * lengths[link]
             x += _own_values(space, link, section, lengths[link])
-        rung = np.clip(np.array(x), lower, upper)
-        if mass <= most * (1.0 + 1e-9) and len(x) == len(lower) and _possible(space, rung):
+        rung = np.clip(np.array([*x, *_given_balance(space)]), lower, upper)
+        if mass <= most * (1.0 + 1e-9) and len(rung) == len(lower) and _possible(space, rung):
             rungs.append(rung)
     return rungs
 
@@ -388,7 +412,14 @@ def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> 
         share = 0.9 * most / (len(elastic) * density * lengths[link]) if math.isfinite(most) else 3e-3
         section = SHAPES[shape].start(share, problem.section_size, problem.thickness)
         x += _own_values(space, link, section, lengths[link])
-    return np.array(x)
+    return np.array([*x, *_given_balance(space)])
+
+
+def _given_balance(space: DesignSpace) -> list[float]:
+    """The optimiser's numbers for what balances the arm as given."""
+    found = [variable for variable in space.variables if variable.name in FIELDS]
+    pairs = zip(found, balance_values(space.problem.arm, space.problem.balances), strict=True)
+    return [variable.to_x(min(max(value, variable.lower), variable.upper)) for variable, value in pairs]
 
 
 def _own_values(space: DesignSpace, link: int, section: Section, length: float, taper: float = 1.0) -> list[float]:
@@ -398,7 +429,7 @@ def _own_values(space: DesignSpace, link: int, section: Section, length: float, 
     return [
         variable.to_x(min(max(float(named[variable.name]), variable.lower), variable.upper))
         for variable in space.variables
-        if variable.link == link
+        if variable.link == link and variable.name not in FIELDS
     ]
 
 
@@ -416,4 +447,4 @@ def as_given(space: DesignSpace) -> Array | None:
             return None
         near = own.section.near if isinstance(own.section, Tapered) else own.section
         x += _own_values(space, link, near, lengths[link], ratio)
-    return np.array(x)
+    return np.array([*x, *_given_balance(space)])

@@ -96,6 +96,9 @@ def context_of(problem: Problem) -> Context:
     if problem.actuators is not None:
         message = "is settled by `optimize` alone; name the drives in the arm file for this"
         raise InputError(problem.file, "choose.actuator", message)
+    if problem.motors:
+        message = "is settled by `optimize` alone; say in the arm file where motors stand for this"
+        raise InputError(problem.file, "choose.motor", message)
     if problem.sizes is not None:
         message = "is settled by `optimize` alone; leave it out for this"
         raise InputError(problem.file, "choose.sizes", message)
@@ -112,7 +115,8 @@ def objective_of(context: Context, program: Program, x: Array, materials: Array,
     follows = context.problem.objective.follows
     if not isinstance(follows, OfDesign):
         return error
-    return follows.value(Totals(*program.mass_cost_reach(x, materials), carried_mass(context.problem)))
+    carried = carried_mass(context.problem) + program.space.hung(x)
+    return follows.value(Totals(*program.mass_cost_reach(x, materials), carried))
 
 
 class Exchange:
@@ -327,7 +331,8 @@ def _pushed(context: Context, number: int, slack: float) -> Context:
 def _change(space: DesignSpace, old: Array, new: Array) -> float:
     """The largest relative change of a design quantity."""
     before, after = np.array(space.values(list(old)), dtype=float), np.array(space.values(list(new)), dtype=float)
-    return float(np.abs(after / before - 1.0).max(initial=0.0))
+    sizes = np.maximum(np.abs(before), [1e-6 * max(abs(each.lower), abs(each.upper)) for each in space.variables])
+    return float((np.abs(after - before) / sizes).max(initial=0.0))
 
 
 def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -> ErrorCut:

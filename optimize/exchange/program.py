@@ -200,7 +200,7 @@ class Program:
             )
             for family, prepared in families
         }
-        own, equal = limit_rows(held, design, worst, carried_mass(problem))
+        own, equal = limit_rows(held, design, worst, carried_mass(problem) + design.hung)
         shapes = shape_rows(space, design)
         sides = Rows(errors.sides)
         blocks = {"errors": errors, **by_pose, "own": own, "shapes": shapes, "sides": sides}
@@ -216,7 +216,7 @@ class Program:
         self._lower[self._place["own"]] = np.where(equal, 0.0, -np.inf)
         follows, objective = problem.objective.follows, y
         if isinstance(follows, OfDesign):
-            totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem))
+            totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem) + design.hung)
             objective = ca.log(ca.SX(follows.value(totals)))
         parameters = [materials, weights, pushed, elastic, levels, floor, rounding, *errors.parameters]
         parameters += [parameter for block in by_pose.values() for parameter in block.parameters]

@@ -276,7 +276,7 @@ def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit
 
 def _least_error(problem: Problem, model: ErrorModel, search: WorstSearch, p: Array) -> float | None:
     """The error (m) that every design has at some pose at least: no two terms may cancel there."""
-    if problem.arm.play != "worst" or problem.workspace.error != "whole":
+    if problem.arm.play != "worst" or problem.workspace.error != "whole" or problem.balances:
         return None
     if any(case.relative_to is not None for case in problem.load_cases):
         return None  # what is subtracted grows with what gives

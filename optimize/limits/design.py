@@ -25,6 +25,8 @@ class DesignExpressions:
     mass: Any
     cost: Any
     reach: Any
+    hung: Any = 0.0
+    """By how much counterweights (kg) are heavier than those of the arm as given."""
 
 
 @dataclass(frozen=True)

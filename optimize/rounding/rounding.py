@@ -104,8 +104,8 @@ def rounded(
     """
     began = time.perf_counter()
     # Where the bounds are no multiples themselves, the optimum within those that are is what to round.
-    drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None)
-    own = replace(problem, arm=result.arm, actuators=None)
+    drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None, balances=(), motors=())
+    own = replace(problem, arm=result.arm, actuators=None, balances=(), motors=())
     if drawn != own:
         try:
             result_there = optimise(drawn, progress=progress)

@@ -136,6 +136,9 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     if problem.uncertain is not None:
         message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
         raise InputError(problem.file, "uncertain", message)
+    if problem.balances:
+        message = "is settled by `optimize` alone: balance can bring the error to nothing, where a front has no end"
+        raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")
     known = axes_of(problem.figures)
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:

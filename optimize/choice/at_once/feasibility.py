@@ -197,7 +197,12 @@ def feasibility_of(context: Context) -> Feasibility | None:
     """What rules out combinations of a problem; None where the model is no sum of products over links: lengths to be
     chosen, scenarios, play that depends on the design; or where there are too many."""
     problem = context.problem
-    if problem.link_length is not None or problem.taper is not None or context.scenarios is not None:
+    if (
+        problem.link_length is not None
+        or problem.taper is not None
+        or problem.balances
+        or context.scenarios is not None
+    ):
         return None
     if problem.arm.play != "worst" and context.uses_error:
         return None

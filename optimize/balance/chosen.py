@@ -1,0 +1,26 @@
+"""What was chosen of counterweights and counterbalances, beside what the arm as given has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from optimize.result import ChosenBalance
+
+if TYPE_CHECKING:
+    from optimize.choice.combinations import Choice
+    from optimize.problem import Problem
+
+_AT_BOUND = 1e-4
+"""So near (relative to the range) a number counts as at its bound."""
+
+
+def balance_of(problem: Problem, choice: Choice) -> tuple[ChosenBalance, ...]:
+    """What a choice has of each number that was free."""
+    values = choice.space.balance([float(value) for value in choice.exchanged.x])
+    found: list[ChosenBalance] = []
+    for each in problem.balances:
+        value = float(values[each.place, each.field])
+        near = _AT_BOUND * (each.upper - each.lower)
+        bound = "least" if value < each.lower + near else "greatest" if value > each.upper - near else None
+        found.append(ChosenBalance(each.words, each.place + 1, each.field, each.kind, each.given, value, bound))
+    return tuple(found)

@@ -1,0 +1,101 @@
+"""Where each joint's motor stands: at its joint, on a link or on the base, with what the transmission to it brings.
+
+Masses, stiffness and backlash are constants of an error model, so every combination of places is a problem of its own;
+one that cannot beat the best so far is given up.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from arm.chain.balance import PointMass
+from arm.chain.chain import Arm
+from executors import Executor
+from optimize.choice.actuators import Driven, choose_driven
+from optimize.choice.combinations import Progress
+from optimize.journal import Journal
+from optimize.problem import Problem
+from optimize.result import Iteration, PlaceCandidate
+
+from .motor_places import MotorPlace
+
+
+def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:
+    """The arm with the motors of some joints (from 0) at these places; what the arm has of those motors goes."""
+    moved = {joint + 1 for joint, _ in places}
+    joints = list(arm.joints)
+    links = [
+        replace(link, masses=tuple(each for each in link.masses if each.motor_of not in moved)) for link in arm.links
+    ]
+    for number, place in places:
+        joint = joints[number]
+        at_joint = place.mass if place.on is None else 0.0
+        joint = replace(joint, mass=joint.mass + at_joint, motor_on_base=place.mass if place.on == 0 else 0.0)
+        if place.stiffness is not None:
+            joint = replace(joint, stiffness=place.stiffness, zones=())
+        if place.backlash is not None:
+            joint = replace(joint, backlash=place.backlash)
+        if place.cost is not None:
+            joint = replace(joint, cost=place.cost + (joint.cost or 0.0))
+        joints[number] = joint
+        if place.on:
+            link = links[place.on - 1]
+            links[place.on - 1] = replace(link, masses=(*link.masses, PointMass(place.mass, motor_of=number + 1)))
+    return replace(arm, joints=tuple(joints), links=tuple(links))
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The best places of motors: the drives and links chosen for them, and what became of each combination of
+    places, best first."""
+
+    driven: Driven
+    candidates: tuple[PlaceCandidate, ...]
+
+
+def choose_placed(
+    problem: Problem,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    executor: Executor | None = None,
+    journal: Journal | None = None,
+) -> Placed:
+    """The best places of motors with the best drives and links for them; arguments as for `choose_driven`."""
+    settings: Any = {"progress": progress, "log": log, "executor": executor, "journal": journal}
+    if not problem.motors:
+        return Placed(choose_driven(problem, **settings), ())
+    best: Driven | None = None
+    first: Driven | None = None
+    found: list[tuple[float, PlaceCandidate]] = []
+    picks = list(itertools.product(*(choice.places for choice in problem.motors)))
+    for done, pick in enumerate(picks):
+        words = tuple(place.words for place in pick)
+        if progress is not None:
+            progress(done, len(picks), f"motors {', '.join(words)}")
+        known = math.inf if best is None or best.choice is None else best.choice.objective
+        places = tuple((choice.joint, place) for choice, place in zip(problem.motors, pick, strict=True))
+        own = replace(problem, arm=with_places(problem.arm, places), motors=())
+        driven = choose_driven(own, **settings, known=known, ties=False)
+        first = first or driven
+        if driven.choice is None:
+            outcome = "infeasible" if math.isinf(known) else "bounded out"
+            found.append((math.inf, PlaceCandidate(words, None, outcome)))
+            continue
+        value = driven.choice.objective
+        found.append((value, PlaceCandidate(words, value, "solved")))
+        if value < known:
+            best = driven
+        if driven.choice.interrupted:
+            break
+    found.sort(key=lambda each: each[0])
+    candidates = [each for _, each in found]
+    if best is not None:
+        candidates[0] = replace(candidates[0], outcome="best")
+    assert first is not None
+    chosen = best or first
+    return Placed(chosen, tuple(candidates))
