@@ -21,10 +21,11 @@ from scipy.spatial.transform import Rotation
 from arm.chain.arrays import columns, matrices
 from arm.chain.kinematics import Frames, JointFrame, LinkFrame, Orientation
 from arm.chain.segments import PIECES, Pieces, cut
-from arm.chain.statics import LinkState, PoseState, solve
+from arm.chain.statics import JointState, LinkState, PoseState, solve
 from arm.chain.vectors import Rotation as Rows
 from arm.chain.vectors import Scalar, Vector
 from arm.effects import Twist
+from arm.effects.effect import NO_LOAD
 from sections.numeric import Array
 
 from .tip import ActiveEffect
@@ -73,7 +74,7 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
 
     Play lies where the loads on the shape seat it, or, where it `play_stays`, where those of the undeformed pose do.
     A joint that nothing loads at the undeformed pose (about a plumb axis) is loaded by a hair on the shape, which the
-    least friction holds: there its play stays in the middle in any case.
+    least friction holds: there its play lies on the side that the joint came from, in the middle where nobody knows.
 
     Effects of the instrument move nothing of the arm; they are added to first order in what it has moved. Where play
     that the load seats one way makes it seat the other way (a link that hangs nearly plumb), passes go to and fro
@@ -126,6 +127,7 @@ class _Chain:
         """The shape that the loads on `shape` give, and the state on it."""
         cut_state = self._loaded(shape)
         now = self._whole(shape, cut_state)
+        seating = self._seating(now)
         moved: dict[Node, Array] = {}
         turned: dict[Node, Array] = {}
         strain = [np.zeros((self.rows, 3)) for _ in self.pieces.owner]
@@ -139,7 +141,7 @@ class _Chain:
                     strain[twist.index] = strain[twist.index] + columns(twist.translation, self.rows)
                     bend[twist.index] = bend[twist.index] + columns(twist.rotation, self.rows)
                 continue
-            twists = [*effect.twists(now, settings), *self._seated(active, now)]
+            twists = [*effect.twists(now, settings), *effect.seated(seating, settings)]
             if effect.of_instrument and effect.place in ("base", "tip"):
                 seen_tip += twists
                 continue
@@ -161,20 +163,24 @@ class _Chain:
         found = self._walk(moved, turned, strain, bend, lengths)
         return self._measured(found, seen_tip), now
 
-    def _seated(self, active: ActiveEffect, now: PoseState) -> list[Twist]:
-        """Where an effect's play lies."""
-        undeformed = list(active.effect.seated(self.state, active.settings))
-        if self.play_stays or not undeformed:
-            return undeformed
-        on_shape = active.effect.seated(now, active.settings)
-        return [self._where(first, there) for first, there in zip(undeformed, on_shape, strict=True)]
+    def _seating(self, now: PoseState) -> PoseState:
+        """The state whose loads seat play: on the shape, but for joints that nothing loads at the undeformed pose."""
+        if self.play_stays:
+            return self.state
+        pairs = zip(self.state.joints, now.joints, strict=True)
+        return replace(now, joints=tuple(self._loaded_by_more_than_a_hair(*pair) for pair in pairs))
 
-    def _where(self, first: Twist, there: Twist) -> Twist:
-        """A twist at the readings at which its first is not nothing."""
-        motions = (columns(first.translation, self.rows), columns(first.rotation, self.rows))
-        seated = np.any([motion.any(axis=1) for motion in motions], axis=0)[:, None]
-        shift, turn = (seated * columns(part, self.rows) for part in (there.translation, there.rotation))
-        return replace(there, translation=_vector(shift), rotation=_vector(turn))
+    def _loaded_by_more_than_a_hair(self, undeformed: JointState, there: JointState) -> JointState:
+        pushed = np.abs(_ones(undeformed.drive_load, self.rows)) > NO_LOAD
+        first_axis, axis = (columns(each.axis, self.rows) for each in (undeformed, there))
+        first, force = (columns(each.force, self.rows) for each in (undeformed, there))
+        across = np.linalg.norm(np.cross(first_axis, first), axis=1) > NO_LOAD
+        along = np.sum(axis * force, axis=1)[:, None] * axis
+        return replace(
+            there,
+            drive_load=np.where(pushed, there.drive_load, 0.0),
+            force=_vector(np.where(across[:, None], force, along)),
+        )
 
     def _measured(self, shape: _Shape, twists: Sequence[Twist]) -> _Shape:
         """The tip as an instrument that is itself off sees it."""

@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.conditions import Conditions
 from arm.chain.statics import solve
 from arm.compensation import model_error
 from arm.errors.exact import deformed
@@ -133,6 +134,17 @@ def test_play_that_nothing_loads_is_left_in_its_middle():
     with_play, without = (model_error(each, poses, 5.0) for each in (arm, still))
     np.testing.assert_allclose(with_play, without, atol=1e-15)
     assert np.abs(without[:, 2]).min() > 1e-4
+
+
+def test_play_that_nothing_loads_lies_where_the_joint_came_from():
+    """A turntable that came from below (side +1) lags by half its play; the tip then lies b/2 times its radius back."""
+    arm = Arm(
+        "turntable", (Joint(range=(-1.0, 1.0), backlash=2e-3),), (Link(0.5, mass=1.0),), gravity=(0.0, 0.0, -9.81)
+    )
+    conditions = Conditions(sides=(np.array([1.0, -1.0, 0.0]),))
+    state = solve(arm, [np.zeros(3)], beams_of(arm), conditions=conditions)
+    found = deformed(state, active_effects(arm), 3)
+    np.testing.assert_allclose(found.tip[:, 1], 0.5 * np.sin([-1e-3, 1e-3, 0.0]), rtol=1e-9, atol=1e-15)
 
 
 def test_what_rigid_links_would_leave_is_what_the_drives_and_their_play_do():

@@ -25,9 +25,10 @@ def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
         total = settings.values.get("total", joint.backlash)
         if total == 0.0 or not settings.acts_at(index):
             continue
-        loaded = np.abs(joint.drive_load) > NO_LOAD
-        pushed = np.sign(joint.drive_load) * loaded * (np.abs(joint.drive_load) >= held_below)
-        dragged = 0.0 if sides is None else -sides[index] * (np.abs(joint.drive_load) < held_below)
+        # What nothing loads the least friction holds.
+        held = (np.abs(joint.drive_load) <= NO_LOAD) | (np.abs(joint.drive_load) < held_below)
+        pushed = np.where(held, 0.0, np.sign(joint.drive_load))
+        dragged = 0.0 if sides is None else np.where(held, -sides[index], 0.0)
         yield from drive_motion(state, index, 0.5 * total * (pushed + dragged))
 
 
