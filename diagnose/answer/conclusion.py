@@ -51,6 +51,7 @@ from .sentences import (
     what_differs,
 )
 from .together import may_be_nothing
+from .torques import weights_by_torque
 from .unknown import describe, largest_first, rejected_forms
 from .unseen import unseen
 
@@ -127,6 +128,7 @@ class Conclusion(Confirmed):
             corrected=corrected,
             notes=(
                 *unseen(self.prepared),
+                *weights_by_torque(self.observed),
                 *self.observed.alignment.undetermined,
                 *recording.warnings,
                 *self.noise.warnings,

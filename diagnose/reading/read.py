@@ -19,6 +19,7 @@ from diagnose.instruments.instrument import LABELS
 from diagnose.instruments.split import laid_out
 from diagnose.mistakes.readings import checked
 from diagnose.mistakes.row_lists import rows_text
+from diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
 from diagnose.recording import Recording, RejectedRow
 from diagnose.rules.rules import RULES, Rules
 from sections.numeric import Array
@@ -86,6 +87,7 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
     headers = {column.meaning.name: column.header for column in columns.values()}
     done = checked(recording, arm, headers, rules=rules)
+    refuse_torques_of_another_sign(done, arm, headers, rules=rules.residual)
     if sights is not None:
         done = sights_checked(laid_out(done), arm, rules=rules)
     return replace(done, rejected=tuple(sorted(done.rejected, key=lambda each: each.row)))

@@ -36,6 +36,7 @@ from diagnose.several.views import view_of_several
 from .alignment import Alignment, aligned
 from .orientation import has_orientation, turn_left
 from .recorded_conditions import conditions_of
+from .torque import DriveTorque, drive_torques, under_measured
 from .wander import clock, without_wander
 
 Array = NDArray[np.float64]
@@ -60,6 +61,9 @@ class Observed:
     (R,) is what `scale` is multiplied by for each recording's readings (None: nothing); where each number is a reading
     of its own, for each kind of number as well.
 
+    `torques` are what measured torques say; where compliance is judged by them, they are the loads in `state`, and
+    `by_weights` is the state with those that the model's weights give.
+
     `view` says what a displacement of the tip shows where something else than its place was measured; the tip's columns
     are those readings then.
     """
@@ -80,6 +84,8 @@ class Observed:
     loud: Array | None = None
     wander: float = 0.0
     view: View | None = None
+    torques: tuple[DriveTorque, ...] = ()
+    by_weights: PoseState | None = None
 
     @property
     def loud_with(self) -> NDArray[np.int64] | None:
@@ -287,22 +293,27 @@ def observe(
         left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
         parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
+    block = visits(recording, arm, rules=rules.residual)
+    torques = () if unknown else drive_torques(known, recording, nominal, block, rules.residual)
+    measured = any(each.instead for each in torques)
     return Observed(
         known,
         unknown,
         recording,
         nominal,
-        state,
+        under_measured(state, torques) if measured else state,
         asked,
         alignment,
         residual,
         np.ones(residual.shape[1]) if scale is None else scale,
-        visits(recording, arm, rules=rules.residual),
+        block,
         correlation,
         tuple(about),
         rules,
         wander=wander,
         view=view,
+        torques=torques,
+        by_weights=state if measured else None,
     )
 
 
@@ -339,6 +350,12 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         first.about,
         first.rules,
         view=view_of_several([each.view for each in parts], recording.names),
+        torques=tuple(
+            replace(told, of=name) for name, each in zip(recording.names, parts, strict=True) for told in each.torques
+        ),
+        by_weights=None
+        if all(each.by_weights is None for each in parts)
+        else joined([each.by_weights or each.state for each in parts], counts),
     )
 
 
@@ -412,7 +429,7 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
     with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
-    first, _, level = _to_first_order(observed.state, arm, about, asked)
+    first, _, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]
     turned = [None, None]

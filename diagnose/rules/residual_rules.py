@@ -29,6 +29,32 @@ class ResidualRules:
         "Places that reach less far across lie in a plane: an anchor is beside it.",
         JUDGED,
     )
+    torque_off: float = rule(
+        0.05,
+        "share",
+        "Weights that torques find further off than this are said, and compliance goes by the torque measured: motors' "
+        "torque constants are known to some percent.",
+        JUDGED,
+    )
+    torque_sure: float = rule(4.0, "standard errors", "So far off they must be beyond doubt.", JUDGED)
+    torque_seen: float = rule(
+        0.02,
+        "share of the load's spread",
+        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of.",
+        JUDGED,
+    )
+    torque_noise: float = rule(
+        0.1,
+        "share of the load's spread",
+        "A torque noisier than this is no better load than the model's: compliance would come out less by its square.",
+        JUDGED,
+    )
+    torque_against: float = rule(
+        -0.5,
+        "correlation",
+        "Torque that goes so much against the load that it should hold is counted the other way.",
+        JUDGED,
+    )
     same_length: float = rule(2e-5, "m", "The same for slides.", JUDGED)
     same_payload: float = rule(1e-3, "kg", "A scale's noise is no new payload.", JUDGED)
     long_pause: float = rule(

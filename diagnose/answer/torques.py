@@ -1,0 +1,83 @@
+"""What measured torques say of the weights, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy as np
+
+from diagnose.residual.observed import Observed
+from diagnose.residual.torque import DriveTorque, Factor
+from diagnose.rules.residual_rules import ResidualRules
+from units.quantities import format_quantity
+
+
+def weights_by_torque(observed: Observed) -> tuple[str, ...]:
+    """Whether links and payload weigh on the drives what the model says, by their torques; the friction found; and by
+    what load compliance was judged."""
+    said: list[str] = []
+    for name, group in groupby(observed.torques, key=lambda each: each.of):
+        before = f"{name}: " if name else ""
+        said += [before + text for text in _of_one(list(group), observed)]
+    return tuple(said)
+
+
+def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
+    rules, said = observed.rules.residual, list[str]()
+    for each in torques:
+        if each.scaled and each.links is not None and each.links.differs(rules):
+            said.append(
+                f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give: rather"
+                " its own scale (a torque constant) is off than the weights, and compliance is judged by the weights."
+            )
+        elif each.links is not None and each.links.differs(rules):
+            said.append(
+                f"By the torque of drive {each.joint + 1} the links{' and the payload' * each.together} beyond it weigh"
+                f" on it {_times(each.links)} what the arm file says: check masses and centres, or a counterbalance."
+            )
+    own = [each for each in torques if not each.scaled]
+    payload = _common([each.payload for each in own if each.payload is not None])
+    if payload is not None and payload.differs(rules):
+        said.append(f"By the torques the payload is {_times(payload)} what the recording or the arm file says.")
+    instead = [str(each.joint + 1) for each in torques if each.instead]
+    if instead:
+        said.append(
+            f"How drive{'s' if len(instead) > 1 else ''} {' and '.join(instead)} give{'' if len(instead) > 1 else 's'} "
+            "is judged by the measured torque, not by the weights."
+        )
+    if not said and (agreed := _agreed(torques, rules)):
+        said.append(agreed)
+    kinds = ["torque" if joint.revolute else "force" for joint in observed.arm.joints]
+    rubs = [
+        f"{format_quantity(abs(each.friction), kinds[each.joint], digits=2)} at drive {each.joint + 1}"
+        for each in torques
+        if each.friction is not None and abs(each.friction) > rules.torque_seen * each.spread
+    ]
+    if rubs:
+        said.append(f"Friction by the torques: {', '.join(rubs)}.")
+    return said
+
+
+def _agreed(torques: Sequence[DriveTorque], rules: ResidualRules) -> str:
+    """That the torques bear the weights out, as far as they tell."""
+    known = [each for each in torques if each.links is not None and rules.torque_sure * each.links.error <= 0.5]
+    if not known:
+        return ""
+    worst = max(abs(each.links.value - 1.0) for each in known if each.links is not None)
+    drives = f"drive{'s' * (len(known) > 1)} {', '.join(str(each.joint + 1) for each in known)}"
+    return f"Torques bear out what the links weigh: within {100.0 * worst:.2g} % at {drives}."
+
+
+def _common(factors: Sequence[Factor]) -> Factor | None:
+    """One factor from several, each by how well it is known."""
+    if not factors:
+        return None
+    weight = np.array([1.0 / max(each.error, 1e-12) ** 2 for each in factors])
+    value = float(weight @ [each.value for each in factors] / weight.sum())
+    return Factor(value, float(1.0 / np.sqrt(weight.sum())))
+
+
+def _times(factor: Factor) -> str:
+    span = 1.96 * factor.error
+    return f"{factor.value:.3g} times ({factor.value - span:.3g} to {factor.value + span:.3g})"

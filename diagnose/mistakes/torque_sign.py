@@ -1,0 +1,51 @@
+"""Torques that are counted the other way: as what the load does to the drive, or along a turned axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from arm.chain.chain import Arm
+from arm.chain.statics import solve
+from arm.errors.model import beams_of
+from diagnose.recording import Recording
+from diagnose.residual.observed import visits
+from diagnose.residual.recorded_conditions import conditions_of
+from diagnose.residual.torque import DriveTorque, Factor, drive_torques
+from diagnose.rules.residual_rules import ResidualRules
+from units.quantities import InputError
+
+
+def refuse_torques_of_another_sign(
+    recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: ResidualRules
+) -> None:
+    """Raise `InputError` where drives would pull with the load that they hold. Nothing is told where links of unknown
+    weight load them."""
+    if recording.torque is None or any(link.section is None and link.mass is None for link in arm.links):
+        return
+    state = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm, rules=rules),
+        payload_mass=recording.payload_mass,
+        tip_force=None if recording.force is None else tuple(recording.force.T),
+    )
+    told = drive_torques(arm, recording, state, visits(recording, arm, rules=rules), rules)
+    against = [each for each in told if _is_against(each, rules)]
+    if not against:
+        return
+    names = [headers.get(f"tau{each.joint + 1}", f"tau{each.joint + 1}") for each in against]
+    pairs = ", ".join(f"{name}: -1*{name}" for name in names)
+    raise InputError(
+        recording.file,
+        ", ".join(names),
+        "goes against what links and payload weigh: torque counts positive where the drive pushes towards increasing "
+        f"q; write `columns: {{{pairs}}}` in recording.yaml if it counts the other way",
+    )
+
+
+def _is_against(told: DriveTorque, rules: ResidualRules) -> bool:
+    def sure(factor: Factor | None) -> bool:
+        return factor is not None and factor.value < -rules.torque_sure * factor.error
+
+    return told.along <= rules.torque_against and (sure(told.links) or sure(told.payload))

@@ -1,0 +1,196 @@
+"""Measured torques of the drives against what links and payload weigh: factors of either, friction, what is held.
+
+At rest a drive holds the load and the friction of the side from which it came; moving, viscous friction too. So each
+joint's torque is fitted, visit by visit, by the first moments of the links beyond, what the payload (and a force at the
+tip) adds, a constant of the sensor, the side of approach and the velocity, by least squares (C. G. Atkeson, C. H. An &
+J. M. Hollerbach, Int. J. Robot. Res. 5(3) (1986) 101, doi:10.1177/027836498600500306).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.arrays import columns
+from arm.chain.chain import Arm
+from arm.chain.statics import PoseState, solve
+from arm.errors.model import beams_of
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from sections.numeric import Array
+
+_TOLD = 1e-6
+
+
+@dataclass(frozen=True)
+class Factor:
+    """How many times as much as the model says, and its standard error."""
+
+    value: float
+    error: float
+
+    def differs(self, rules: ResidualRules) -> bool:
+        """Whether that is another than one, beyond doubt and by more than anybody would leave be."""
+        off = abs(self.value - 1.0)
+        return off > rules.torque_off and off > rules.torque_sure * self.error
+
+
+@dataclass(frozen=True)
+class DriveTorque:
+    """What a drive's torque says (joint from 0): how many times as much as in the model the `links` and the `payload`
+    weigh on it (None: it does not tell), the Coulomb friction (N*m, N; None where no side is known), what the fit
+    leaves, `scatter`, and how far the load spreads, `spread` (standard deviations, N*m or N); `along` is how the torque
+    goes with the load that the model gives (-1 to 1). `held` (N,) is the load on the drive that was measured: friction
+    and the sensor's constant taken off, alike within a visit. `instead` says that it is what compliance is judged by.
+    `together` says that the payload is in `links`: it was always the same. `of` names the recording, where there are
+    several.
+    """
+
+    joint: int
+    links: Factor | None
+    payload: Factor | None
+    friction: float | None
+    scatter: float
+    spread: float
+    along: float
+    held: Array
+    instead: bool
+    together: bool
+    of: str = ""
+
+    @property
+    def scaled(self) -> bool:
+        """Whether links and payload weigh more in the same proportion: rather the torque's own scale is off."""
+        if self.links is None or self.payload is None:
+            return False
+        apart = abs(self.links.value - self.payload.value)
+        return apart <= 2.0 * float(np.hypot(self.links.error, self.payload.error))
+
+
+def drive_torques(
+    arm: Arm, recording: Recording, state: PoseState, visit: NDArray[np.int64], rules: ResidualRules
+) -> tuple[DriveTorque, ...]:
+    """What the torques of a recording say, of each drive that carries a load in the model; none without torques.
+
+    `state` is the arm at the readings, `visit` (N,) which visit each belongs to.
+    """
+    if recording.torque is None:
+        return ()
+    bare = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        payload_mass=np.zeros(recording.size),
+        tip_force=(0.0, 0.0, 0.0),
+    )
+    number = np.unique(visit, return_inverse=True)[1].reshape(-1)
+    found: list[DriveTorque] = []
+    for joint in range(arm.size):
+        whole, links = (
+            np.broadcast_to(np.asarray(each.joints[joint].drive_load, dtype=float), (recording.size,))
+            for each in (state, bare)
+        )
+        told = _of_drive(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules)
+        found += [told] if told is not None else []
+    return tuple(found)
+
+
+def _moments(arm: Arm, state: PoseState, joint: int) -> Array:
+    """What unit first moments of the links beyond a joint that turns make its drive hold (N, k), whatever their masses
+    and centres: steps from joint to joint are such moments too. Of a slide, what all beyond it weighs."""
+    rows = np.size(state.joints[0].coordinate)
+    axis, pull = columns(state.joints[joint].axis, rows), np.array(arm.gravity, dtype=float)
+    if not state.joints[joint].revolute:
+        return -(axis @ pull)[:, None]
+    found: list[Array] = []
+    for link in state.frames.links[joint:]:
+        found += [-np.sum(axis * np.cross(columns(part, rows), pull), axis=1) for part in
+                  (link.along, link.height, link.width)]  # fmt: skip
+    return np.stack(found, axis=1)
+
+
+def _of_drive(
+    joint: int,
+    recording: Recording,
+    visit: NDArray[np.int64],
+    links: Array,
+    payload: Array,
+    moments: Array,
+    rules: ResidualRules,
+) -> DriveTorque | None:
+    assert recording.torque is not None
+    count = np.bincount(visit)
+
+    def mean(values: Array) -> Array:
+        return np.bincount(visit, weights=values) / count
+
+    torque, load = mean(recording.torque[:, joint]), mean(links + payload)
+    further = [None if each is None else mean(each[:, joint]) for each in (recording.sides, recording.velocity)]
+    wanted = {"payload": mean(payload), "side": further[0], "velocity": further[1]}
+    spread = float(np.std(load))
+    least = {"payload": spread, "side": 1.0, "velocity": 0.0}
+    own = {
+        name: values
+        for name, values in wanted.items()
+        if values is not None and float(np.ptp(values)) > rules.torque_seen * least[name]
+    }
+    each = np.stack([mean(column) for column in moments.T], axis=1)
+    each = each[:, np.ptp(each, axis=0) > 0.0]
+    if "payload" in own:
+        # One payload throughout is a part of what the links weigh.
+        beside = np.column_stack([np.ones(len(torque)), each])
+        told = own["payload"] - beside @ np.linalg.lstsq(beside, own["payload"], rcond=_TOLD)[0]
+        if float(np.std(told)) <= rules.torque_seen * spread:
+            del own["payload"]
+    together = "payload" not in own and bool(payload.any())
+    weigh = load if together else mean(links)
+    design = np.column_stack([np.ones(len(torque)), *own.values(), each])
+    values, _, rank, _ = np.linalg.lstsq(design, torque, rcond=_TOLD)
+    freedom = len(torque) - int(rank)
+    if spread <= 0.0 or freedom < rules.enough_freedom or float(np.std(torque)) <= 0.0:
+        return None
+    left = torque - design @ values
+    scatter = float(np.sqrt(np.sum(left**2) / freedom))
+    spread_of = scatter**2 * np.linalg.pinv(design.T @ design, rcond=_TOLD**2, hermitian=True)
+    first = 1 + len(own)
+    known = {name: Factor(float(values[k]), float(np.sqrt(spread_of[k, k]))) for k, name in enumerate(own, start=1)}
+    if float(np.ptp(weigh)) > rules.torque_seen * spread:
+        # How much of what the model has the links weigh is in what the moments found make of them.
+        about = weigh - weigh.mean()
+        share = (each - each.mean(axis=0)).T @ about / float(about @ about)
+        error = float(np.sqrt(max(share @ spread_of[first:, first:] @ share, 0.0)))
+        known["links"] = Factor(float(share @ values[first:]), error)
+    rub = np.zeros(len(torque))
+    for name in ("side", "velocity"):
+        if name in known:
+            rub += known[name].value * own[name]
+    held = torque - values[0] - rub
+    within = recording.torque[:, joint] - torque[visit]
+    repeated = int(np.sum(count - 1))
+    noise = float(np.sqrt(np.sum(within**2) / repeated / np.mean(count))) if repeated else scatter
+    made = DriveTorque(
+        joint,
+        known.get("links"),
+        known.get("payload"),
+        known["side"].value if "side" in known else None,
+        scatter,
+        spread,
+        float(np.corrcoef(held, load)[0, 1]),
+        -held[visit],
+        instead=False,
+        together=together,
+    )
+    differs = any(each is not None and each.differs(rules) for each in (made.links, made.payload))
+    return replace(made, instead=differs and not made.scaled and noise <= rules.torque_noise * spread)
+
+
+def under_measured(state: PoseState, torques: Sequence[DriveTorque]) -> PoseState:
+    """The state with the loads that were measured on the drives whose compliance is judged by them."""
+    held = {each.joint: each.held for each in torques if each.instead}
+    joints = tuple(
+        replace(joint, drive_load=held[index]) if index in held else joint for index, joint in enumerate(state.joints)
+    )
+    return replace(state, joints=joints)
