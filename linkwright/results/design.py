@@ -80,11 +80,12 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
 
 
 def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
-    """What of the error no better link takes away, where that is more than a twentieth of it."""
+    """What of the error no better link takes away, where that is more than a twentieth of it. Where it is more than all
+    of it (the links' weight balances a spring) it is no part of it."""
     rest = evaluation.rigid_links_error
-    if rest is None or rest <= _TOLD_OF_RIGID_LINKS * evaluation.max_error:
+    if rest is None or not _TOLD_OF_RIGID_LINKS * evaluation.max_error < rest <= evaluation.max_error:
         return []
-    share = percent(min(rest / evaluation.max_error, 1.0))
+    share = percent(rest / evaluation.max_error)
     return [
         Paragraph(f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'", "under")
     ]
