@@ -55,6 +55,8 @@ INSTRUMENTS = {
     ),
     "sockets": replace(PLAN, slots=KINDS["same_point"], instrument=Instrument(("same_point",))),
     "plates": replace(PLAN, slots=KINDS["plane"], instrument=Instrument(("plane",))),
+    "bar of 0.5 m": replace(PLAN, slots=KINDS["bar"], instrument=Instrument(("bar",)), bar=(0.0, 0.5)),
+    "level on link 3": replace(PLAN, slots=KINDS["tilt"], instrument=Instrument(("tilt",), tilt_link=3)),
 }
 EFFECTS = (
     ("zero of joint 1", "encoder_offset", (1,)),
@@ -68,6 +70,7 @@ EFFECTS = (
     ("backlash of joint 2", "backlash", (2,)),
     ("windup by friction, joint 3", "friction_windup", (3,)),
     ("tool offset", "tool_offset", ()),
+    ("base not plumb", "base_tilt", ()),
 )
 
 

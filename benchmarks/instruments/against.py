@@ -1,0 +1,156 @@
+"""Instruments against a tracker, on an arm of the second generator: which causes are found at which size.
+
+    python -m benchmarks.instruments.against [--causes backlash payload ...] [--sizes 1 2 4 8]
+
+An arm of three joints in space is played by MuJoCo (`benchmarks.multibody`) with one cause at a time, so large that
+what frame and geometry leave of it moves the tip by so many times the noise (RMS, against the noise's length). Every
+instrument reads the same visits with 20 um (a level: 20 urad). A cause counts as `named` where it is a finding at its
+place, `listed` where it is among the names that the data cannot tell from a finding; what is named beside it or instead
+of it is counted as `wrong`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.files.read import read_arm
+from benchmarks.blind.generator.arms import arm_file
+from benchmarks.multibody.arms import draw_arm
+from benchmarks.multibody.causes import Cause, Stage, draw_cause, possible
+from benchmarks.multibody.doses import dosed
+from benchmarks.multibody.engine import machine
+from benchmarks.multibody.instrument import draw_mount
+from benchmarks.multibody.session import Plan, Tips, draw_session, played
+from diagnose.diagnosis import diagnose
+from diagnose.instruments.instrument import DISTANCE, KINDS, Instrument
+from diagnose.recording import Recording
+from diagnose.result import Diagnosis
+from sections.numeric import Array
+
+NOISE = 20e-6
+ANCHOR = (1.1, -0.7, 0.2)
+FAMILY, LINKS = "spatial_3r", 3
+CAUSES = (
+    "joint_compliance", "backlash", "friction_windup", "encoder_offset", "link_length", "payload", "base_tilt",
+    "encoder_eccentricity", "axis_misalignment", "joint_coupling",
+)  # fmt: skip
+
+Values = tuple[Array, tuple[int, ...], dict[str, object]]
+
+
+def tracker(tips: Tips, rng: np.random.Generator) -> Values:
+    """The whole place, from somewhere."""
+    mount = draw_mount(False, rng)
+    return tips.reading.T @ mount.turn.T + mount.shift, (), {"frame": "free"}
+
+
+def heights(tips: Tips, rng: np.random.Generator) -> Values:
+    """z alone, by a height gauge on the base."""
+    del rng
+    return tips.reading[2:].T, (2,), {}
+
+
+def wire(tips: Tips, rng: np.random.Generator) -> Values:
+    """Distances from an anchor whose place is known."""
+    del rng
+    instrument = Instrument(("distance",), anchor=ANCHOR)
+    return np.linalg.norm(tips.reading.T - ANCHOR, axis=1)[:, None], (DISTANCE,), {"instrument": instrument}
+
+
+def ballbar(tips: Tips, rng: np.random.Generator) -> Values:
+    """The same, from an anchor whose place nobody knows."""
+    values, slots, _ = wire(tips, rng)
+    return values, slots, {"instrument": Instrument(("distance",))}
+
+
+def level(tips: Tips, rng: np.random.Generator) -> Values:
+    """A level on the last link."""
+    del rng
+    turns = np.stack([rest.turn for rest in tips.rests])
+    values = np.column_stack([turns[:, 2, 1], -turns[:, 2, 0]])
+    return values, KINDS["tilt"], {"instrument": Instrument(("tilt",), tilt_link=LINKS)}
+
+
+INSTRUMENTS: dict[str, Callable[[Tips, np.random.Generator], Values]] = {
+    "tracker, frame free": tracker,
+    "height gauge: z": heights,
+    "wire, known anchor": wire,
+    "ballbar, free anchor": ballbar,
+    "level on the last link": level,
+}
+
+
+def stage_of(seed: int) -> tuple[Arm, Stage]:
+    """The arm as its file has it, read again, and a session of it: two payloads, both sides."""
+    rng = np.random.default_rng(seed)
+    real, ranges = draw_arm(FAMILY, rng)
+    session = draw_session("full", real, ranges, 1, rng)
+    body = machine(real)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "arm.yaml"
+        file.write_text(arm_file(real, ranges), encoding="utf-8")
+        given = read_arm(file)
+    return given, Stage(body, session, played(Plan(body, session)))
+
+
+def recorded(stage: Stage, tips: Tips, instrument: str, seed: int) -> Recording:
+    """What an instrument reads of a session."""
+    rng, session = np.random.default_rng(seed), stage.session
+    rows = np.repeat(np.arange(session.visits), session.repeats)
+    values, slots, held = INSTRUMENTS[instrument](tips, rng)
+    read = values[rows] + NOISE * rng.standard_normal((len(rows), values.shape[1]))
+    return Recording(
+        instrument,
+        session.q.T[rows],
+        read,
+        np.arange(1, len(rows) + 1),
+        time=session.time[rows] + 4.0 * np.tile(np.arange(session.repeats), session.visits),
+        sides=session.side.T[rows],
+        payload_mass=session.payload[rows],
+        slots=np.tile(slots, (len(rows), 1)) if slots else None,
+        **held,  # type: ignore[arg-type]
+    )
+
+
+def outcome(found: Diagnosis, cause: Cause) -> str:
+    """`named`, `listed` or `-`, and ` +` with what is named beside it."""
+    right = (cause.effect, cause.at)
+    named = [(each.effect, each.at) == right for each in found.findings]
+    listed = [any((other.effect, other.at) == right for other in each.alternatives) for each in found.findings]
+    wrong = sum(not (one or other) for one, other in zip(named, listed, strict=True))
+    return ("named" if any(named) else "listed" if any(listed) else "-") + (f" +{wrong} wrong" if wrong else "")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a table: each cause and size by each instrument."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--causes", nargs="+", choices=CAUSES, default=CAUSES)
+    parser.add_argument("--sizes", type=float, nargs="+", default=[1.0, 2.0, 4.0, 8.0])
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args(arguments)
+    arm, stage = stage_of(asked.seed)
+    print(f"| cause | times the noise | {' | '.join(INSTRUMENTS)} |")
+    print(f"|---|---|{'---|' * len(INSTRUMENTS)}")
+    for number, effect in enumerate(CAUSES):
+        if effect not in asked.causes or not possible(effect, stage):
+            continue
+        drawn = draw_cause(effect, stage, np.random.default_rng((asked.seed, number)))
+        for size in asked.sizes:
+            came = dosed(drawn, stage, size * NOISE * np.sqrt(3.0), frame_free=True, tool_free=False)
+            if came is None:
+                continue
+            plan = Plan(stage.machine, stage.session)
+            came[0].write(plan)
+            tips = played(plan)
+            found = [outcome(diagnose(arm, recorded(stage, tips, each, number)), came[0]) for each in INSTRUMENTS]
+            print(f"| {effect} {list(came[0].at) or ''} | {size:g} | {' | '.join(found)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
