@@ -372,7 +372,8 @@ class Conclusion(Confirmed):
         if self.together:
             found.append(nothing_singly([self._place(k) for k in self.together], self._moved(list(self.together))))
         further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
-        if further > 0.0:
+        scatter = rms_length(self.observed.scale[None, : self.observed.components])
+        if further > self.rules.search.motion_matters * scatter:
             found.append(
                 f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
                 "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from diagnose.fitting.about_itself import fitted_about_itself
 from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from diagnose.fitting.prepare import Prepared, set_up
@@ -16,7 +19,7 @@ from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
 from diagnose.residual.noise import NoiseFloor
-from diagnose.residual.observed import Observed, kept, looks_quieter, observe, rms_length
+from diagnose.residual.observed import Observed, kept, looks_quieter, observed_about, rms_length
 from diagnose.result import LackOfFit
 from diagnose.rules.rules import Rules
 from diagnose.search.aliases import Rival, renamed, rivals
@@ -63,11 +66,22 @@ class Confirmed:
                 self._fit()
         if self.members:
             # What is said of sizes leaves room for what is not named; what is kept was judged without it.
-            self.refit = refit(self.prepared, self.members, self.outside, self.fitted, self._unnamed())
+            room = self._unnamed()
+            self.refit = refit(self.prepared, self.members, self.outside, self.fitted, room)
+            self._test_what_is_left()
         self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
         self.scattered = False
         self.lack_of_fit = self._lack_of_fit()
         self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
+
+    def _test_what_is_left(self) -> None:
+        """Test anew what seems to be beyond chance in what is left, where motion beyond first order was part of it."""
+        named, left = self.named, self._with_what_is_left()
+        if named is None or named.left is None or left is self.search:
+            return
+        if min(test.p_value for test in named.left) <= self.rules.search.false_alarm:
+            again = self.namer.with_prepared(left).test((*self.found, *self.forms))
+            self.named = replace(named, left=again)
 
     def _take_up(self, whole: Recording | None) -> None:
         """Take up what was named under the names that go first, and fit it to what it is to be confirmed by."""
@@ -78,8 +92,7 @@ class Confirmed:
         self.prepared, number = self._fitted_to(whole)
         self.members = tuple(number[m] for m in self.found)
         self.outside = tuple(number[m] for m in self.forms)
-        self.observed: Observed = self.prepared.observed
-        self.folds: dict[str, Folds] = splits(self.observed, self.options.seed)
+        self.folds: dict[str, Folds] = splits(self.prepared.observed, self.options.seed)
         self._fit()
 
     def _form_instead(self, whole: Recording | None) -> bool:
@@ -99,20 +112,34 @@ class Confirmed:
         return True
 
     def _fit(self) -> None:
-        """Fit what was found to all readings, and in turn to all but some."""
-        self.fitted: Fit = fit(self.prepared, [*self.members, *self.outside])
-        self.refit: Refit = refit(self.prepared, self.members, self.outside, self.fitted)
+        """Fit what was found to all readings, about the arm as it makes it, and in turn to all but some."""
+        found = fitted_about_itself(self.prepared, self.members, self.outside)
+        self.prepared, self.members, self.outside = found.prepared, found.members, found.outside
+        self.fitted: Fit = found.fitted
+        self.refit: Refit = found.refit
+        self.observed: Observed = self.prepared.observed
         self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
 
     def _unnamed(self) -> Unnamed:
         """What the recording leaves room for beside what is named."""
         rivals = [rival.member for others in self.alternatives for rival in others]
         width = self.observed.residual.shape[1]
+        rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
+        return unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+
+    def _searched(self) -> NDArray[np.int64]:
+        """Where the readings that were searched stand among those that are fitted."""
         number = {name: k for k, name in enumerate(self.observed.recording.names_of_readings())}
         searched = self.search.observed.recording.names_of_readings()
-        readings = np.array([number[name] for name in searched], dtype=np.int64)
-        rows = (readings[:, None] * width + np.arange(width)).reshape(-1)
-        return unnamed(self.search, [*self.found, *self.forms], rivals, rows)
+        return np.array([number[name] for name in searched], dtype=np.int64)
+
+    def _with_what_is_left(self) -> Prepared:
+        """The search's patterns over what the fit leaves, where that was made about another shape than the search: what
+        lay beyond first order there is no sign of anything unnamed."""
+        if self.observed.about == self.search.observed.about:
+            return self.search
+        left = self.search.observed.whitened(self.refit.residual[self._searched()])
+        return replace(self.search, vector=self.search.pool.projected(left))
 
     def _wrong(self) -> tuple[list[int], list[str], str, bool] | None:
         """The places of the findings, if any, that are none, the list of those left out for that, why as a clause, and
@@ -203,17 +230,7 @@ class Confirmed:
         near = searched.observed
         rejected = {each.row for each in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
-        again = observe(
-            near.arm_given,
-            rows,
-            scale=near.scale,
-            correlation=near.correlation,
-            wander=near.wander,
-            about=near.about,
-            rules=self.rules,
-            loud=near.loud,
-        )
-        observed = again.softened(near.softening)
+        observed = observed_about(near, near.about, (), rows).softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
         prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
         return prepared, {m: k for k, m in enumerate(self.found)}

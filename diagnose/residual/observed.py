@@ -246,17 +246,18 @@ def observe(
     about: Sequence[EffectEntry] = (),
     rules: Rules = RULES,
     loud: Array | None = None,
+    softening: Sequence[EffectEntry] = (),
 ) -> Observed:
     """Set a recording against an arm's model.
 
     Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
     `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels; `loud` is
     how loud each of several recordings is. `about` what else is known to be at work, still to be fitted: see
-    `Observed`.
+    `Observed`. `softening` is flexibility beyond the arm file's through which loads act, in what `about` moves too.
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     if isinstance(recording, Several):
-        parts = [observe(arm, each, about=about, rules=rules) for each in recording.parts()]
+        parts = [observe(arm, each, about=about, rules=rules, softening=softening) for each in recording.parts()]
         return replace(_of_several(parts, recording, scale, correlation), loud=loud)
     unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
     known = arm.with_links(
@@ -271,12 +272,16 @@ def observe(
         turn=bool(has_orientation(recording).any()),
         levels=link_of_levels(recording),
     )
-    nominal, state, modelled, alignment, first, view = _placed(known, recording, asked, about, rules.residual)
+    nominal, state, modelled, alignment, first, view = _placed(
+        known, recording, asked, about, rules.residual, softening
+    )
     for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))
-        nominal, state, modelled, further, first, view = _placed(known, recording, asked, about, rules.residual)
+        nominal, state, modelled, further, first, view = _placed(
+            known, recording, asked, about, rules.residual, softening
+        )
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
@@ -314,6 +319,28 @@ def observe(
         view=view,
         torques=torques,
         by_weights=state if measured else None,
+    )
+
+
+def observed_about(
+    observed: Observed,
+    about: Sequence[EffectEntry],
+    softening: Sequence[EffectEntry],
+    recording: Recording | None = None,
+) -> Observed:
+    """The same readings, or others of the same instrument (`recording`), with first order taken about the arm as the
+    entries `about` beside its own deform it, loads acting through `softening` too; scatter, memory and loudness
+    stay."""
+    return observe(
+        observed.arm_given,
+        observed.recording if recording is None else recording,
+        scale=observed.scale,
+        correlation=observed.correlation,
+        wander=observed.wander,
+        about=about,
+        rules=observed.rules,
+        loud=observed.loud,
+        softening=softening,
     )
 
 
@@ -368,13 +395,18 @@ def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
 
 
 def _placed(
-    arm: Arm, recording: Recording, asked: Asked, about: Sequence[EffectEntry], rules: ResidualRules
+    arm: Arm,
+    recording: Recording,
+    asked: Asked,
+    about: Sequence[EffectEntry],
+    rules: ResidualRules,
+    softening: Sequence[EffectEntry],
 ) -> tuple[PoseState, PoseState, Channels, Alignment, Array, View | None]:
     """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
     measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
     the instrument sees, where that is not the tip's place."""
     nominal = solve(
-        arm,
+        replace(arm, effects=(*arm.effects, *softening)),
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
         conditions=conditions_of(recording, arm, rules=rules),

@@ -197,3 +197,10 @@ class FittingRules:
     nothing_unnamed: float = rule(
         0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"
     )
+    motion_settled: float = rule(
+        0.05,
+        "standard errors",
+        "What finite motions still change of the sizes found, when they are fitted about the arm as these make it.",
+        "less than the last digit that is shown of an interval",
+    )
+    motion_fits: int = rule(6, "fits", "Of sizes about the arm as they make it, until they no longer change.", TIME)

@@ -58,8 +58,10 @@ def prepared_null(space=False, **changed):
 
 
 def with_residual(prepared, residual):
-    """The same recording with another residual (N, C), m and rad."""
-    observed = replace(prepared.observed, residual=residual)
+    """The same arm's recording with another residual (N, C), m and rad, and the tips that have it; the frame known."""
+    width, before = prepared.observed.components, prepared.observed.recording
+    moved = (residual - prepared.observed.residual)[:, :width]
+    observed = replace(prepared.observed, residual=residual, recording=replace(before, tip=before.tip + moved))
     vector = prepared.pool.projected(observed.whitened(residual))
     return replace(prepared, observed=observed, vector=vector)
 

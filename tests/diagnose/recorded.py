@@ -28,6 +28,17 @@ def planar_tip(q: Array, lengths: tuple[float, ...] = LENGTHS) -> Array:
     return np.stack([np.cos(angles) @ np.array(lengths), np.sin(angles) @ np.array(lengths)], axis=1)
 
 
+def sagging_tip(q: Array, stiffness: float | Array, payload: Array) -> Array:
+    """Tips (N, 2) of springs in the joints (N*m/rad) under a payload (N,), kg, that pulls against y: each joint turns
+    by the moment about it over its stiffness until both agree."""
+    turned = np.zeros_like(q)
+    for _ in range(60):
+        angles = np.cumsum(q + turned, axis=1)
+        reach = np.cumsum((np.cos(angles) * LENGTHS)[:, ::-1], axis=1)[:, ::-1]
+        turned = -9.81 * payload[:, None] * reach / stiffness
+    return planar_tip(q + turned)
+
+
 def poses(count: int, seed: int = 3, joints: int = 3) -> Array:
     return np.random.default_rng(seed).uniform(-1.5, 1.5, (count, joints))
 

@@ -14,7 +14,7 @@ from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
 from materials.catalogue import load_catalogue
 from sections import Tube
-from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses, table, written
+from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses, sagging_tip, table, written
 
 SIGMA = 20e-6
 
@@ -58,17 +58,6 @@ def test_a_zero_and_a_length_together(tmp_path):
     found = diagnose(arm, recording)
     assert {(each.effect, each.at) for each in found.findings} == {("encoder_offset", (2,)), ("link_length", (1,))}
     assert found.rms_after < 1.1 * found.noise_floor
-
-
-def sagging_tip(q, stiffness, payload):
-    """Tips (N, 2) of springs in the joints under a payload: each joint turns by the moment about it over its stiffness
-    until both agree."""
-    turned = np.zeros_like(q)
-    for _ in range(200):
-        angles = np.cumsum(q + turned, axis=1)
-        reach = np.cumsum((np.cos(angles) * LENGTHS)[:, ::-1], axis=1)[:, ::-1]
-        turned = -9.81 * payload[:, None] * reach / stiffness
-    return planar_tip(q + turned)
 
 
 def test_a_small_zero_on_an_arm_that_sags_far_is_named_alone(tmp_path):

@@ -1,0 +1,124 @@
+"""What was found, fitted about the arm as it makes it: the sizes at which finite motions, not first order, fit best.
+
+A zero, a length or a compliance moves the tip by finite motions, and turns what the loads bend. To first order about
+the arm file each size is off by a share of what lies beyond; that stays while standard errors fall with every reading.
+So the readings are set against the arm with the sizes found, and the sizes fitted again, until no direction of them
+moves by more than a small part of its standard error (Gauss-Newton; A. Bjorck, Numerical Methods for Least Squares
+Problems, SIAM 1996, 9.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import EffectEntry
+from diagnose.patterns.flexibility import entry
+from diagnose.patterns.library import columns_of
+from diagnose.patterns.pool import orthonormal
+from diagnose.residual.observed import Observed, observed_about
+from sections.numeric import Array
+
+from .corrected_arm import as_entry
+from .fit import Fit, beyond_nuisances, fit
+from .prepare import Patterns, Prepared, set_up
+from .refit import Refit, impossible_term, refit
+from .terms import Term, term_at
+
+
+@dataclass(frozen=True)
+class AboutItself:
+    """The readings set against the arm with what was found, the numbers that the groups have there, their linear fit
+    and their joint fit."""
+
+    prepared: Prepared
+    members: tuple[int, ...]
+    outside: tuple[int, ...]
+    fitted: Fit
+    refit: Refit
+
+
+def fitted_about_itself(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> AboutItself:
+    """Groups fitted together, `outside` being forms, about the arm as their sizes make it. Sizes that cannot be are
+    left as they came out first: no arm is like that."""
+    found, last = _fitted(prepared, members, outside), np.inf
+    rules = prepared.observed.rules.fitting
+    for _ in range(rules.motion_fits if members else 0):
+        if impossible_term(found.prepared, found.refit) is not None:
+            break
+        about = _about(found)
+        patterns = _patterns_about(about, found)
+        step = np.inf if patterns is None else _step(found, about)
+        if patterns is None or step <= rules.motion_settled * found.fitted.unit or step >= last:
+            break
+        last = step
+        again = set_up(about, patterns, prepared.rejected)
+        again = replace(again, independent=prepared.independent, together=prepared.together)
+        if len(again.pool.groups) < len(patterns):
+            break
+        count = len(members)
+        found = _fitted(again, range(count), range(count, len(patterns)))
+    return found
+
+
+def entries_of_arm(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
+    """Terms as entries of an arm file; what is a share of loads, acts in one recording alone, is no physics or is only
+    known as a product stays out."""
+    return tuple(
+        as_entry(term.candidate, term.sizes.tolist())
+        for term in terms
+        if not (term.candidate.share or term.candidate.outside or term.shared) and term.candidate.only is None
+    )
+
+
+def _about(found: AboutItself) -> Observed:
+    """The readings set against the arm with what is found; loads act through the flexibility found, and through what
+    the search has assumed beside it (not through what was found and is no longer)."""
+    observed, terms = found.prepared.observed, found.refit.terms
+    softer = [own for own in (entry(term.candidate, term.sizes.tolist()) for term in terms) if own is not None]
+    taken = {(own.effect, own.at) for own in (*softer, *observed.about)}
+    softer += [each for each in observed.softening if (each.effect, each.at) not in taken]
+    return observed_about(observed, entries_of_arm(terms), softer)
+
+
+def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> AboutItself:
+    fitted = fit(prepared, [*members, *outside])
+    return AboutItself(prepared, tuple(members), tuple(outside), fitted, refit(prepared, members, outside, fitted))
+
+
+def _patterns_about(observed: Observed, found: AboutItself) -> Patterns | None:
+    """What was found with its patterns about another shape, forms as they are; None where that shape is none, or one
+    shows no more."""
+    if not np.isfinite(observed.residual).all():
+        return None
+    patterns: Patterns = []
+    for member, term in zip(found.members, found.refit.terms, strict=True):
+        given = found.prepared.pool.groups[member].candidate
+        candidate = term.candidate if len(term.sizes) == len(given.sizes) and not term.shared else given
+        columns = columns_of(observed, candidate)
+        if columns is None or not np.isfinite(columns).all():
+            return None
+        patterns.append((candidate, columns))
+    return [*patterns, *((found.prepared.pool.groups[m].candidate, found.prepared.columns[m]) for m in found.outside)]
+
+
+def _step(found: AboutItself, about: Observed) -> float:
+    """How far (in whitened units) sizes would move what they move, if what lies beyond first order about the present
+    shape were allowed for: its length over the scatter is the largest change of any size, or sum of sizes, in standard
+    errors."""
+    terms, prepared = found.refit.terms, found.prepared
+    change = about.residual - prepared.observed.residual
+    for term in terms:
+        change = change + term.moved - _moved(about, term)
+    columns = [prepared.beside, *(term.columns for term in terms), *(prepared.columns[m] for m in found.outside)]
+    along = orthonormal(prepared.observed.whitened(np.concatenate(columns, axis=2)))
+    return float(np.linalg.norm(along.T @ prepared.observed.whitened(beyond_nuisances(prepared, change))))
+
+
+def _moved(observed: Observed, term: Term) -> Array:
+    """What a term moves (N, C), m and rad, about another shape; products with unknown weights, which are none of that
+    shape, as before."""
+    columns = None if term.shared else columns_of(observed, term.candidate)
+    return term.moved if columns is None else term_at(observed, term.candidate, term.sizes, columns).moved
