@@ -70,10 +70,11 @@ class Candidate:
 @dataclass(frozen=True)
 class NearTie:
     """A combination that comes within a few per cent of the best, solved to the end: its objective and its figures (SI;
-    None where not known)."""
+    None where not known); its actuators joint by joint (None: the joint keeps its own drive)."""
 
     shapes: tuple[str | None, ...]
     materials: tuple[str | None, ...]
+    actuators: tuple[str | None, ...]
     objective: float
     max_error: float
     mass: float

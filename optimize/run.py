@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from optimize.choice.actuators import first_driven
 from optimize.choice.combinations import Choice, Progress, count
 from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
-from optimize.exchange.exchange import Context
+from optimize.exchange.exchange import Context, context_of
 from optimize.journal import Journal
 from units.quantities import NoAnswer
 
@@ -120,7 +120,7 @@ def optimise(
         combinations=count(problem),
         gap=choice.gap,
         bound_of="all_designs" if everywhere else "binding_poses",
-        near_ties=tuple(_near_tie(context, tie) for tie in choice.ties.solved),
+        near_ties=_near_ties(context, choice.ties.solved),
         near_ties_left=choice.ties.left,
         drives=found.candidates,
         drives_exhaustive=found.exhaustive,
@@ -136,6 +136,19 @@ def _looked_at(names: str) -> str:
     return f" (looked at with {names})" if names else ""
 
 
+def _near_ties(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
+    """The near ties, each with an error model of its own drives."""
+    contexts = {context.problem.arm.joints: context}
+    found: list[NearTie] = []
+    for tie in ties:
+        joints = tie.arm.joints
+        if joints not in contexts:
+            arm = replace(context.problem.arm, joints=joints)
+            contexts[joints] = context_of(replace(context.problem, arm=arm))
+        found.append(_near_tie(contexts[joints], tie))
+    return tuple(found)
+
+
 def _near_tie(context: Context, tie: Tie) -> NearTie:
     """A near tie with the figures that people compare."""
     problem, arm = context.problem, tie.arm
@@ -146,6 +159,7 @@ def _near_tie(context: Context, tie: Tie) -> NearTie:
     return NearTie(
         tie.combination.shapes,
         tuple(None if material is None else material.name for material in tie.combination.materials),
+        tuple(None if joint.actuator is None else joint.actuator.name for joint in arm.joints),
         tie.objective,
         context.search.worst(p, certify=False).error,
         sum(masses),

@@ -276,7 +276,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         ],
         "near_ties": [
             {
-                **fields(each, "shapes", "materials", "mass_kg=mass", "cost_EUR=cost"),
+                **fields(each, "shapes", "materials", "actuators", "mass_kg=mass", "cost_EUR=cost"),
                 **objective(each.objective),
                 "max_error_mm": 1e3 * each.max_error,
                 "first_frequency_Hz": each.first_frequency,

@@ -170,6 +170,7 @@ def _near_ties(result: OptimizationResult) -> list[Section]:
         (
             names_words(each.shapes),
             names_words(each.materials),
+            *((names_words(each.actuators),) if result.drives else ()),
             _objective(result, each.objective),
             share(each.objective / result.objective - 1.0 if result.objective else 0.0),
             Value(mm(each.max_error)),
@@ -179,7 +180,8 @@ def _near_ties(result: OptimizationResult) -> list[Section]:
         )
         for each in result.near_ties
     ]
-    headings = ("shapes", "materials", "objective", "worse by", "error", "mass", "cost", "first frequency")
+    drives = ("actuators",) if result.drives else ()
+    headings = ("shapes", "materials", *drives, "objective", "worse by", "error", "mass", "cost", "first frequency")
     rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
     found = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
     told = None

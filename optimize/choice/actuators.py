@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from arm.actuators import Actuator
 from arm.chain.chain import Arm
 from arm.worst.search import WorstSearch
 from executors import Executor
-from optimize.exchange.design import numeric_beams
+from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context, context_of
 from optimize.exchange.program import carried_mass, drives_cost
 from optimize.journal import Journal
@@ -28,6 +28,8 @@ from units.quantities import NoAnswer
 from .at_once.feasibility import Feasibility
 from .combinations import Choice, NoChoice, Progress, chosen
 from .drive_frequency import frequency_allowed, frequency_asked
+from .near_ties import NEAR, Tie, Ties
+from .picks import Combination
 
 Log = Callable[[Iteration], None]
 Assignment = tuple[Actuator | None, ...]
@@ -102,7 +104,8 @@ class _Search:
         journal: Journal | None = None,
     ) -> None:
         self.problem, self.progress, self.log, self.executor = problem, progress, log, executor
-        self.journal = journal
+        # Near ties come back to combinations that were solved before.
+        self.journal = journal or Journal(None, "")
         self.best: tuple[Assignment, Context, Choice] | None = None
         self.candidates: dict[Assignment, DriveCandidate] = {}
         self.unsolved = 0
@@ -118,8 +121,8 @@ class _Search:
 
     def try_all(self, picks: list[Assignment]) -> None:
         """Look at assignments, those first with which the arm as given errs least."""
-        fresh = [pick for pick in picks if pick not in self.candidates and not self._hopeless(pick)]
-        for done, pick in enumerate(sorted(fresh, key=self._error)):
+        fresh = self.promising([pick for pick in picks if pick not in self.candidates])
+        for done, pick in enumerate(fresh):
             if self.progress is not None:
                 self.progress(done, len(fresh), f"actuators {names_of(pick)}")
             context = context_of(self.problem_with(pick))
@@ -135,6 +138,44 @@ class _Search:
             else:
                 self.unsolved += choice.unsolved
                 self._note(pick, None, "infeasible" if math.isinf(before) else "bounded out")
+
+    def promising(self, picks: Sequence[Assignment]) -> list[Assignment]:
+        """Those that are not hopeless, the arm as given erring least with the first."""
+        return sorted((pick for pick in picks if not self._hopeless(pick)), key=self._error)
+
+    def near_ties(self) -> Ties:
+        """What comes near the best, over all drives looked at that may hold any of it: of each, its own best and what
+        comes near that. What was solved before is not solved again."""
+        assert self.best is not None
+        limit = self.objective * (1.0 + NEAR)
+        found: dict[tuple[Assignment, Combination], Tie] = {}
+        left, interrupted = 0, False
+        near = [
+            pick
+            for pick, each in self.candidates.items()
+            if each.outcome != "infeasible" and (each.objective is None or each.objective <= limit)
+        ]
+        for pick in near:
+            context = self.best[1] if pick == self.best[0] else context_of(self.problem_with(pick))
+            settings: Any = {"executor": self.executor, "journal": self.journal, "progress": self.progress}
+            try:
+                choice = chosen(context, known=limit, **settings)
+            except KeyboardInterrupt:
+                interrupted = True
+                break
+            if isinstance(choice, NoChoice):
+                continue
+            arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
+            for each in (Tie(choice.combination, choice.objective, arm), *choice.ties.solved):
+                if each.objective <= limit:
+                    found[pick, each.combination] = each
+            left += choice.ties.left
+            interrupted = choice.interrupted or choice.ties.interrupted
+            if interrupted:
+                break
+        found.pop((self.best[0], self.best[2].combination), None)
+        ties = tuple(sorted(found.values(), key=lambda each: each.objective))
+        return Ties(ties, left, left == 0 and not interrupted, interrupted)
 
     def _hopeless(self, pick: Assignment) -> bool:
         """Whether the drives alone break the limit on the total mass or the cost."""
@@ -206,11 +247,15 @@ def choose_driven(
     if exhaustive and not picks:
         raise NoAnswer("same: [actuator]: the joints' lists have no actuator in common")
     interrupted = False
+    ties = Ties()
     try:
         if exhaustive:
             search.try_all(picks)
         else:
             search.joint_by_joint()
+        if search.best is not None:
+            ties = search.near_ties()
+            interrupted = ties.interrupted
     except KeyboardInterrupt:
         if search.best is None:
             raise
@@ -222,11 +267,17 @@ def choose_driven(
     ranked = tuple(sorted(candidates, key=lambda each: math.inf if each.objective is None else each.objective))
     if search.best is not None:
         pick, context, choice = search.best
-        ended = replace(choice, interrupted=interrupted)
+        ended = replace(choice, interrupted=interrupted, ties=ties)
         return Driven(context, ended, ranked, exhaustive and not interrupted, names_of(pick))
     first = next(iter(search.candidates))
     context = context_of(search.problem_with(first))
     return Driven(context, None, ranked, exhaustive, names_of(first), search.unsolved)
+
+
+def promising(problem: Problem, picks: Sequence[Assignment]) -> list[Assignment]:
+    """The choices whose drives alone break no limit, those first with which the arm as given errs least."""
+    search = _Search(problem, None, None)
+    return search.promising(picks)
 
 
 def first_driven(problem: Problem) -> tuple[Context, str]:

@@ -167,3 +167,38 @@ def test_a_search_joint_by_joint_is_told_and_no_worse_than_its_start(
     assert len(part.drives) <= len(whole.drives)
     alike = replace(problem, same=frozenset({"actuator"}))
     assert whole.objective * (1.0 - 1e-4) <= part.objective <= optimise(alike).objective * (1.0 + 1e-4)
+
+
+def test_near_ties_are_those_of_all_drives(tmp_path: Path) -> None:
+    """Every choice of drives and of materials that is within 3 % when it is solved by itself is listed."""
+    text = (
+        f"subject_to: {{total_mass: '<= 11 kg', {SIZES}}}\n"
+        "choose: {section: [circle], material: [aluminium-6061-t6, aluminium-7075-t6], same: [material],\n"
+        "  actuator: [[CSG-25-100-2UH, RV-6E], [CSG-17-100-2UH]]}\n"
+    )
+    problem = problem_of(tmp_path, TWO, text)
+    found = optimise(problem)
+    assert problem.materials is not None
+    values: dict[tuple[object, ...], float] = {}
+    for pick in assignments(problem):
+        for material in problem.materials:
+            arm = with_actuators(problem.arm, pick)
+            own = replace(problem, arm=arm, actuators=None, materials=(material,))
+            names = tuple(each.name for each in pick if each is not None)
+            try:
+                values[names, (material.name,) * 2] = optimise(own).objective
+            except NoAnswer:
+                continue
+    assert found.objective == pytest.approx(min(values.values()), rel=2e-4)
+    own = tuple(joint.actuator.name for joint in found.arm.joints if joint.actuator is not None)
+    best = own, tuple(link.material.name for link in found.arm.links if link.material is not None)
+    ties = {(each.actuators, each.materials): each for each in found.near_ties}
+    near = {key for key, value in values.items() if value <= found.objective * 1.0299} - {best}
+    assert near
+    assert set(ties) >= near
+    assert best not in ties
+    assert found.near_ties_left == 0
+    for key, tie in ties.items():
+        assert tie.objective == pytest.approx(values[key], rel=2e-4)
+        assert evaluate(tie.arm, problem.workspace).max_error == pytest.approx(tie.max_error, rel=1e-4)
+        assert tuple(joint.actuator.name for joint in tie.arm.joints if joint.actuator is not None) == key[0]
