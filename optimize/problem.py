@@ -468,9 +468,6 @@ def _check_listed(mapping: Mapping, problem: Problem) -> None:
     if problem.uncertain is not None:
         would_do = "leave out uncertain, and ask `evaluate --problem` of the answer"
         raise mapping.error("choose.sizes", f"is chosen for the arm as it is; {would_do}")
-    if problem.actuators is not None:
-        would_do = "name the drives in the arm file, or leave out sizes and round afterwards"
-        raise mapping.error("choose.sizes", f"goes with drives that stay; {would_do}")
 
 
 def _check_reach(body: Mapping, problem: Problem) -> None:

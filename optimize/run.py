@@ -32,6 +32,7 @@ from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .result import Iteration, NearTie, OptimizationResult, Status
 from .robust.run import robust_optimum
+from .sizes.driven import optimise_driven_lists
 from .sizes.run import optimise_listed
 from .trust import doubts_of, optimum_of
 
@@ -63,6 +64,8 @@ def optimise(
         settings: Any = {"log": log, "progress": progress}
         nominal = optimise(replace(problem, uncertain=None), **settings, told=told, journal=journal)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
+    if problem.sizes is not None and problem.actuators is not None:
+        return optimise_driven_lists(problem, progress=progress, log=log)
     if problem.sizes is not None:
         return optimise_listed(problem, progress=progress, log=log)
     began = time.perf_counter()

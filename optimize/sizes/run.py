@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -29,6 +30,18 @@ from .search import CLOSE, Found, ListSearch
 _MOST_EXCLUDED = 8
 _SAMPLED = 20_000
 """Designs among which the one that breaks the limits least is looked for."""
+
+
+class NoListed(NoAnswer):
+    """No design of the lists was found; `proven` where none keeps the limits."""
+
+    def __init__(self, message: str, *, proven: bool) -> None:
+        super().__init__(message)
+        self.proven = proven
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep what is known when the error crosses between processes."""
+        return partial(NoListed, proven=self.proven), (str(self),)
 
 
 def optimise_listed(
@@ -95,13 +108,14 @@ def _found(search: ListSearch) -> tuple[Found, Evaluation]:
     for _ in range(_MOST_EXCLUDED):
         found = search.run()
         if found.pick is None:
-            raise NoAnswer(_why_not(search, found))
+            proven = math.isinf(found.bound) and found.bound > 0.0
+            raise NoListed(_why_not(search, proven=proven), proven=proven)
         arm = search.judge.table.arm_of([*found.pick, 0])
         after = evaluate(arm, problem.workspace, problem.load_cases)
         if found.interrupted or not broken(problem.limits, after):
             return found, after
         search.exclude(found.pick)
-    raise NoAnswer("the best designs of listed sizes all break a limit when evaluated")
+    raise NoListed("the best designs of listed sizes all break a limit when evaluated", proven=False)
 
 
 def _status(found: Found, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
@@ -123,9 +137,8 @@ def _among(arm: Arm, lists: tuple[LinkList, ...]) -> bool:
     )
 
 
-def _why_not(search: ListSearch, found: Found) -> str:
+def _why_not(search: ListSearch, *, proven: bool) -> str:
     """That no design keeps the limits, or none was found; and by what the nearest of a sample breaks them."""
-    proven = math.isinf(found.bound) and found.bound > 0.0
     told = (
         "no combination of the sizes listed keeps all limits" if proven else "no design that keeps all limits was found"
     )

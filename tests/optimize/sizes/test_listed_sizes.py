@@ -144,7 +144,6 @@ def test_no_answer_names_the_limit(tmp_path: Path) -> None:
         ("sizes: {diameter: {from: 20 mm, to: 10 mm, step: 1 mm}}", "from below to"),
         ("sizes: IPE 81", "did you mean IPE 80"),
         ("sizes: [{diameter: 20 mm}]", "one for each of the 2 links"),
-        ("sizes: stock, actuator: [RV-20E]", "goes with drives that stay"),
     ],
 )
 def test_wrong_lists_are_told_in_one_line(tmp_path: Path, choice: str, message: str) -> None:
