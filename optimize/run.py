@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from arm.actuators import Actuator
 from arm.errors.model import beam_values, beams_of
 from arm.evaluation import Evaluation, error_map, evaluate, link_masses, material_cost
 from arm.limits.slowest_pose import least_frequency
@@ -16,7 +17,7 @@ from executors import Executor
 from optimize.balance.balance import settled
 from optimize.balance.chosen import balance_of
 from optimize.balance.motors import choose_placed
-from optimize.choice.actuators import first_driven
+from optimize.choice.actuators import first_driven, with_actuators
 from optimize.choice.combinations import Choice, Progress, count
 from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
@@ -141,14 +142,17 @@ def _looked_at(names: str) -> str:
 
 def _near_ties(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
     """The near ties, each with an error model of its own drives."""
-    contexts = {context.problem.arm.joints: context}
+    arm = context.problem.arm
+    contexts: dict[tuple[Actuator | None, ...], Context] = {tuple(joint.actuator for joint in arm.joints): context}
     found: list[NearTie] = []
     for tie in ties:
-        joints = tie.arm.joints
-        if joints not in contexts:
-            arm = replace(context.problem.arm, joints=joints)
-            contexts[joints] = context_of(replace(context.problem, arm=arm))
-        found.append(_near_tie(contexts[joints], tie))
+        drives = tuple(joint.actuator for joint in tie.arm.joints)
+        if drives not in contexts:
+            others = tuple(
+                None if own == joint.actuator else own for own, joint in zip(drives, arm.joints, strict=True)
+            )
+            contexts[drives] = context_of(replace(context.problem, arm=with_actuators(arm, others)))
+        found.append(_near_tie(contexts[drives], tie))
     return tuple(found)
 
 

@@ -247,15 +247,15 @@ def choose_driven(
     if exhaustive and not picks:
         raise NoAnswer("same: [actuator]: the joints' lists have no actuator in common")
     interrupted = False
-    ties = Ties()
+    near = Ties()
     try:
         if exhaustive:
             search.try_all(picks)
         else:
             search.joint_by_joint()
-        if search.best is not None:
-            ties = search.near_ties()
-            interrupted = ties.interrupted
+        if search.best is not None and ties:
+            near = search.near_ties()
+            interrupted = near.interrupted
     except KeyboardInterrupt:
         if search.best is None:
             raise
@@ -267,7 +267,7 @@ def choose_driven(
     ranked = tuple(sorted(candidates, key=lambda each: math.inf if each.objective is None else each.objective))
     if search.best is not None:
         pick, context, choice = search.best
-        ended = replace(choice, interrupted=interrupted, ties=ties)
+        ended = replace(choice, interrupted=interrupted, ties=near)
         return Driven(context, ended, ranked, exhaustive and not interrupted, names_of(pick))
     first = next(iter(search.candidates))
     context = context_of(search.problem_with(first))
