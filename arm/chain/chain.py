@@ -51,6 +51,7 @@ class Joint:
     that of the softest. None: the same under any load. `counterbalance` takes load off the drive, `motor_on_base` (kg)
     is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
     it. `cost` (EUR) is what the joint costs with its drive, as of `cost_date` (`2026-01`); None: what its drive does.
+    `passive` says that it has no drive: it is turned by hand, or by what holds the tip, and an encoder reads it.
     """
 
     type: JointType = "revolute"
@@ -72,6 +73,7 @@ class Joint:
     cost: float | None = None
     cost_date: str = ""
     balancer_chosen: str = field(default="", compare=False)
+    passive: bool = False
 
     @property
     def driven(self) -> bool:

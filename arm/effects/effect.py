@@ -220,6 +220,7 @@ class Effect:
     `through_flexibility` marks loads that move the tip by what gives in the arm, what `effects` add to that included.
     `least_travel` (rad, m) is how far a joint must have gone in a recording for the effect to be sought there, and
     `shown_by` whether a recording holds what it takes to see it at these places (from 0) with these shapes.
+    `needs_drive` marks what only a drive does: a passive joint has none.
 
     What other rooms go by:
     `rank` says which name goes first where data cannot tell effects apart: the lower, the commoner cause, the simpler.
@@ -274,6 +275,7 @@ class Effect:
     only: Only | None = None
     through_flexibility: bool = False
     least_travel: float = 0.0
+    needs_drive: bool = False
     shown_by: Callable[[Readings, tuple[int, ...], Mapping[str, float]], bool] = always_shown
     rank: int = LAST_RANK
     linear: bool = False
@@ -303,8 +305,11 @@ class Effect:
         """Whether it goes with a link as it was built."""
         return self.place == "link" if self.of_link is None else self.of_link
 
-    def can_act(self, index: int, *, revolute: bool) -> bool:
-        """Whether the effect can move anything at joint `index` (from 0), or at the link it carries."""
+    def can_act(self, index: int, *, revolute: bool, passive: bool = False) -> bool:
+        """Whether the effect can move anything at joint `index` (from 0), or at the link it carries; no drive does at a
+        passive joint."""
+        if passive and self.needs_drive:
+            return False
         if self.only == "joints after the first":
             return index > 0
         return self.only is None or revolute == (self.only == "joints that turn")

@@ -123,8 +123,18 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             follows=follows,
             cost=cost,
             cost_date=cost_date,
+            passive=_passive(mapping),
         )
         return joint, motor
+
+
+def _passive(mapping: Mapping) -> bool:
+    if not mapping.boolean("passive", False):
+        return False
+    for name in ("actuator", "stiffness", "backlash", "balancer", "motor"):
+        if mapping.has(name):
+            raise mapping.error(name, "is of a drive, and a passive joint has none; leave it or `passive` out")
+    return True
 
 
 def _balanced(mapping: Mapping, turns: bool) -> bool:

@@ -125,6 +125,8 @@ def _joint(joint: Joint) -> dict[str, Any]:
         out["mass"] = format_quantity(joint.mass, "mass")
     if joint.cost is not None:
         out["cost"] = cost_to_value(joint.cost, joint.cost_date)
+    if joint.passive:
+        out["passive"] = True
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)
     if joint.counterbalance is not None:

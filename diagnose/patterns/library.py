@@ -172,7 +172,11 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         return
     shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
     joints = observed.arm.joints
-    everywhere = tuple(i for i in _places(observed, effect) if effect.can_act(i, revolute=joints[i].revolute))
+    everywhere = tuple(
+        i
+        for i in _places(observed, effect)
+        if effect.can_act(i, revolute=joints[i].revolute, passive=joints[i].passive)
+    )
     places: list[tuple[tuple[int, ...], bool]] = [((index,), False) for index in everywhere]
     if effect.place in ("base", "tip"):
         places = [((), False)]

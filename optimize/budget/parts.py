@@ -165,7 +165,8 @@ def _places(arm: Arm, active: ActiveEffect) -> list[tuple[Owner, Settings]]:
     return [
         ((effect.place, k), replace(active.settings, at=(k,)))
         for k in range(arm.size)
-        if active.settings.acts_at(k) and effect.can_act(k, revolute=arm.joints[k].revolute)
+        if active.settings.acts_at(k)
+        and effect.can_act(k, revolute=arm.joints[k].revolute, passive=arm.joints[k].passive)
     ]
 
 

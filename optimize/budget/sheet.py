@@ -186,4 +186,4 @@ def _all_places(entry: EffectEntry, arm: Arm) -> tuple[int, ...]:
     if entry.at or effect.place not in ("joint", "link"):
         return entry.at
     joints = enumerate(arm.joints)
-    return tuple(k + 1 for k, joint in joints if effect.can_act(k, revolute=joint.revolute))
+    return tuple(k + 1 for k, joint in joints if effect.can_act(k, revolute=joint.revolute, passive=joint.passive))

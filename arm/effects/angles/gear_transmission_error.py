@@ -44,6 +44,7 @@ GEAR_TRANSMISSION_ERROR = Effect(
     title="transmission error of a gear",
     formula="sum J_i (a sin k q_i + b cos k q_i)",
     place="joint",
+    needs_drive=True,
     cause="angle errors",
     needs="dense travel of the joint: three readings a period or more",
     aliases=("encoder_eccentricity",),

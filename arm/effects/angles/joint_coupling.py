@@ -21,6 +21,7 @@ JOINT_COUPLING = Effect(
     title="coupling of a joint to the one before it",
     formula="sum J_i k_i q_(i-1), i from 2",
     place="joint",
+    needs_drive=True,
     cause="angle errors",
     needs="both joints' travel, each with the other at several places",
     aliases=("encoder_scale",),

@@ -43,6 +43,7 @@ CREEP = Effect(
     title="creep of the drives",
     formula="sum J_i tau_i c_i (1 - exp(-t/tc)), t since loading began",
     place="joint",
+    needs_drive=True,
     cause="flexibility",
     needs="time, and steps of load",
     aliases=("thermal_expansion", "joint_compliance"),

@@ -72,6 +72,7 @@ JOINT_COMPLIANCE = Effect(
     title="compliance of the drives",
     formula="sum J_i tau_i / K_i; of an actuator whose catalogue has zones of stiffness zone by zone",
     place="joint",
+    needs_drive=True,
     cause="flexibility",
     automatic=True,
     needs="two payloads, or joint-side encoders",

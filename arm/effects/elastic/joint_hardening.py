@@ -61,6 +61,7 @@ JOINT_HARDENING = Effect(
     title="hardening of the drives",
     formula="sum J_i (c_i t0 tanh(tau_i/t0) + c tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
+    needs_drive=True,
     cause="flexibility",
     needs="a wide range of torque",
     aliases=("joint_compliance",),

@@ -21,6 +21,7 @@ SERVO_DROOP = Effect(
     title="droop of the servo loops",
     formula="sum J_i tau_i / Kp_i",
     place="joint",
+    needs_drive=True,
     cause="flexibility",
     needs="command and encoder both logged",
     aliases=("joint_compliance",),

@@ -43,6 +43,7 @@ COUNTERBALANCE = Effect(
     title="torque of a counterbalance",
     formula="J_i k sin(phi_i - phi_0)/K_i = J_i (a sin phi_i + b cos phi_i)",
     place="joint",
+    needs_drive=True,
     cause="loads",
     needs="two payloads",
     aliases=("joint_compliance",),

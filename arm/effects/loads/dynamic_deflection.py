@@ -114,6 +114,7 @@ DYNAMIC_DEFLECTION = Effect(
     title="deflection of the drives under inertia",
     formula="-sum J_i c_i (M q'' + h(q, q'))_i",
     place="joint",
+    needs_drive=True,
     cause="flexibility",
     needs="velocities and accelerations",
     aliases=("joint_compliance", "latency"),

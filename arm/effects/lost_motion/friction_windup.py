@@ -44,6 +44,7 @@ FRICTION_WINDUP = Effect(
     title="wind-up of the drives by friction",
     formula="sum -J_i s_i (tau_c + mu |tau_i|)/K_i",
     place="joint",
+    needs_drive=True,
     cause="play and friction",
     needs="every pose from both sides, with two payloads",
     aliases=("backlash",),

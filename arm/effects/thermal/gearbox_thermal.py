@@ -23,6 +23,7 @@ GEARBOX_THERMAL = Effect(
     title="thermal motion of the joints",
     formula="sum J_i g_i dT_i, dT_i above 20 degC behind its first-order lag",
     place="joint",
+    needs_drive=True,
     cause="warming",
     needs="temperature",
     aliases=("thermal_bending", "frame_drift"),
