@@ -33,8 +33,8 @@ _BESIDE = 2000
 """What a cell takes beside its control points, in control points."""
 
 Index = NDArray[np.intp]
-CellFilter = Callable[[Array, Array], NDArray[np.bool_]]
-"""(centres (N, n), half widths (N, n)) -> which cells may hold an admissible point."""
+Narrowing = Callable[[Array, Array], tuple[Array, Array, NDArray[np.bool_]]]
+"""(centres (N, n), half widths (N, n)) -> the same narrowed to what may hold points that count, and which cells may."""
 
 
 @dataclass(frozen=True)
@@ -282,9 +282,10 @@ def _pulled(vector: Array, intervals: Array) -> Array:
     return vector + np.einsum("nkp,nkip->nip", side, intervals)
 
 
-def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> float:
+def bound(played: PlayedVector, known: float, *, gap: float, effort: int, narrow: Narrowing | None = None) -> float:
     """A length that the vector exceeds nowhere: the longest within a relative `gap` where `effort` control points
-    beyond the first cells' are enough for that, else the best bound so far. `known` is a length that is reached.
+    beyond the first cells' are enough for that, else the best bound so far. `known` is a length that is reached. Only
+    what `narrow` leaves of cells counts.
     """
     lower, upper = np.array([axis.lower for axis in played.axes]), np.array([axis.upper for axis in played.axes])
     parts = [max(1, math.ceil((axis.upper - axis.lower) / (2.0 * _WIDEST))) for axis in played.axes]
@@ -292,6 +293,7 @@ def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> flo
     ends = [lower[j] + span[j] * (np.arange(parts[j]) + 0.5) for j in range(len(parts))]
     centers = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(parts))
     half = np.broadcast_to(0.5 * span, centers.shape).copy()
+    centers, half, _ = _narrowed(narrow, centers, half)
     tops, closed, curvature = played.longest(centers, half), known, played.curvature
     enough, spent = known * (1.0 + gap), 0
     while True:
@@ -303,11 +305,21 @@ def bound(played: PlayedVector, known: float, *, gap: float, effort: int) -> flo
         order = np.argsort(-tops, kind="stable")
         chosen, rest = order[: played.block], order[played.block :]
         halved, smaller = _halves(centers[chosen], half[chosen], curvature)
-        # A part is no worse than the whole, whatever rounding says.
-        found = np.minimum(played.longest(halved, smaller), np.repeat(tops[chosen], 2))
         spent += len(halved) * played.effort
+        halved, smaller, inside = _narrowed(narrow, halved, smaller)
+        whole = np.repeat(tops[chosen], 2)[inside]
+        # A part is no worse than the whole, whatever rounding says.
+        found = np.minimum(played.longest(halved, smaller), whole)
         centers, half = np.concatenate([centers[rest], halved]), np.concatenate([half[rest], smaller])
         tops = np.concatenate([tops[rest], found])
+
+
+def _narrowed(narrow: Narrowing | None, centers: Array, half: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """What counts of cells, and which of them have any."""
+    if narrow is None:
+        return centers, half, np.ones(len(centers), dtype=bool)
+    centers, half, inside = narrow(centers, half)
+    return centers[inside], half[inside], inside
 
 
 def _halves(centers: Array, half: Array, curvature: Array) -> tuple[Array, Array]:

@@ -20,10 +20,13 @@ from sections.numeric import Array
 from .dependence import all_round, joints_that_matter
 from .hull import Axis, Pins, PlayedVector, bound, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
+from .workspace import RegionCells
 
 QUICK, THOROUGH = 4_000_000, 100_000_000
 """Efforts, in control points looked at for a load case: some tenths of a second, and a few
 seconds."""
+CONFINED = 400_000_000
+"""The same for all load cases together, where a box or a path confines the poses of five or six joints."""
 _MOST_OF_A_CELL = 20_000
 _FRAMES = 4
 """Frames of joints, from the base on, in which the error may be looked at."""
@@ -32,19 +35,29 @@ _ALONGSIDE = 1e-9
 
 
 def loose_bound(
-    case: CaseModel, p: Array, coordinates: Coordinates, known: float, *, planar: bool, gap: float, effort: int
+    case: CaseModel,
+    p: Array,
+    coordinates: Coordinates,
+    known: float,
+    *,
+    planar: bool,
+    gap: float,
+    effort: int,
+    cells: RegionCells | None = None,
 ) -> float | None:
     """An error (m) that no pose within the joints' ranges exceeds wherever the play stands, within a relative `gap` of
     the error `known` to be reached where the `effort` allows; None where the error is no polynomial of few joints.
+    With `cells` of a box or path, which are of all joints that move, no pose with its tip there.
     """
-    matter = _matter(case, p, coordinates)
+    matter = _matter(case, p, coordinates) if cells is None else tuple(coordinates.moving)
     try:
         played = _played(case, p, coordinates, matter, pins=not planar)
     except NotPolynomial:
         return None
     # In the plane pins add up, whatever the pose.
     radius = float(case.radii.sum()) if planar else 0.0
-    return radius + bound(played, max(known - radius, 0.0), gap=gap, effort=effort)
+    narrow = None if cells is None else cells.narrowed
+    return radius + bound(played, max(known - radius, 0.0), gap=gap, effort=effort, narrow=narrow)
 
 
 def _matter(case: CaseModel, p: Array, coordinates: Coordinates) -> tuple[int, ...]:

@@ -20,7 +20,7 @@ from sections.numeric import Array
 from units.quantities import NoAnswer
 
 from .certificate import Certified, climb, maximise
-from .loose_bound import QUICK, THOROUGH, loose_bound
+from .loose_bound import CONFINED, QUICK, THOROUGH, loose_bound
 from .polynomial import Coordinates, NotPolynomial, fit
 from .polynomial_error import MOST_JOINTS, ErrorPolynomials, error_polynomials
 from .refine import uphill, uphill_in_region, wander_in_region
@@ -37,6 +37,8 @@ _SAME_TURN = 1e-9
 _MOST_CELLS = 2_000_000
 _FEW_JOINTS, _FEW_CELLS = 3, 20_000
 """Cells of so few joints are looked at before another kind of bound is tried: some hundredths of a second."""
+_MOST_CONFINED = 6
+"""Joints that move, up to which poses of a box or path have a bound: all of them count there."""
 _MOST_REGION_CELLS = 500_000
 """A path is a thin set: its cells are dropped slowly, and beyond this many the bound stands as it is."""
 
@@ -213,13 +215,7 @@ class WorstSearch:
     def _climbed_and_certified(
         self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify_up_to: float
     ) -> WorstCase:
-        cells = None
-        if self.workspace.kind != "joints":
-            moving = self._coordinates.moving
-            tips = fit(
-                lambda q: self.tip(self._coordinates.placed(moving, q), p), self._coordinates.of(moving), degree=1
-            )
-            cells = region_cells(self.workspace, tips)
+        cells = self._cells(p)
         matter = sorted({joint for each in polynomials for joint in each.joints})
         poses = [pose for each in polynomials for pose in self._climbed(p, each, starts)]
         worst = max(poses, key=lambda pose: pose.error)
@@ -250,20 +246,35 @@ class WorstSearch:
         bound = max(bound, worst.error)
         return WorstCase(worst.error, bound, self._closed(worst.error, bound), distinct(poses, matter))
 
+    def _cells(self, p: Array) -> RegionCells | None:
+        """What tells which cells of all moving joints reach a box or path; None for joint ranges."""
+        if self.workspace.kind == "joints":
+            return None
+        moving = self._coordinates.moving
+        tips = fit(lambda q: self.tip(self._coordinates.placed(moving, q), p), self._coordinates.of(moving), degree=1)
+        return region_cells(self.workspace, tips)
+
     def _closed(self, error: float, bound: float) -> bool:
         return bound <= error * (1.0 + self.gap) * (1.0 + 1e-9) + 1e-15
 
     def _bounded(self, p: Array, found: WorstCase) -> WorstCase:
         """A worst case from a scan with a bound, where one can be had."""
-        if self.workspace.kind != "joints" or self.arm.play == "statistical":
+        confined = self.workspace.kind != "joints"
+        if self.arm.play == "statistical" or (confined and len(self._coordinates.moving) > _MOST_CONFINED):
             return found
-        bounds = [self._loose_bound(p, case, found.error, THOROUGH) for case in range(len(self.model.cases))]
+        if confined and self.gap < DEFAULT_GAP:
+            return found  # who asks for that has no use for a bound that is loose by tens of per cent
+        cells, count = self._cells(p), len(self.model.cases)
+        effort = CONFINED // count if confined else THOROUGH
+        bounds = [self._loose_bound(p, case, found.error, effort, cells) for case in range(count)]
         bound = None if None in bounds else max([found.error, *(each for each in bounds if each is not None)])
         return replace(found, upper_bound=bound, certified=bound is not None and self._closed(found.error, bound))
 
-    def _loose_bound(self, p: Array, case: int, known: float, effort: int) -> float | None:
+    def _loose_bound(
+        self, p: Array, case: int, known: float, effort: int, cells: RegionCells | None = None
+    ) -> float | None:
         model, planar = self.model.cases[case], self.model.planar
-        return loose_bound(model, p, self._coordinates, known, planar=planar, gap=self.gap, effort=effort)
+        return loose_bound(model, p, self._coordinates, known, planar=planar, gap=self.gap, effort=effort, cells=cells)
 
     def _climbed(self, p: Array, polynomials: ErrorPolynomials, starts: Array) -> list[WorstPose]:
         functions = len(polynomials.weights)

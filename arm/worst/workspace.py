@@ -217,6 +217,10 @@ def sample(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, c
     return pulled[distance < 1e-7]
 
 
+_NARROWINGS = 2
+"""How often a cell is narrowed by each axis of the region."""
+
+
 @dataclass(frozen=True)
 class RegionCells:
     """Tells which cells of joint space can hold a pose of a box or path, from bounds on the nominal tip."""
@@ -235,6 +239,35 @@ class RegionCells:
         allowed = np.sqrt((reach * reach).sum(axis=1))
         return distance_to_path(places, points) <= allowed
 
+    def narrowed(self, centers: Array, half: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Cells (N, n) without what cannot have its tip in the box (that around a path), and which of them may have.
+
+        The tip is its linear part about the centre, and no more than a remainder beside it; what one joint can do is
+        what the region leaves it when all others do their utmost (hull consistency; F. Benhamou et al., Revising hull
+        and box consistency, ICLP 1999).
+        """
+        values, slopes, beside = self._linear(centers, half)
+        axes = range(2 if self.workspace.in_plane else 3)
+        points = np.array(self.workspace.points)
+        low, high = -half, half.copy()
+        possible = np.ones(len(centers), dtype=bool)
+        for _ in range(_NARROWINGS):
+            for axis in axes:
+                slope, room = slopes[axis], beside[axis] + 1e-9
+                least, most = np.minimum(slope * low, slope * high), np.maximum(slope * low, slope * high)
+                below = points[:, axis].min() - values[axis] - room - most.sum(axis=1)
+                above = points[:, axis].max() - values[axis] + room - least.sum(axis=1)
+                # What is asked of each joint's own part.
+                parts = np.stack([below[:, None] + most, above[:, None] + least])
+                steep = np.abs(slope) > 1e-12
+                ends = np.where(steep, parts / np.where(steep, slope, 1.0), np.stack([low, high]))
+                low, high = np.maximum(low, ends.min(axis=0)), np.minimum(high, ends.max(axis=0))
+                possible &= (below <= 0.0) & (above >= 0.0) & np.all(low <= high + 1e-12, axis=1)
+                high = np.maximum(low, high)
+        center, wide = centers + 0.5 * (low + high), 0.5 * (high - low)
+        possible[possible] &= self.keep(center[possible], wide[possible])
+        return center, wide, possible
+
     def holds(self, centers: Array) -> NDArray[np.bool_]:
         """Whether the poses themselves have their tip in the box; a path has no inside."""
         if self.workspace.kind == "path":
@@ -245,16 +278,18 @@ class RegionCells:
         places = places[:, axes]
         return np.all((places >= points.min(axis=0)) & (places <= points.max(axis=0)), axis=1)
 
-    def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:
+    def _linear(self, centers: Array, half: Array) -> tuple[Array, Array, Array]:
+        """Per axis: the tips (3, N) at the centres, their slopes (3, N, n), and what is beside those in cells
+        (3, N), m."""
         count = len(centers)
-        places, reach = np.empty((count, 3)), np.empty((count, 3))
-        second = self.tip.remainder(half, 1)
-        for axis in range(3):
-            which = np.full(count, axis, dtype=np.intp)
-            value, gradient, _ = self.tip.at(centers, which, order=1)
-            places[:, axis] = value
-            reach[:, axis] = (np.abs(gradient) * half).sum(axis=1) + second[axis]
-        return places, reach
+        beside = self.tip.remainder(half, 1)
+        found = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in range(3)]
+        values, slopes = np.stack([each[0] for each in found]), np.stack([each[1] for each in found])
+        return values, slopes, np.stack([np.broadcast_to(beside[axis], (count,)) for axis in range(3)])
+
+    def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:
+        values, slopes, beside = self._linear(centers, half)
+        return values.T, ((np.abs(slopes) * half).sum(axis=2) + beside).T
 
 
 def region_cells(workspace: Workspace, tip: Coefficients) -> RegionCells:
