@@ -19,7 +19,7 @@ from diagnose.patterns.library import Candidate, candidates, columns_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
 from diagnose.residual.observed import Observed, observe
-from diagnose.several.recordings import together
+from diagnose.several.recordings import Several, together
 from sections.numeric import Array
 
 from .asked import Asked, seen_axes
@@ -38,7 +38,7 @@ class NothingToSee(Exception):
 def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None) -> Planned:
     """The visits from which the causes asked for are seen smallest and told from others, in an order to record them.
 
-    `after` is a recording that is there already: what it shows counts, and the plan goes on from it.
+    `after` is a recording that is there already, or several as one: what it shows counts, and the plan goes on from it.
     Raises ValueError where the boxes to avoid leave too few poses or the instrument sees nothing of a planar arm,
     `NothingToSee`, and what `arm.errors.model.beams_of` raises.
     """
@@ -102,11 +102,15 @@ def _checked(
 
 def going_on(before: Recording, then: Recording, arm: Arm) -> Recording:
     """A recording and a plan after it, as a diagnosis takes both: of the first what a plan has too."""
-    return together([_as_plan(before), then], arm)
+    return together([*_as_plans(before), then], arm)
+
+
+def _as_plans(before: Recording) -> list[Recording]:
+    """The readings of each recording with no more than what a plan holds."""
+    return [_as_plan(each) for each in (before.each if isinstance(before, Several) else (before,))]
 
 
 def _as_plan(before: Recording) -> Recording:
-    """The readings with no more than what a plan holds."""
     return Recording(
         file=before.file,
         q=before.q,
@@ -131,7 +135,8 @@ def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: str, after: Recording 
     rows = _rows(observed, [beside, *(c * s for (_, c), s in zip(chosen, scale, strict=True))], axes, asked)
     known = np.zeros((rows.shape[2],) * 2)
     if after is not None:
-        recorded = _in_any_order(arm, _as_plan(after), asked)
+        plans = _as_plans(after)
+        recorded = _in_any_order(arm, plans[0] if len(plans) == 1 else together(plans, arm), asked)
         own = nuisances(recorded)[0]
         found = [columns_of(recorded, candidate) for candidate, _ in chosen]
         nothing = np.zeros((recorded.rows, recorded.residual.shape[1], 1))

@@ -47,8 +47,12 @@ def plan(
         typer.Option("--avoid", metavar="BOX", help="'0.5 m, -1 m, 0 m to 2 m, 1 m, 0.4 m'; may be repeated."),
     ] = None,
     after: Annotated[
-        Path | None,
-        typer.Option("--after", metavar="RECORDING", help="Go on from it: what it could not tell apart is asked."),
+        list[Path] | None,
+        typer.Option(
+            "--after",
+            metavar="RECORDING",
+            help="Go on from it (may be repeated): what it could not tell is asked.",
+        ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="The same seed gives the same plan.")] = 1,
     json: JsonFile = None,
@@ -59,7 +63,7 @@ def plan(
     from linkwright.results.planning import describe
 
     for target in (out, json, markdown):
-        check_target(target, arm, after, catalogue)
+        check_target(target, arm, *(after or []), catalogue)
     if out == OUTPUT:
         raise InputError("", "--out", "needs the name of a file; --json - writes to standard output")
     given = lw.read_arm(arm, catalogue=catalogue)
@@ -75,7 +79,7 @@ def plan(
             frame=frame,  # pyright: ignore[reportArgumentType] - what it can be is checked there
             tool=tool,  # pyright: ignore[reportArgumentType]
             avoid=[_box(text) for text in avoid or []],
-            after=after,
+            after=after[0] if after and len(after) == 1 else after,
             seed=seed,
         )
     if out is not None:

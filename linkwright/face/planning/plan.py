@@ -117,7 +117,7 @@ def plan(
     frame: Literal["known", "free"] = "known",
     tool: Literal["known", "free"] = "known",
     avoid: Sequence[tuple[Sequence[Quantity], Sequence[Quantity]]] = (),
-    after: Recording | Diagnosis | File | None = None,
+    after: Recording | Diagnosis | File | Sequence[Recording | File] | None = None,
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Plan:
@@ -127,8 +127,8 @@ def plan(
     `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), each with a scatter of `sigma` (text, or m;
     15 um, or what the recording `after` scatters by). `payloads` are masses (text, or kg); by default none and the
     arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
-    already, or its diagnosis: what that could not tell apart is planned for, with frame and tool free where they were.
-    The same `seed` gives the same plan.
+    already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
+    where they were. The same `seed` gives the same plan.
     Raises `InputError`, `MissingProperty`, and `NoAnswer` where nothing of what is asked for can be seen.
 
     >>> import linkwright as lw
@@ -202,12 +202,12 @@ def _payloads(given: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
     return masses
 
 
-def _diagnosed(after: Recording | Diagnosis | File | None, arm: Arm, progress: Progress | None) -> Found | None:
+def _diagnosed(
+    after: Recording | Diagnosis | File | Sequence[Recording | File] | None, arm: Arm, progress: Progress | None
+) -> Found | None:
     if after is None:
         return None
     found = (after if isinstance(after, Diagnosis) else diagnose(arm, after, progress=progress)).found
-    if found.recordings:
-        raise InputError("", "after", "is one recording here, not several; name the last")
     if found.recording.slots is not None:
         raise InputError(
             "", "after", f"{found.recording.file} does not hold the tip's whole place, which a plan goes on from"

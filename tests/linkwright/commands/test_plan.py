@@ -41,6 +41,22 @@ def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     assert again.text() == plan.read_text(encoding="utf-8")
 
 
+def test_after_two_recordings_what_neither_tells_is_planned(linkwright, tmp_path):
+    """Both from one side without a load: together they leave open what each does, and what both show counts."""
+    files = [tmp_path / "first.csv", tmp_path / "second.csv"]
+    for seed, file in enumerate(files, start=1):
+        lw.simulate(ARM, poses=10, sides="one", payloads=["0 kg"], with_=PLAY, seed=seed).save(file)
+    status, said, err = linkwright(
+        "plan", str(ARM), "--poses", "10", "--payload", "0 kg", "--payload", "3 kg",
+        "--after", str(files[0]), "--after", str(files[1]), "--json", str(tmp_path / "both.json"),
+    )  # fmt: skip
+    assert (status, err) == (0, "")
+    both = json.loads((tmp_path / "both.json").read_text(encoding="utf-8"))
+    assert "first.csv + second.csv" in " ".join(said.split())
+    assert both["pairs_told"] == both["pairs"] > 0
+    assert {"backlash"} < {each["effect"] for each in both["shown"]}
+
+
 def test_figures_are_those_of_the_plan(tmp_path):
     """The same seed, the same plan; tables, picture and file agree."""
     found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3)
