@@ -81,6 +81,7 @@ class MaterialsEditor(Editor[Entry]):
         def change(document: YamlText) -> str:
             self.copy_shipped(document, path, name)
             document.remove(["materials", name, *key.split(".")])
+            _confirm(document, name, key)
             return f"removed {name}.{key}"
 
         return self.edit(path, change)
@@ -92,12 +93,14 @@ MATERIALS = MaterialsEditor()
 def _cite(document: YamlText, name: str, property_name: str, source: str, *, fresh: bool) -> None:
     """Make `source` the source of one property, or of the whole entry for a key that is no property.
 
-    With a `fresh` value, what the old source said of the old one goes: its note and its spread.
+    With a `fresh` value, what was said of the old one goes: its note, its spread, that it is unconfirmed.
     """
     slug = re.sub(r"[^a-z0-9]+", "-", source.lower()).strip("-")[:40].strip("-")
     key = reference(document, slug, source)
     path = ["materials", name, property_name]
     value = document.get(path)
+    if fresh:
+        _confirm(document, name, property_name)
     if isinstance(value, dict):
         document.set([*path, "source"], key)
         for stale in ("note", "spread"):
@@ -107,6 +110,13 @@ def _cite(document: YamlText, name: str, property_name: str, source: str, *, fre
         document.set(path, {"value": value, "source": key})
     else:
         document.set(["materials", name, "source"], key)
+
+
+def _confirm(document: YamlText, name: str, property_name: str) -> None:
+    """Take away that a property could not be confirmed, where that is said."""
+    marks = document.get(["materials", name, "unconfirmed"])
+    if isinstance(marks, dict) and property_name in marks:
+        document.remove(["materials", name, "unconfirmed", property_name])
 
 
 def _set(document: YamlText, at: Sequence[str], keys: Sequence[str], value: Any) -> None:

@@ -97,7 +97,7 @@ class Catalogue:
     def read(self, value: object, *, file: object, key: str) -> Material:
         """Return the material that a file names, or describes in place; raises `InputError`."""
         if isinstance(value, dict):
-            return read_inline(value, file=file, key=key)
+            return read_inline(value, file=file, key=key, find=self.materials.get)
         if isinstance(value, str) and value.strip():
             return self.find(value.strip(), file=file, key=key)
         raise InputError(file, key, "needs a material's name, or properties, e.g. {elastic_modulus: 71 GPa}")
@@ -131,12 +131,19 @@ def read_layer(mapping: Mapping, default_family: str) -> Layer:
     family = mapping.text("family", default_family)
     references = _read_references(mapping)
     materials: dict[str, Material] = {}
+
+    def find(ply: str) -> Material | None:
+        """Of this file so far, or of the shipped ones; those name no plies."""
+        if ply in materials:
+            return materials[ply]
+        return next((layer.materials[ply] for layer in shipped_layers() if ply in layer.materials), None)
+
     if mapping.has("materials"):
         entries = mapping.mapping("materials")
         for name in entries.content:
             if not name.strip() or name != name.strip() or "\n" in name:
                 raise entries.error("", f"{name!r} cannot be a material's name")
-            materials[name] = read_entry(entries.mapping(name), name, references, family)
+            materials[name] = read_entry(entries.mapping(name), name, references, family, find)
     prices = read_prices(mapping, "cost_per_mass")
     mapping.close("materials")
     return Layer(str(mapping.file), family, MappingProxyType(materials), MappingProxyType(prices))

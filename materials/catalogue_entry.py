@@ -12,13 +12,27 @@ elastic_modulus:
   source: en-1993-1-1
   note: where to be careful
 ```
+
+`unconfirmed: {density: what was looked for}` beside the properties marks those that nobody could find in their sources.
+
+A laminate says what it is made of in place of the moduli, which follow from that (`materials.laminate`):
+
+```yaml
+laminate: {ply: cfrp-unidirectional, angles: [0 deg, 45 deg, -45 deg, 0 deg], source: own}
+```
+
+`ply` is a material that has a `transverse_modulus`, by its name or in place; `thicknesses` beside the `angles` where
+plies differ. Density, price and what else laminates have of their plies is taken from the ply where it is not given.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Mapping as MappingLike
-from typing import cast, get_args
+from dataclasses import replace
+from typing import TypeAlias, cast, get_args
 
+from materials.laminate import Ply, Unbalanced, wall_of
 from materials.material import Constant, Law, Material, Polynomial, Property, PropertyName, Table, property_kinds
 from units.quantities import InputError, format_quantity, read_quantity, shown
 from units.reading import Mapping
@@ -28,6 +42,7 @@ _REQUIRED: tuple[PropertyName, ...] = ("elastic_modulus", "density")
 _POSITIVE: tuple[PropertyName, ...] = (
     "elastic_modulus",
     "shear_modulus",
+    "transverse_modulus",
     "density",
     "yield_strength",
     "tensile_strength",
@@ -41,7 +56,17 @@ CONSISTENT_WITHIN = 0.02
 """How far a given shear modulus may be from E/(2(1+nu)) in an isotropic material, relative."""
 
 
-def read_inline(content: object, *, file: object, key: str, name: str = "") -> Material:
+Finder: TypeAlias = Callable[[str], Material | None]
+"""Gives the material of a name that a ply may have; None for no such material."""
+
+
+def nothing_found(name: str) -> Material | None:
+    """Knows no plies by name."""
+    del name
+    return None
+
+
+def read_inline(content: object, *, file: object, key: str, name: str = "", find: Finder = nothing_found) -> Material:
     """Return the material that an arm file describes in place, such as `{elastic_modulus: 71 GPa, ...}`.
 
     Nothing is required: what a question needs and the entry lacks is a `MissingProperty` when the question is
@@ -51,23 +76,31 @@ def read_inline(content: object, *, file: object, key: str, name: str = "") -> M
     if not mapping.content:
         raise InputError(file, key, "the material has no properties; give e.g. {elastic_modulus: 71 GPa}")
     named = mapping.text("name", name or key or "material in place")
-    material = _read(mapping, named, references=None, family="in place")
+    material = _read(mapping, named, references=None, family="in place", find=find)
     mapping.close()
     return material
 
 
-def read_entry(mapping: Mapping, name: str, references: MappingLike[str, str], family: str) -> Material:
+def read_entry(
+    mapping: Mapping, name: str, references: MappingLike[str, str], family: str, find: Finder = nothing_found
+) -> Material:
     """Return the checked material of one catalogue entry; raises `InputError` naming the entry and its
     key."""
-    for required in _REQUIRED:
+    for required in () if mapping.has("laminate") else _REQUIRED:
         if not mapping.has(required):
             raise mapping.error(required, "is missing; every material needs it, with its source")
-    material = _read(mapping, name, references, family)
+    material = _read(mapping, name, references, family, find)
     mapping.close()
     return material
 
 
-def _read(mapping: Mapping, name: str, references: MappingLike[str, str] | None, family: str) -> Material:
+def _read(
+    mapping: Mapping,
+    name: str,
+    references: MappingLike[str, str] | None,
+    family: str,
+    find: Finder = nothing_found,
+) -> Material:
     title = mapping.text("title", "") if mapping.has("title") else ""
     family = mapping.text("family", family)
     isotropic = mapping.boolean("isotropic", True)
@@ -77,11 +110,26 @@ def _read(mapping: Mapping, name: str, references: MappingLike[str, str] | None,
     for property_name in get_args(PropertyName):
         if mapping.has(property_name):
             properties[property_name] = _read_property(mapping, property_name, references, default_source)
+    if mapping.has("unconfirmed"):
+        properties |= _unconfirmed(mapping.mapping("unconfirmed"), properties)
+    if mapping.has("laminate"):
+        made = read_laminate(mapping, references, default_source, find)
+        for follows in made.keys() & set(properties) & set(FOLLOWING):
+            raise mapping.error(follows, "follows from the laminate; leave it out")
+        properties, isotropic = {**made, **properties}, False
     used = [item.source for item in properties.values()] + [magnetic_source]
     cited = {key: references[key] for key in used if references is not None and key}
     material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited)
     _check_values(material, mapping)
     return material
+
+
+def _unconfirmed(marks: Mapping, properties: MappingLike[PropertyName, Property]) -> dict[PropertyName, Property]:
+    """The properties whose values could not be found in their sources, with what was looked for."""
+    with marks.reading():
+        return {
+            name: replace(item, unconfirmed=marks.text(name)) for name, item in properties.items() if marks.has(name)
+        }
 
 
 def _source(mapping: Mapping, references: MappingLike[str, str] | None, default: str) -> str:
@@ -180,6 +228,93 @@ def _read_table(inner: Mapping, kind: str) -> tuple[Table, tuple[float, float]]:
     return table, (temperatures[0], temperatures[-1])
 
 
+FOLLOWING: tuple[PropertyName, ...] = (
+    "elastic_modulus",
+    "transverse_modulus",
+    "shear_modulus",
+    "poisson_ratio",
+    "thermal_expansion",
+    "transverse_expansion",
+)
+"""What follows from a laminate's plies."""
+_ALIKE: tuple[PropertyName, ...] = ("density", "cost", "machining_cost", "heat_capacity", "highest_service_temperature")
+"""What a laminate has of its plies, whatever their angles. Its strength is not theirs."""
+
+
+def read_laminate(
+    mapping: Mapping, references: MappingLike[str, str] | None, default_source: str, find: Finder
+) -> dict[PropertyName, Property]:
+    """The properties that a material's `laminate` gives it, over the temperatures that all of the ply's are known for.
+    Raises `InputError`."""
+    with mapping.mapping("laminate").reading() as keys:
+        angles = _quantities(keys, "angles", "angle")
+        thicknesses = _quantities(keys, "thicknesses", "length") if keys.has("thicknesses") else None
+        if not angles or (thicknesses is not None and (len(thicknesses) != len(angles) or min(thicknesses) <= 0.0)):
+            wrong = "angles" if not angles else "thicknesses"
+            raise keys.error(wrong, "must be one for each ply, the thicknesses above zero")
+        source = _source(keys, references, default_source)
+        ply = _ply(keys, find)
+    needed = [name for name in FOLLOWING if name in FOLLOWING[:4] or ply.has(name)]
+    for name in needed:
+        if not ply.has(name):
+            message = f"{ply.name} has no {name}; a ply needs its modulus along, across and in shear, and its Poisson's"
+            raise mapping.error("laminate.ply", f"{message} ratio")
+    valid = [ply.properties[name].valid for name in needed if name in ply.properties]
+    span = (max(low for low, _ in valid), min(high for _, high in valid))
+    values = {name: ply.need(name) for name in needed}
+    try:
+        wall = wall_of(
+            Ply(
+                along=values["elastic_modulus"],
+                across=values["transverse_modulus"],
+                shear=values["shear_modulus"],
+                poisson_ratio=values["poisson_ratio"],
+                expansion_along=values.get("thermal_expansion"),
+                expansion_across=values.get("transverse_expansion"),
+            ),
+            angles,
+            thicknesses,
+        )
+    except Unbalanced:
+        message = "are not balanced: as much must lie at + as at - each angle, or the link would twist under its load"
+        raise mapping.error("laminate.angles", message) from None
+    found: dict[PropertyName, float | None] = {
+        "elastic_modulus": wall.along,
+        "transverse_modulus": wall.around,
+        "shear_modulus": wall.shear,
+        "poisson_ratio": wall.poisson_ratio,
+        "thermal_expansion": wall.expansion_along,
+        "transverse_expansion": wall.expansion_around,
+    }
+    note = f"of plies of {ply.name} by laminate theory"
+    made = {
+        name: Property(Constant(value), span, source, note=note) for name, value in found.items() if value is not None
+    }
+    alike = {name: replace(ply.properties[name], source=source) for name in _ALIKE if name in ply.properties}
+    return {**made, **alike}
+
+
+def _ply(keys: Mapping, find: Finder) -> Material:
+    if isinstance(keys.content.get("ply"), dict):
+        own = keys.mapping("ply")
+        ply = _read(own, "the ply", None, "in place")
+        own.close()
+        return ply
+    name = keys.text("ply")
+    found = find(name)
+    if found is None:
+        raise keys.error("ply", f"there is no material '{name}' here; give a ply's properties in place")
+    return found
+
+
+def _quantities(keys: Mapping, name: str, kind: str) -> tuple[float, ...]:
+    path = keys.path_of(name)
+    return tuple(
+        read_quantity(item, kind, file=keys.file, key=f"{path}[{number}]")
+        for number, item in enumerate(keys.items(name), start=1)
+    )
+
+
 def _temperatures_to_check(item: Property) -> list[float]:
     """Return temperatures that show every extreme of a property: ends, reference, table points, a fine
     sweep."""
@@ -199,7 +334,7 @@ def _check_values(material: Material, mapping: Mapping) -> None:
             raise mapping.error(name, "its range must hold the reference temperature, 20 degC")
         for kelvin in _temperatures_to_check(item):
             value = item.law.value(kelvin)
-            if due := _not_kept(name, value):
+            if due := _not_kept(name, value, _most_contraction(material)):
                 is_so = f"not {format_quantity(value, kind, digits=4)} at {kelvin - ZERO_CELSIUS:g} degC"
                 raise mapping.error(name, f"{due}, {is_so}")
         if item.spread is not None:
@@ -208,18 +343,28 @@ def _check_values(material: Material, mapping: Mapping) -> None:
                 raise mapping.error(name, "its value at 20 degC is outside its spread")
             if name in _POSITIVE and item.spread[0] <= 0:
                 raise mapping.error(name, "its spread must be above zero")
+    if material.isotropic and "transverse_modulus" in material.properties:
+        raise mapping.error("transverse_modulus", "is that of a material that is not isotropic; write isotropic: false")
     _check_shear_modulus(material, mapping)
     _check_strengths(material, mapping)
 
 
-def _not_kept(name: str, value: float) -> str:
+def _most_contraction(material: Material) -> float:
+    """The greatest Poisson's ratio that is possible: above it a body would give work away under load. Where there is a
+    transverse modulus that is sqrt(E1/E2) (R. M. Jones, Mechanics of Composite Materials, 2nd ed., section 2.4)."""
+    if material.isotropic or "transverse_modulus" not in material.properties:
+        return 0.5
+    return (material.need("elastic_modulus") / material.need("transverse_modulus")) ** 0.5
+
+
+def _not_kept(name: str, value: float, most_contraction: float) -> str:
     """What a property's value must be and is not; empty where it is."""
     if name in _POSITIVE and value <= 0:
         return "must be above zero"
     if name in _NOT_NEGATIVE and value < 0:
         return "must not be negative"
-    if name == "poisson_ratio" and not -1 < value < 0.5:
-        return "must be between -1 and 0.5"
+    if name == "poisson_ratio" and not -1 < value < most_contraction:
+        return f"must be between -1 and {most_contraction:.4g}"
     return ""
 
 

@@ -4,7 +4,7 @@ A tube whose wall is thin against its diameter strains evenly through the wall u
 laminate acts by its in-plane stiffnesses (matrix A); what plies do to each other's bending within the wall does not
 count. The laminate must be balanced (as much at +angle as at -angle), or pull would twist the link. Source:
 R. M. Jones, Mechanics of Composite Materials, 2nd ed., Taylor & Francis, 1999, sections 2.6 (transformed reduced
-stiffnesses), 4.2 (matrix A) and 4.6 (thermal forces).
+stiffnesses) and 4.2 (matrix A).
 """
 
 from __future__ import annotations

@@ -20,11 +20,13 @@ PropertyName = Literal[
     "elastic_modulus",
     "poisson_ratio",
     "shear_modulus",
+    "transverse_modulus",
     "density",
     "yield_strength",
     "tensile_strength",
     "fatigue_strength",
     "thermal_expansion",
+    "transverse_expansion",
     "thermal_conductivity",
     "heat_capacity",
     "damping",
@@ -37,6 +39,8 @@ PropertyName = Literal[
 def property_kinds() -> dict[PropertyName, str]:
     """Return the properties a material can have, each with its kind of quantity (`units.kinds()`).
 
+    `transverse_modulus` and `transverse_expansion` are those across the link, in the plane of its walls, of a material
+    that is not isotropic; its `poisson_ratio` is the contraction across under pull along.
     `fatigue_strength` is the stress amplitude at R = -1 that is endured for the number of cycles its note
     tells; `damping` is the loss factor of the material (2*zeta near resonance); `machining_cost` is what work on it
     costs for each kilogram of the finished part.
@@ -45,11 +49,13 @@ def property_kinds() -> dict[PropertyName, str]:
         "elastic_modulus": "elastic_modulus",
         "poisson_ratio": "dimensionless",
         "shear_modulus": "elastic_modulus",
+        "transverse_modulus": "elastic_modulus",
         "density": "density",
         "yield_strength": "pressure",
         "tensile_strength": "pressure",
         "fatigue_strength": "pressure",
         "thermal_expansion": "thermal_expansion",
+        "transverse_expansion": "thermal_expansion",
         "thermal_conductivity": "conductivity",
         "heat_capacity": "heat_capacity",
         "damping": "dimensionless",
@@ -158,7 +164,9 @@ class Property:
     `law` gives its value (SI) at a temperature; `valid` is the range (K) for which the source gives it;
     `source` is a key of the catalogue's references (empty for a material described in place); `spread` is the
     lowest and highest value to expect at the reference temperature, where known; `note` says what a reader
-    should know; `date` is when a price was such (`2026-01`), empty for what is no price.
+    should know; `date` is when a price was such (`2026-01`), empty for what is no price;
+    `unconfirmed` says what was looked for in vain where nobody could find the value in its source, empty where it was
+    found there or nobody looked.
     """
 
     law: Law
@@ -167,6 +175,7 @@ class Property:
     spread: tuple[float, float] | None = None
     note: str = ""
     date: str = ""
+    unconfirmed: str = ""
 
 
 @dataclass(frozen=True)
@@ -175,6 +184,7 @@ class MaterialValues:
 
     `cost` is EUR/kg. `shear_modulus` is the entry's own or, for an isotropic material, E/(2(1+nu)). `beyond`
     names the properties that the entry has, but not at this temperature, with their valid ranges (K).
+    `wall_modulus` is the elastic modulus of an isotropic material whose walls would buckle under the same compression.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the elastic and the shear modulus at the temperature of
     a calibration over those here.
     """
@@ -189,6 +199,9 @@ class MaterialValues:
     thermal_expansion: float | None = None
     cost: float | None = None
     machining_cost: float | None = None
+    transverse_modulus: float | None = None
+    transverse_expansion: float | None = None
+    wall_modulus: float | None = None
     highest_service_temperature: float | None = None
     tensile_strength: float | None = None
     fatigue_strength: float | None = None
@@ -209,6 +222,23 @@ class MaterialValues:
                     raise OutOfRange(self.material, name, self.temperature, valid)
             raise MissingProperty(self.material, name)
         return value
+
+
+def _wall_modulus(values: MaterialValues) -> float | None:
+    """The elastic modulus (Pa) of an isotropic material (nu 0.3) whose flat walls, simply held at their edges, would
+    buckle under the same compression; None where the material's own is not known.
+
+    A long orthotropic plate of width b buckles under N = 2 pi^2/b^2 (sqrt(D11 D22) + D12 + 2 D66): R. M. Jones,
+    Buckling of Bars, Plates, and Shells, Bull Ridge, 2006. Round walls are held to it too, which a
+    cylinder under bending keeps to within its knock-down. A material without a transverse modulus counts as isotropic.
+    """
+    along, across, shear = values.elastic_modulus, values.transverse_modulus, values.shear_modulus
+    if along is None or across is None or shear is None or values.poisson_ratio is None:
+        return along
+    major = values.poisson_ratio
+    minor = major * across / along
+    plate = (math.sqrt(along * across) + minor * along) / (1.0 - major * minor) + 2.0 * shear
+    return 0.5 * (1.0 - 0.3**2) * plate
 
 
 @dataclass(frozen=True)
@@ -293,6 +323,7 @@ class Material:
                     raise
                 beyond.append((name, error.valid))
         found = MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
+        found = replace(found, wall_modulus=_wall_modulus(found))
         if calibrated_at is None or calibrated_at == temperature or found.elastic_modulus is None:
             return found
         softer = self.need("elastic_modulus", calibrated_at) / found.elastic_modulus

@@ -13,11 +13,13 @@ _USUAL: Mapping[PropertyName, tuple[float, float, str]] = MappingProxyType(
     {
         "elastic_modulus": (1e5, 1.3e12, "diamond, the stiffest, has 1143 GPa"),
         "shear_modulus": (3e4, 6e11, "diamond, the stiffest, has half of its 1143 GPa"),
+        "transverse_modulus": (3e4, 1.3e12, "diamond, the stiffest, has 1143 GPa"),
         "density": (10.0, 2.3e4, "osmium, the densest, has 22.59 g/cm^3; foams have some tens of kg/m^3"),
         "yield_strength": (1e4, 2e10, "whiskers reach some 20 GPa"),
         "tensile_strength": (1e4, 2e10, "whiskers reach some 20 GPa"),
         "fatigue_strength": (1e3, 1e10, "no fibre endures 10 GPa"),
         "thermal_expansion": (-2e-5, 5e-4, "metals have 1e-6 to 3e-5 1/K, rubber some 2e-4"),
+        "transverse_expansion": (-2e-5, 5e-4, "resins have some 6e-5 1/K, rubber some 2e-4"),
         "thermal_conductivity": (0.01, 2500.0, "diamond, the best, has some 2200 W/(m*K)"),
         "heat_capacity": (100.0, 5000.0, "metals have 130 to 2000 J/(kg*K)"),
         "damping": (0.0, 3.0, "a loss factor above 1 is rubber's where it turns to glass"),

@@ -23,6 +23,7 @@ prices:                                # of actuators of other files (or this on
   RV-20E: {value: 900 EUR, date: 2026-03, source: Offer 12}
 ```
 
+`unconfirmed: what was looked for`, of the file or an entry, marks what nobody could find in its source.
 A file of prices alone needs neither `maker` nor `references`. An entry may have a `maker` of its own.
 """
 
@@ -59,7 +60,8 @@ class Actuator:
 
     `stiffnesses` are those of its zones of torque, which end at `zone_torques` (one fewer). `backlash` is the total
     lost motion. `cost` is indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None
-    where unknown. `file` is where the entry stands.
+    where unknown. `file` is where the entry stands. `unconfirmed` says what was looked for in vain where nobody could
+    find the figures in their source.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Actuator:
     cost_spread: tuple[float, float] | None = None
     cost_date: str | None = None
     note: str = ""
+    unconfirmed: str = ""
 
     @property
     def stiffness(self) -> float:
@@ -176,10 +179,11 @@ def read_actuators(keys: Keys) -> dict[str, Actuator]:
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}
         entries = keys.mapping("actuators")
-        return {name: _read(entries.mapping(name), name, maker, sources) for name in entries.content}
+        mark = keys.text("unconfirmed", "") if keys.has("unconfirmed") else ""
+        return {name: _read(entries.mapping(name), name, maker, sources, mark) for name in entries.content}
 
 
-def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str]) -> Actuator:
+def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str], unconfirmed: str) -> Actuator:
     with keys.reading():
         if not name.strip() or name != name.strip():
             raise keys.error("", f"{name!r} cannot be an actuator's name")
@@ -216,6 +220,7 @@ def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str]) -> Actu
             cost_spread=spread,
             cost_date=date,
             note=keys.text("note", "") if keys.has("note") else "",
+            unconfirmed=keys.text("unconfirmed", unconfirmed) if keys.has("unconfirmed") else unconfirmed,
         )
 
 

@@ -67,12 +67,12 @@ def _worst_wall(arm: Arm, number: int, link: Link) -> LinkWalls:
     if all(section is not None and is_solid(type(section)) for section in sections):
         return LinkWalls(number)
     values = None if link.material is None else link.material.at(arm.temperature)
-    if values is None or values.yield_strength is None or values.elastic_modulus is None:
+    if values is None or values.yield_strength is None or values.wall_modulus is None:
         return LinkWalls(number, unknown=f"the material of link {number + 1} has no yield strength")
     found = LinkWalls(number)
     for section in sections:
         assert section is not None
-        known = local_buckling(section, values.yield_strength, values.elastic_modulus)
+        known = local_buckling(section, values.yield_strength, values.wall_modulus)
         if known is None:
             return LinkWalls(number, unknown=f"the walls of link {number + 1} ({section.shape}) are not known")
         for each in known:

@@ -44,6 +44,7 @@ MATERIAL_FIELDS = (
     "thermal_expansion",
     "stiffness_when_calibrated",
     "shear_when_calibrated",
+    "wall_modulus",
 )
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
 TAPER = "taper"

@@ -17,9 +17,9 @@ def _utilisations(section: Section, material: MaterialValues) -> tuple[Any, ...]
     """Each wall's slenderness over the greatest (see `arm.limits.walls`)."""
     if is_solid(type(section)):
         return ()
-    if material.yield_strength is None or material.elastic_modulus is None:
+    if material.yield_strength is None or material.wall_modulus is None:
         return None
-    found = local_buckling(section, material.yield_strength, material.elastic_modulus)
+    found = local_buckling(section, material.yield_strength, material.wall_modulus)
     return None if found is None else tuple(each.utilisation for each in found)
 
 

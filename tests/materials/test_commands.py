@@ -283,3 +283,21 @@ def test_a_price_of_what_no_catalogue_has_is_an_error(tmp_path):
     )
     with pytest.raises(InputError, match=r"prices\.no-such: there is no such material"):
         load_catalogue([path], user=False)
+
+
+def test_what_could_not_be_found_in_its_source_is_marked(materials, tmp_path):
+    """In list, show and JSON; a figure of one's own in its place takes the mark away."""
+    out = ok(materials("list", "--columns", "density,E", "--json", "l.json"))
+    rows = {row["name"]: row["properties"] for row in json.loads((tmp_path / "l.json").read_text())["materials"]}
+    line = next(line for line in out.splitlines() if line.startswith("aluminium-7075-t6 "))
+    assert line.count("?") == 2
+    assert "MIL-HDBK-5J" in rows["aluminium-7075-t6"]["density"]["unconfirmed"]
+    assert rows["aluminium-7075-t6"]["yield_strength"]["unconfirmed"] is None
+    assert "could not be found in its source" in out
+    assert "?" not in ok(materials("list", "--family", "composite"))
+    ok(materials("edit", "aluminium-7075-t6", "density", "2800 kg/m^3", "--source", "weighed"))
+    own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
+    edited = load_layer(own).materials["aluminium-7075-t6"].properties
+    assert (edited["density"].unconfirmed, bool(edited["elastic_modulus"].unconfirmed)) == ("", True)
+    assert "not confirmed" in " ".join(ok(materials("show", "aluminium-7075-t6")).split())
+    wrong(materials("edit", "aluminium-7075-t6", "unconfirmed", "{no_such: x}"), "unknown key 'no_such'")

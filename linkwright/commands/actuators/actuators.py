@@ -58,11 +58,15 @@ def list_actuators(
     for each in found:
         torques = (each.rated_torque, each.peak_torque)
         figures = (*torques, each.stiffness / 1e3, _arcmin(each.backlash), each.mass, each.cost)
-        shown.add_row(each.name, each.gear, *(figure(value, 5) for value in figures))
+        shown.add_row(
+            each.name + (" ?" if each.unconfirmed else ""), each.gear, *(figure(value, 5) for value in figures)
+        )
     console().print(shown)
     makers = ", ".join(dict.fromkeys(each.maker for each in found))
     told = "stiffness: of the softest zone; a dash: not known"
     console().print(f"{makers}: figures of the makers' catalogues; {told}", soft_wrap=True)
+    if any(each.unconfirmed for each in found):
+        console().print("?: could not be found in its source; `actuators show NAME` says more", soft_wrap=True)
 
 
 def show_actuator(
@@ -93,6 +97,8 @@ def show_actuator(
     screen.print(shown)
     note = f"{found.note}; " if found.note else ""
     screen.print(f"{note}{found.source}; from {found.file}", soft_wrap=True)
+    if found.unconfirmed:
+        screen.print(f"not confirmed: {found.unconfirmed}", soft_wrap=True)
 
 
 def _arcmin(radians: float) -> float:
@@ -138,6 +144,7 @@ def _as_json(each: Actuator) -> dict[str, Any]:
         "cost_date": each.cost_date,
         "source": each.source,
         "note": each.note,
+        "unconfirmed": each.unconfirmed or None,
         "file": each.file,
     }
 

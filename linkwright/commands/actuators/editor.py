@@ -121,8 +121,8 @@ def _entry(data: Mapping[str, Any], name: str) -> Entry | None:
     found = entry_in(data, name, under="actuators")
     if found is None:
         return None
-    maker = {"maker": data["maker"]} if data.get("maker") and "maker" not in found.content else {}
-    return Entry(name, {**maker, **found.content}, found.references)
+    whole = {key: data[key] for key in ("maker", "unconfirmed") if data.get(key) and key not in found.content}
+    return Entry(name, {**whole, **found.content}, found.references)
 
 
 @cache

@@ -20,7 +20,7 @@ from units.reading import nearest
 from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from . import HELP, edit
-from .query import QUERY, SHORT, value_of, written
+from .query import QUERY, SHORT, is_unconfirmed, marked, value_of, written
 
 LIST_HELP = """Every material of the catalogue at 20 degC.
 
@@ -36,6 +36,7 @@ Example: linkwright materials compare steel-s355 aluminium-6061-t6 cfrp-quasi-is
 """
 _BAR = 40
 _STEPS = 12
+_UNCONFIRMED = "?: could not be found in its source; `materials show NAME` says what was looked for"
 
 
 def list_materials(
@@ -71,8 +72,10 @@ def list_materials(
     headings = (SHORT.get(name, name.replace("_", " ")) for name in names)
     shown = table("material", "family", *headings, numbers=tuple(range(2, 2 + len(names))))
     for material in found:
-        shown.add_row(material.name, material.family, *(value_of(material, name) for name in names))
+        shown.add_row(material.name, material.family, *(marked(material, name) for name in names))
     console().print(shown)
+    if any(is_unconfirmed(material, name) for material in found for name in names):
+        console().print(_UNCONFIRMED, soft_wrap=True)
 
 
 def show_material(
@@ -107,6 +110,8 @@ def show_material(
         said = "; ".join(text for text in (found.date and f"price of {found.date}", found.note) if text)
         if said:
             shown.add_row("", "", "", "", said)
+        if found.unconfirmed:
+            shown.add_row("", "", "", "", f"not confirmed: {found.unconfirmed}")
     if material.magnetic is not None:
         shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
     screen.print(shown)
@@ -219,6 +224,7 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
             "source": material.references.get(found.source, found.source),
             "note": found.note or None,
             "date": found.date or None,
+            "unconfirmed": found.unconfirmed or None,
         }
     return {
         "name": material.name,

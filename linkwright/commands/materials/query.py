@@ -60,3 +60,13 @@ def value_of(material: Material, name: Asked) -> str:
     if name == "magnetic":
         return "–" if material.magnetic is None else "yes" if material.magnetic else "no"
     return written(material.need(name, REFERENCE_TEMPERATURE), name) if material.has(name) else "–"
+
+
+def is_unconfirmed(material: Material, name: Asked) -> bool:
+    """Whether a material's property could not be found in the source that it names."""
+    return name != "magnetic" and name in material.properties and bool(material.properties[name].unconfirmed)
+
+
+def marked(material: Material, name: Asked) -> str:
+    """`value_of`, with a question mark behind what could not be found in its source."""
+    return value_of(material, name) + (" ?" if is_unconfirmed(material, name) else "")
