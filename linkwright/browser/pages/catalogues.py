@@ -1,4 +1,4 @@
-"""The catalogues: materials and stock sizes as tables that are edited in place."""
+"""The catalogues: materials, stock sizes and actuators as tables that are edited in place."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from nicegui import events, ui
 
-from linkwright.browser.server.tables import CatalogueTable, MaterialsTable, SectionsTable
+from linkwright.browser.server.tables import ActuatorsTable, CatalogueTable, MaterialsTable, SectionsTable
 from units.quantities import InputError
 
 from .frame import Problem, framed, row, stack
@@ -21,7 +21,7 @@ class CataloguesPage:
     def __init__(self) -> None:
         lead = "Click twice on a cell to change it, as the command line would; an empty one takes the figure away."
         with framed("Catalogues", lead):
-            tables = (MaterialsTable(), SectionsTable())
+            tables = (MaterialsTable(), SectionsTable(), ActuatorsTable())
             with ui.tabs().props("dense align=left") as tabs:
                 made = [ui.tab(table.title) for table in tables]
             self._views: list[TableView] = []
@@ -79,7 +79,7 @@ class TableView:
         self._groups.set_visibility(bool(groups))
         self._name.set_options([each["name"] for each in rows], value=None)
         there = {key for each in rows for key in each if each[key]}
-        columns = [name for name in self._table.columns(self._group) if name in there or name == "title"]
+        columns = [name for name in self._table.columns(self._group) if name in there or name in self._table.always]
         definitions = [
             {"field": "name", "pinned": "left", "width": 165, "sortable": True, "tooltipField": "name"},
             {"field": "own", "width": 75, "sortable": True},

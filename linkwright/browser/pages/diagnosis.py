@@ -1,40 +1,27 @@
-"""Diagnosis: a recording dropped, the meaning of its columns proposed and corrected, the report."""
+"""Diagnosis: recordings dropped, the meaning of their columns proposed and corrected, the report."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
 from nicegui import events, ui
 
-import linkwright as lw
-from diagnose.reading.settings import read_settings
-from diagnose.reading.table import Table, read_table
 from linkwright.browser.server.desk import Desk
-from linkwright.browser.server.folder import arm_from_text, staged
+from linkwright.browser.server.dropped import Dropped, question, with_another
+from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.browser.server.jobs import Job
-from linkwright.browser.server.mapping import (
-    IGNORED,
-    OTHER,
-    Meaning,
-    known_names,
-    proposed,
-    settings_text,
-    units_of,
-)
+from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, known_names, units_of
 from units.quantities import InputError
 
 from .frame import Problem, framed, heading, panel, row, stack
 from .job_panel import JobPanel
 from .result_view import show_result
 
-_SETTINGS = "recording.yaml"
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
-_LAYOUT = ("skip_rows", "separator", "decimal", "encoding")
 
 
 class DiagnosisPage:
@@ -43,36 +30,42 @@ class DiagnosisPage:
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
         self._arm: Any = None
-        self._name, self._content = "", b""
-        self._meanings: list[Meaning] = []
+        self._held: list[Dropped] = []
+        self._shown: Dropped | None = None
         self._fields: dict[str, ui.input | ui.select] = {}
-        with framed("Diagnosis", "Drop a recording of the real arm; what its model leaves out is looked for."):
+        with framed("Diagnosis", "Drop recordings of the real arm; what its model leaves out is looked for."):
             with ui.element("div").classes("lw-two"):
                 with stack():
                     with panel():
                         self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
                         self._choice.props("dense outlined").classes("w-full")
                         self._upload = ui.upload(
-                            label=f"Recording: drop it here (at most {MOST_UPLOADED // 1024**2} MB)",
+                            label=f"Recordings: drop them here (at most {MOST_UPLOADED // 1024**2} MB)",
+                            multiple=True,
                             auto_upload=True,
                             max_file_size=MOST_UPLOADED,
                             on_upload=self._dropped,
                             on_rejected=self._too_large,
                         ).props('flat bordered accept="' + ",".join(_ENDINGS) + '"')
+                        self._upload.on("finish", self._upload.reset)
                     self._problem = Problem()
                     with panel() as self._asked:
                         self._ask()
                 with stack():
                     self._panel = JobPanel(self._ended)
                     with panel() as self._map_panel:
-                        heading("What its columns are")
+                        self._map_heading = heading("What its columns are")
                         self._map = stack()
             self._result = stack()
         self._asked.visible = self._map_panel.visible = False
 
     def _ask(self) -> None:
-        """What is known of the recording beside its columns, and the button."""
-        self._line = ui.label().classes("lw-done")
+        """Which recordings there are, what is known of the one that is shown beside its columns, and the button."""
+        with row() as self._several:
+            self._which = ui.select([], label="Recording", on_change=self._chosen).props("dense outlined")
+            self._which.classes("grow min-w-40")
+            ui.button("Take out", on_click=self._take_out).props("outline dense no-caps")
+        self._line = ui.label().classes("lw-done whitespace-pre-line")
         self._notes = ui.label().classes("lw-note")
         with ui.element("div").classes("lw-fields"):
             for name, label, options in (
@@ -94,6 +87,7 @@ class DiagnosisPage:
                 self._fields[name] = field
         with row():
             self._thorough = ui.checkbox("thorough: calibrates the whole search, takes longer").props("dense")
+            self._units = ui.checkbox("of several arms of one type: anything may differ").props("dense")
         self._go = ui.button("Diagnose", on_click=self._start).props("no-caps")
 
     async def begin(self) -> None:
@@ -113,116 +107,129 @@ class DiagnosisPage:
             self._problem.say(str(error))
             return
         self._problem.say("")
-        if self._content:
-            await self._propose()
+        for each in self._held:
+            await self._propose(each)
+        self._show()
 
     def _too_large(self) -> None:
         self._problem.say(f"a recording has at most {MOST_UPLOADED // 1024**2} MB and ends in {', '.join(_ENDINGS)}")
 
     async def _dropped(self, event: events.UploadEventArguments) -> None:
         name = PurePosixPath(event.file.name.replace("\\", "/")).name
-        self._upload.reset()
         if PurePosixPath(name).suffix.lower() not in _ENDINGS or event.file.size() > MOST_UPLOADED:
             self._too_large()
             return
         letters = "".join(each if each.isalnum() or each in "._- " else "-" for each in name)
-        self._name, self._content = letters[-80:].lstrip(".") or "recording.csv", await event.file.read()
+        # What is told of the one before is likely so of the next as well.
+        told = dict(self._shown.told) if self._shown is not None else {}
+        fresh = Dropped(letters[-80:].lstrip(".") or "recording.csv", await event.file.read(), told)
+        try:
+            self._held = with_another(self._held, fresh)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
         self._result.clear()
-        await self._propose()
+        await self._propose(fresh, self._shown)
+        self._shown = fresh
+        self._show()
 
-    def _told(self, *names: str) -> dict[str, str]:
-        """The settings that are told in the fields."""
-        return {name: str(self._fields[name].value or "").strip() for name in names}
+    async def _propose(self, each: Dropped, like: Dropped | None = None) -> None:
+        """Read a header anew, propose what its columns are, and read the recording so."""
+        if self._arm is not None:
+            await asyncio.to_thread(each.propose, self._arm, like)
+            if not each.problem:
+                await asyncio.to_thread(each.check, self._arm)
 
-    async def _propose(self) -> None:
-        """Read the header anew, and propose what its columns are."""
-        self._asked.visible = True
+    def _show(self) -> None:
+        """The recording that is looked at: its fields, its columns, and what is read of all."""
+        shown = self._shown
+        self._asked.visible = shown is not None
+        if shown is None:
+            self._map_panel.visible = False
+            self._problem.say("")
+            return
         if self._arm is None:
             self._problem.say("choose an arm file first; the Arm page can put an example into the folder")
             return
-        try:
-            table = await asyncio.to_thread(_table, self._name, self._content, self._told(*_LAYOUT))
-        except InputError as error:
-            self._map_panel.visible = False
-            self._problem.say(str(error))
-            self._go.enabled = False
-            return
-        self._meanings = list(proposed(table, self._arm.model))
+        for name, field in self._fields.items():
+            field.value = shown.told.get(name, "")
         self._show_map()
-        await self._check()
+        self._tell()
+
+    def _tell(self) -> None:
+        """What is read of all, and what is wrong with the first that anything is wrong with."""
+        shown = self._shown
+        names = [each.name for each in self._held]
+        self._which.set_options(names, value=None if shown is None else shown.name)
+        self._several.visible = self._units.visible = len(self._held) > 1
+        wrong = [each.problem for each in self._held if each.problem]
+        own = shown.problem if shown is not None else ""
+        self._problem.say(own or next(iter(wrong), ""))
+        self._line.text = "\n".join(each.line for each in self._held if each.line)
+        self._notes.text = "" if shown is None else shown.notes
+        self._go.enabled = bool(self._held) and not wrong
+
+    def _chosen(self) -> None:
+        found = next((each for each in self._held if each.name == self._which.value), None)
+        if found is not None and found is not self._shown:
+            self._shown = found
+            self._show()
+
+    def _take_out(self) -> None:
+        self._held = [each for each in self._held if each is not self._shown]
+        self._shown = self._held[-1] if self._held else None
+        self._show()
 
     async def _reread(self) -> None:
-        if self._content:
-            await self._propose()
+        shown = self._shown
+        told = {name: str(field.value or "").strip() for name, field in self._fields.items()}
+        if shown is None or told == {name: shown.told.get(name, "") for name in told}:
+            return
+        shown.told = told
+        await self._propose(shown)
+        self._show()
 
     def _show_map(self) -> None:
         self._map.clear()
-        self._map_panel.visible = True
+        shown = self._shown
+        self._map_panel.visible = shown is not None and bool(shown.meanings)
+        if shown is None:
+            return
+        self._map_heading.text = f"What the columns of {shown.name} are" if len(self._held) > 1 else _COLUMNS
         model = self._arm.model
         names = {name: name for name in known_names(model)}
         choices = {OTHER: "of its own, a possible cause", IGNORED: "not used", **names}
         with self._map:
-            for number, meaning in enumerate(self._meanings):
+            for number, meaning in enumerate(shown.meanings):
                 with ui.element("div").classes("lw-map"):
                     ui.label(meaning.header).tag = "span"
                     what = ui.select(choices, value=meaning.what).props(f'dense outlined aria-label="{number + 1} is"')
                     unit = ui.select([], value=None).props(f'dense outlined aria-label="unit of {number + 1}"')
                     _offer_units(unit, meaning, units_of(meaning.what, model))
-                    what.on_value_change(self._changed(number, what, unit))
-                    unit.on_value_change(self._changed(number, what, unit))
+                    what.on_value_change(self._changed(shown, number, what, unit))
+                    unit.on_value_change(self._changed(shown, number, what, unit))
 
-    def _changed(self, number: int, what: ui.select, unit: ui.select) -> Callable[[], Any]:
+    def _changed(self, shown: Dropped, number: int, what: ui.select, unit: ui.select) -> Callable[[], Any]:
         async def changed() -> None:
-            before = self._meanings[number]
+            before = shown.meanings[number]
             units = units_of(str(what.value), self._arm.model)
             chosen = str(unit.value) if unit.value in units else units[0] if units else ""
-            now = replace(before, what=str(what.value), unit=chosen, guessed=False)
-            if (now.what, now.unit) == (before.what, before.unit):
+            if not shown.change(number, str(what.value), chosen):
                 return
-            self._meanings[number] = now
-            if now.what != before.what:
-                _offer_units(unit, now, units)
-            await self._check()
+            if str(what.value) != before.what:
+                _offer_units(unit, shown.meanings[number], units)
+            await asyncio.to_thread(shown.check, self._arm)
+            self._tell()
 
         return changed
-
-    async def _check(self) -> None:
-        """Read the recording as it is described now; what is wrong is a line."""
-        try:
-            text = self._settings()
-            read = await asyncio.to_thread(_read_recording, self._arm, self._name, self._content, text)
-        except InputError as error:
-            self._problem.say(str(error))
-            self._line.text = self._notes.text = ""
-            self._go.enabled = False
-            return
-        self._problem.say("")
-        self._go.enabled = True
-        self._line.text = repr(read)[1:-1]
-        guessed = [each for each in self._meanings if each.guessed]
-        notes = [f"{each.header}: {each.unit} is a guess by the size of its numbers." for each in guessed]
-        self._notes.text = " ".join([*notes, *read.warnings])
-
-    def _settings(self) -> str:
-        twice = [each.what for each in self._meanings if each.what not in (OTHER, IGNORED)]
-        again = next((name for k, name in enumerate(twice) if name in twice[:k]), None)
-        if again is not None:
-            raise InputError(self._name, again, "is what two columns are said to be; choose one of them")
-        return settings_text(self._meanings, self._told(*_LAYOUT, "frame", "tool", "sigma"))
 
     async def _start(self) -> None:
         arm = str(self._choice.value)
         try:
             text = await asyncio.to_thread(self._desk.folder.read, arm)
-            inputs = {arm: text.encode(), f"told/{self._name}": self._content, f"told/{_SETTINGS}": b""}
-            inputs[f"told/{_SETTINGS}"] = self._settings().encode()
-            asked = {
-                "arm": arm,
-                "recording": f"told/{self._name}",
-                "settings": f"told/{_SETTINGS}",
-                "thorough": bool(self._thorough.value),
-            }
-            job = self._desk.jobs.start("diagnose", f"{arm} by {self._name}", inputs, asked)
+            several = len(self._held) > 1 and bool(self._units.value)
+            title, inputs, asked = question(arm, text, self._held, thorough=bool(self._thorough.value), units=several)
+            job = self._desk.jobs.start("diagnose", title, inputs, asked)
         except InputError as error:
             self._panel.refuse(str(error))
             return
@@ -234,16 +241,9 @@ class DiagnosisPage:
             show_result(self._desk, job.result or 0)
 
 
+_COLUMNS = "What its columns are"
+
+
 def _offer_units(select: ui.select, meaning: Meaning, units: tuple[str, ...]) -> None:
     select.set_options(list(units), value=meaning.unit if meaning.unit in units else None)
     select.visible = bool(units)
-
-
-def _table(name: str, content: bytes, layout: dict[str, str]) -> Table:
-    with staged({name: content, _SETTINGS: settings_text((), layout).encode()}) as root:
-        return read_table(root / name, read_settings(root / _SETTINGS).layout)
-
-
-def _read_recording(arm: Any, name: str, content: bytes, settings: str) -> Any:
-    with staged({name: content, _SETTINGS: settings.encode()}) as root:
-        return lw.read_recording(root / name, arm, settings=root / _SETTINGS)

@@ -129,7 +129,7 @@ def _guessed(table: Table, header: str, units: Sequence[str]) -> str:
 
 def settings_text(meanings: Sequence[Meaning], extra: Mapping[str, str]) -> str:
     """The recording.yaml that says so; `extra` are further keys, empty ones left out."""
-    lines = [f"{name}: {yaml_line(value)}" for name, value in extra.items() if value]
+    lines = [f"{name}: {yaml_line(_number(name, value))}" for name, value in extra.items() if value]
     if any(each.what not in (OTHER, IGNORED) and _ours(each) != each.header for each in meanings):
         lines.append("columns:")
         lines += [
@@ -141,6 +141,11 @@ def settings_text(meanings: Sequence[Meaning], extra: Mapping[str, str]) -> str:
     if ignored:
         lines.append("ignore: [" + ", ".join(yaml_line(header, quoted=True) for header in ignored) + "]")
     return "\n".join(lines) + "\n"
+
+
+def _number(name: str, value: str) -> str | int:
+    """A setting that is a number as one; what is none is left for the reader to refuse."""
+    return int(value) if name == "skip_rows" and value.isascii() and value.isdecimal() and len(value) < 10 else value
 
 
 def _ours(meaning: Meaning) -> str:

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 
 import linkwright as lw
+from arm.actuators import Actuator, read_actuators, shipped_actuators, user_actuators_path
 from catalogues import store
 from catalogues.materials_as_text import find_entry
 from catalogues.materials_editor import MATERIALS
+from catalogues.prices import remove_price, set_price
 from catalogues.stock_editor import STOCK, columns_of, row_of
+from linkwright.commands.actuators.editor import ACTUATORS, actuator_entry
+from linkwright.commands.catalogues.own import value_of_text
 from linkwright.commands.materials.edit import OWN
 from linkwright.commands.materials.query import QUERY, value_of
 from materials.catalogue import load_layer, user_catalogue_path
 from sections.stock.tables import user_stock_path
-from units.quantities import InputError
-from units.reading import read_text
+from units.prices import read_prices
+from units.quantities import InputError, format_quantity
+from units.reading import load_yaml, read_text
 
 Row = dict[str, str]
 """A row's cells as text, `name` among them; `own` says whether it stands in the user's own file."""
@@ -27,6 +34,8 @@ class CatalogueTable(ABC):
     """A catalogue, the shipped one with the user's own over it. Edits go to the latter; all raise `InputError`."""
 
     title = ""
+    always: tuple[str, ...] = ("title",)
+    """Columns that are there even where no entry has anything in them."""
 
     @property
     @abstractmethod
@@ -158,6 +167,91 @@ class SectionsTable(CatalogueTable):
     def remove(self, name: str) -> str:
         """The user's own."""
         return STOCK.remove(self.path, name)
+
+
+class ActuatorsTable(CatalogueTable):
+    """The actuators."""
+
+    title = "Actuators"
+    always = ("cost", "note")
+
+    @property
+    def path(self) -> Path:
+        """The user's own file."""
+        return user_actuators_path()
+
+    def columns(self, group: str) -> Sequence[str]:
+        """What an entry says, as a file has it."""
+        del group
+        return ("maker", "gear", "ratio", *_DRIVE, "note")
+
+    def rows(self, group: str) -> list[Row]:
+        """A row for each actuator."""
+        del group
+        keys = load_yaml(self.path) if self.path.exists() else None
+        own = set[str]() if keys is None else {*read_actuators(keys), *read_prices(keys, "cost")}
+        found: list[Row] = []
+        for each in lw.actuators.values():
+            ratio = "" if each.ratio is None else f"{each.ratio:.12g}"
+            figures = {name: _drive_figure(each, name) for name in _DRIVE}
+            row = {"maker": each.maker, "gear": each.gear, "ratio": ratio, **figures, "note": each.note}
+            found.append({"name": each.name, "own": "yes" if each.name in own else "", **row})
+        return found
+
+    def change(self, name: str, column: str, text: str, source: str) -> str:
+        """Set or take away a figure; a price alone leaves a shipped entry where it is."""
+        if column == "cost":
+            return self._price(name, text.strip(), source)
+        if not text.strip():
+            return ACTUATORS.remove_key(self.path, name, column)
+        return ACTUATORS.set_keys(self.path, name, {column: value_of_text(text.strip(), column)}, source=source)
+
+    def _price(self, name: str, text: str, source: str) -> str:
+        if not text:
+            return remove_price(ACTUATORS, self.path, name)
+        if not source:
+            raise InputError("", "Source of your figures", "is empty; say where the price is from")
+        price = {"value": text, "date": datetime.now(UTC).strftime("%Y-%m"), "source": source}
+        return set_price(ACTUATORS, self.path, name, price, list(shipped_actuators()))
+
+    def copy(self, name: str, new_name: str) -> str:
+        """An actuator like another."""
+        entry = actuator_entry(name, [self.path] if self.path.exists() else [])
+        if entry is None:
+            raise InputError("", "Entry", "is empty; choose the one to copy")
+        return ACTUATORS.add(self.path, [replace(entry, name=_named(new_name))])
+
+    def remove(self, name: str) -> str:
+        """The user's own entry, or price."""
+        own = read_actuators(load_yaml(self.path)) if self.path.exists() else {}
+        if name in own or not self.path.exists():
+            return ACTUATORS.remove(self.path, name)
+        return remove_price(ACTUATORS, self.path, name)
+
+
+_DRIVE: Mapping[str, str] = MappingProxyType(
+    {
+        "rated_torque": "torque",
+        "peak_torque": "torque",
+        "stiffness": "torsional_stiffness",
+        "zone_torques": "torque",
+        "backlash": "angle",
+        "mass": "mass",
+        "cost": "cost",
+    }
+)
+"""The figures of an actuator and their kinds."""
+
+
+def _drive_figure(each: Actuator, name: str) -> str:
+    """A figure as a file has it; those of zones as a list."""
+    kind = _DRIVE[name]
+    if name in ("stiffness", "zone_torques"):
+        zones = each.stiffnesses if name == "stiffness" else each.zone_torques
+        written = [format_quantity(value, kind, digits=6) for value in zones]
+        return f"[{', '.join(written)}]" if len(each.stiffnesses) > 1 else "".join(written)
+    value: float | None = getattr(each, name)
+    return "" if value is None else format_quantity(value, kind, "arcmin" if kind == "angle" else None, digits=6)
 
 
 def _bare(text: str) -> bool:

@@ -92,11 +92,21 @@ def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
 
 
 def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
-    """Diagnose a recording: report, corrected arm, residuals."""
-    arm, recording, settings = (root / asked[name] for name in ("arm", "recording", "settings"))
-    found = lw.diagnose(lw.read_arm(arm), recording, settings=settings, thorough=asked["thorough"], progress=_Told())
-    _kept(found, out, arm, recording, settings)
-    (out / settings.name).write_bytes(settings.read_bytes())
+    """Diagnose a recording, or several at once: report, corrected arm, residuals, the settings as they were told."""
+    arm = root / asked["arm"]
+    recordings, settings = ([root / name for name in asked[key]] for key in ("recordings", "settings"))
+    found = lw.diagnose(
+        lw.read_arm(arm),
+        recordings,
+        settings=settings,
+        thorough=asked["thorough"],
+        units=asked["units"],
+        progress=_Told(),
+    )
+    _kept(found, out, arm, *recordings, *settings)
+    for number, own in enumerate(settings, start=1):
+        name = own.name if len(settings) == 1 else f"{own.stem}-{number}{own.suffix}"
+        (out / name).write_bytes(own.read_bytes())
     return repr(found), True
 
 

@@ -19,7 +19,7 @@ class Server:
     def __init__(self, folder, *options, port="0"):
         nowhere = str(folder.parent / "no-configuration")
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": nowhere, "NO_PROXY": "*"}
-        for name in ("LINKWRIGHT_CATALOGUE", "LINKWRIGHT_SECTIONS"):
+        for name in ("LINKWRIGHT_CATALOGUE", "LINKWRIGHT_SECTIONS", "LINKWRIGHT_ACTUATORS"):
             environment.pop(name, None)
         self.folder = folder
         self.process = subprocess.Popen(

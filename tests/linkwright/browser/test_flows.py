@@ -162,6 +162,88 @@ def test_a_dropped_recording_is_diagnosed(server, page, tmp_path):
     assert read.table["y_mm"].to_numpy() == pytest.approx(made["y_mm"].to_numpy())
 
 
+def test_several_recordings_are_diagnosed_at_once(server, page, tmp_path):
+    """Dropped one after the other: each has its columns and settings, what is wrong with any stops the question, and
+    the report tells of both."""
+    offset = {"effect": "encoder_offset", "at": 2, "offset": "0.3 deg"}
+    arm = server.folder / "example-arm.yaml"
+    for number, name in enumerate(("monday", "tuesday"), start=1):
+        made = lw.simulate(arm, poses=10, repeats=2, with_=[offset], sides="one", seed=number).table
+        text = made.rename(columns={"y_mm": "Height"}).to_csv(index=False)
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
+    page.goto(server.url + "diagnosis")
+    page.get_by_text("example-arm.yaml").or_(page.locator("input[value='example-arm.yaml']")).first.wait_for()
+    page.set_input_files("input[type=file]", tmp_path / "monday.csv")
+    page.get_by_role("alert").filter(has_text="monday.csv: y: is missing").wait_for()
+    column = page.locator(".lw-map").filter(has_text="Height")
+    column.get_by_role("combobox").first.click()
+    page.get_by_role("option", name="y", exact=True).click()
+    page.get_by_text("Recording: monday.csv, 20 readings").wait_for()
+    page.set_input_files("input[type=file]", tmp_path / "tuesday.csv")
+    page.get_by_text("Recording: tuesday.csv, 20 readings").wait_for()  # what was said of the one before holds
+    page.get_by_text("What the columns of tuesday.csv are").wait_for()
+    page.get_by_label("Lines above the header").fill("3")
+    page.get_by_label("Lines above the header").press("Enter")
+    page.get_by_role("alert").filter(has_text="tuesday.csv").wait_for()
+    assert page.get_by_role("button", name="Diagnose").is_disabled()
+    page.get_by_label("Lines above the header").fill("")
+    page.get_by_label("Lines above the header").press("Enter")
+    page.get_by_role("alert").filter(has_text="tuesday.csv: y: is missing").wait_for()
+    column.get_by_role("combobox").first.click()
+    page.get_by_role("option", name="y", exact=True).click()
+    page.get_by_label("Recording", exact=True).click()
+    page.get_by_role("option", name="monday.csv", exact=True).click()
+    page.get_by_text("What the columns of monday.csv are").wait_for()
+    page.get_by_role("button", name="Diagnose").click()
+    page.locator(".lw-done", has_text="Diagnosis: encoder offset at joint 2").wait_for()
+    report = page.frame_locator("iframe")
+    report.get_by_text("tuesday.csv").first.wait_for()
+    for name in ("recording-1.yaml", "recording-2.yaml"):
+        page.get_by_role("link", name=name, exact=True).wait_for()
+    page.get_by_role("button", name="Take out").click()
+    page.get_by_label("Recording", exact=True).wait_for(state="hidden")
+    page.get_by_text("Recording: tuesday.csv, 20 readings").wait_for()
+
+
+def test_an_actuator_is_edited_in_place(server, page):
+    """A price stands alone; another figure copies the shipped entry; zones are a list; undo takes both back."""
+    page.goto(server.url + "catalogues")
+    page.get_by_role("tab", name="Actuators").click()
+    grid = page.get_by_role("tabpanel")
+    grid.locator(".ag-row").first.wait_for()
+    grid.get_by_label("Show only").fill("RV-20E")
+    row = grid.locator(".ag-row[row-id='RV-20E']")
+
+    def write(column, text):
+        cell = row.locator(f"[col-id={column}]")
+        cell.scroll_into_view_if_needed()
+        cell.dblclick()
+        page.keyboard.press("Control+A")
+        page.keyboard.type(text)
+        page.keyboard.press("Enter")
+        return cell
+
+    write("cost", "900 EUR")
+    grid.get_by_role("alert").filter(has_text="say where the price is from").wait_for()
+    grid.get_by_label("Source of your figures").fill("Offer 12")
+    write("cost", "900 EUR")
+    grid.get_by_text("set the price of RV-20E").wait_for()
+    own = server.folder.parent / "no-configuration" / "linkwright" / "actuators.yaml"
+    assert "actuators: {}" in own.read_text(encoding="utf-8")
+    write("mass", "-1 kg")
+    grid.get_by_role("alert").filter(has_text="actuators.RV-20E.mass: must be positive").wait_for()
+    write("stiffness", "[40 N*m/arcmin, 50 N*m/arcmin]")
+    grid.get_by_role("alert").filter(has_text="zone_torques").wait_for()
+    write("mass", "4900 g")
+    grid.get_by_text("set RV-20E.mass, copied from the shipped catalogue").wait_for()
+    row.locator("[col-id=mass]").get_by_text("4.9 kg").wait_for()
+    assert "mass: Offer 12" in own.read_text(encoding="utf-8")
+    grid.get_by_role("button", name="Undo").click()
+    row.locator("[col-id=mass]").get_by_text("4.7 kg").wait_for()
+    grid.get_by_role("button", name="Undo").click()
+    row.locator("[col-id=own]").get_by_text("yes").wait_for(state="detached")
+
+
 def test_a_material_is_edited_in_place(server, page):
     """The command line's checks; a shipped one is copied; undo takes it back."""
     page.goto(server.url + "catalogues")

@@ -81,3 +81,9 @@ def test_the_settings_are_read_as_they_were_meant(tmp_path):
     assert read.found.frame == "free"
     for name in given.columns:
         np.testing.assert_allclose(read.table[name], given[name], rtol=1e-12, atol=1e-12)
+
+
+def test_lines_above_the_header_are_a_number():
+    """As a field of the page tells them; what is no number is left for the reader to refuse."""
+    assert settings_text((), {"skip_rows": "3", "sigma": "15 um"}) == "skip_rows: 3\nsigma: 15 um\n"
+    assert settings_text((), {"skip_rows": "three"}) == "skip_rows: three\n"
