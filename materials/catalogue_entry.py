@@ -116,7 +116,7 @@ def _read(
         made = read_laminate(mapping, references, default_source, find)
         for follows in made.keys() & set(properties) & set(FOLLOWING):
             raise mapping.error(follows, "follows from the laminate; leave it out")
-        properties, isotropic = {**made, **properties}, False
+        properties, isotropic = made | properties, False
     used = [item.source for item in properties.values()] + [magnetic_source]
     cited = {key: references[key] for key in used if references is not None and key}
     material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited)
@@ -254,14 +254,14 @@ def read_laminate(
             raise keys.error(wrong, "must be one for each ply, the thicknesses above zero")
         source = _source(keys, references, default_source)
         ply = _ply(keys, find)
-    needed = [name for name in FOLLOWING if name in FOLLOWING[:4] or ply.has(name)]
+    needed: list[PropertyName] = [name for name in FOLLOWING if name in FOLLOWING[:4] or ply.has(name)]
     for name in needed:
         if not ply.has(name):
             message = f"{ply.name} has no {name}; a ply needs its modulus along, across and in shear, and its Poisson's"
             raise mapping.error("laminate.ply", f"{message} ratio")
     valid = [ply.properties[name].valid for name in needed if name in ply.properties]
     span = (max(low for low, _ in valid), min(high for _, high in valid))
-    values = {name: ply.need(name) for name in needed}
+    values: dict[PropertyName, float] = {name: ply.need(name) for name in needed}
     try:
         wall = wall_of(
             Ply(
@@ -287,11 +287,13 @@ def read_laminate(
         "transverse_expansion": wall.expansion_around,
     }
     note = f"of plies of {ply.name} by laminate theory"
-    made = {
+    made: dict[PropertyName, Property] = {
         name: Property(Constant(value), span, source, note=note) for name, value in found.items() if value is not None
     }
-    alike = {name: replace(ply.properties[name], source=source) for name in _ALIKE if name in ply.properties}
-    return {**made, **alike}
+    for name in _ALIKE:
+        if name in ply.properties:
+            made[name] = replace(ply.properties[name], source=source)
+    return made
 
 
 def _ply(keys: Mapping, find: Finder) -> Material:

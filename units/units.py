@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache
+from threading import Lock
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
@@ -75,9 +76,20 @@ liter = 1e-3 * meter ** 3 = L = l = litre
 """
 
 
-@cache
+_ONE_AT_A_TIME = Lock()
+
+
 def registry() -> pint.UnitRegistry[Any]:
-    """Return the project's pint registry: decimal factors, angle as a dimension, EUR as the only currency."""
+    """Return the project's pint registry: decimal factors, angle as a dimension, EUR as the only currency.
+
+    There is one only, whichever thread asks first: units of two do not go together.
+    """
+    with _ONE_AT_A_TIME:
+        return _registry()
+
+
+@cache
+def _registry() -> pint.UnitRegistry[Any]:
     import pint  # here, for importing it takes longer than a command that reads no quantity
 
     # pint's annotations know neither an empty registry nor decimal factors; both are documented features.

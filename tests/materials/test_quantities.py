@@ -2,6 +2,8 @@
 
 import math
 import pickle
+import subprocess
+import sys
 
 import pytest
 from hypothesis import assume, given
@@ -260,3 +262,15 @@ def test_input_error_crosses_processes():
     again = pickle.loads(pickle.dumps(error))
     assert str(again) == str(error) == "a.yaml: mass: needs a unit"
     assert (again.file, again.key, again.message) == ("a.yaml", "mass", "needs a unit")
+
+
+def test_threads_that_ask_first_together_get_one_registry():
+    """Units of two registries do not go together; every thread of a process that has read no quantity yet asks."""
+    code = (
+        "from concurrent.futures import ThreadPoolExecutor\nfrom threading import Barrier\n"
+        "from units.units import registry\nstart = Barrier(8)\n"
+        "def ask(_):\n    start.wait()\n    return id(registry())\n"
+        "with ThreadPoolExecutor(8) as pool:\n    print(len(set(pool.map(ask, range(8)))))"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert ended.stdout.strip() == "1"
