@@ -21,6 +21,7 @@ from arm.errors.rigid_links import rigid, values_of_rigid
 from arm.errors.tip import active_effects
 from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
+from arm.limits.joint_loads import JointLoad, joint_loads
 from arm.limits.sideways import least_sideways
 from arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
@@ -118,6 +119,12 @@ class Evaluation:
     def relative_to(self) -> Calibrated | None:
         """The calibrated state that errors count from; None where the whole error counts."""
         return self.load_cases[0].relative_to
+
+    @property
+    def joint_loads(self) -> tuple[JointLoad, ...] | None:
+        """What each joint carries at the worst pose in its load case; None where a mass is not known."""
+        top = self.worst.poses[0]
+        return None if of_unknown_mass(self.arm) else joint_loads(self.arm, self.load_cases[top.load_case], top.q)
 
     @property
     def max_error(self) -> float:

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own, json_text, write_file, write_folder
+from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
 from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
 from linkwright.results.document import plain as plain_words
+from units.quantities import InputError
 
 from .given import File
 
@@ -101,6 +102,8 @@ class Reported(Result):
     def save_pdf(self, file: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write the report as a PDF of A4 pages; the same result gives the same bytes where SOURCE_DATE_EPOCH stands
         for the date. Raises `InputError` where typst is not installed or the file cannot be written."""
+        if Path(file) == OUTPUT:
+            raise InputError("", "save_pdf", "needs the name of a file; a PDF is nothing for standard output")
         from linkwright.pdf.document import pdf_of
 
         origin = origin_of(map(Path, made_from), author=author, comment=comment)

@@ -144,6 +144,25 @@ def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
     ]
 
 
+def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
+    """What each joint carries at the worst pose; null where a mass is not known."""
+    loads = evaluation.joint_loads
+    if loads is None:
+        return None
+    return [
+        {
+            "joint": number,
+            **fields(each, "axis", "force_N=force", "moment_Nm=moment"),
+            "radial_N": each.radial,
+            "axial_N": abs(each.along),
+            "tilting_Nm": each.tilting,
+            "drive_holds": each.drive,
+            "drive_unit": "N*m" if each.revolute else "N",
+        }
+        for number, each in enumerate(loads, start=1)
+    ]
+
+
 def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = FIGURES) -> dict[str, Any]:
     """The figures of an evaluation, by the names of the contract and a few more."""
     arm, worst, frequency = evaluation.arm, evaluation.worst, evaluation.frequency
@@ -178,6 +197,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "compliance": None if "compliance" in evaluation.unknown else _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "drives": _drives(evaluation),
+        "joint_loads": _joint_loads(evaluation),
         "links": links_json(arm, evaluation.link_masses),
         "workspace": _workspace(arm, evaluation.workspace),
         "load_cases": [_load(case) for case in evaluation.load_cases],

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
 from arm.evaluation import Evaluation
+from arm.worst.search import WorstPose
 from optimize.limits import FIGURES, Figure
 from optimize.limits.frequency import FIRST_FREQUENCY
 from optimize.limits.sideways import SIDEWAYS_STIFFNESS
@@ -31,6 +32,12 @@ from .figures_in_words import (
 )
 
 MOST_POSES = 6
+_APART = math.radians(10.0)
+"""Poses of which no joint differs by so much are shown as one."""
+_SLIDE = 0.05
+"""The same for a slide, of its range."""
+_SAME_ERROR = 1e-4
+"""Poses that differ in the first joint alone and whose errors differ by less are one pose, turned with its base."""
 _NOTHING = 1e-9
 _BESIDE = frozenset({"max_error", "mass"})
 """The figures that a headline gives anyway."""
@@ -122,12 +129,32 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
     return found
 
 
+def poses_that_differ(evaluation: Evaluation) -> tuple[WorstPose, ...]:
+    """The worst poses, worst first, without those that a reader would take for a repeat of one before them."""
+    kept: list[WorstPose] = []
+    for each in evaluation.worst.poses:
+        if not any(_alike(evaluation, each, other) for other in kept):
+            kept.append(each)
+    return tuple(kept)
+
+
+def _alike(evaluation: Evaluation, one: WorstPose, other: WorstPose) -> bool:
+    if one.load_case != other.load_case:
+        return False
+    apart = [
+        abs(a - b) >= (_APART if joint.revolute else _SLIDE * (joint.range[1] - joint.range[0]))
+        for a, b, joint in zip(one.q, other.q, evaluation.arm.joints, strict=True)
+    ]
+    turned = abs(one.error - other.error) <= _SAME_ERROR * other.error and evaluation.arm.joints[0].revolute
+    return not any(apart[1:] if turned else apart)
+
+
 def worst_poses(evaluation: Evaluation, *, detail: bool = False) -> Table:
     """The poses of the greatest errors, with the load case where there are several."""
     cases = evaluation.load_cases
     several = len(cases) > 1
     rows: list[list[Cell]] = []
-    for each in evaluation.worst.poses[:MOST_POSES]:
+    for each in poses_that_differ(evaluation)[:MOST_POSES]:
         row: list[Cell] = [pose(evaluation.arm, each.q), length(each.error, 5)]
         if several:
             row.append(f"{each.load_case + 1}: {load_case_words(cases[each.load_case])}")
@@ -216,6 +243,21 @@ def joints(evaluation: Evaluation) -> Table:
         given = [count(index + 1), joint.type, span, length(joint.clearance), backlash, stiffness_]
         rows.append([*given, amount(joint.mass, "kg")])
     headings = ("joint", "type", "range", "clearance", "backlash", "drive", "mass")
+    return table(headings, rows, detail=True)
+
+
+def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
+    """What each joint carries at the worst pose: for its bearings across its axis, along it, and for its drive."""
+    loads = evaluation.joint_loads
+    if loads is None:
+        return Paragraph(f"Not known: {evaluation.unknown['mass']}.")
+    rows: list[list[Cell]] = []
+    for number_, each in enumerate(loads, start=1):
+        force, moment = math.hypot(*each.force), math.hypot(*each.moment)
+        held = amount(abs(each.drive), "N·m" if each.revolute else "N")
+        bearing = [amount(each.radial, "N"), amount(abs(each.along), "N"), amount(each.tilting, "N·m")]
+        rows.append([count(number_), amount(force, "N"), amount(moment, "N·m"), *bearing, held])
+    headings = ("joint", "force", "moment", "radial", "along the axis", "tilting moment", "drive holds")
     return table(headings, rows, detail=True)
 
 

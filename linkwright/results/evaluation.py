@@ -9,6 +9,10 @@ from . import design
 from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table
 from .figures_in_words import figure, mm, pose, robust_words, workspace_words
 
+LOADS = (
+    "Statics of the undeformed arm at its worst pose, without acceleration; across and along its axis and "
+    "against tilting a joint's bearings hold it, the rest its drive."
+)
 _SCALE = "Drawn to scale; links as thick as their sections are high."
 
 
@@ -30,6 +34,8 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
         *design.rigid_links_words(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
+        section("Side view", Picture("side"), detail=True),
+        section("What the joints carry", Picture("loads"), design.joint_loads(evaluation), lead=LOADS, detail=True),
         section("Error over the workspace", Picture("map"), poses),
         section("What each effect adds", design.effects(named)),
         facts,

@@ -28,6 +28,7 @@ from .document import (
     share,
     table,
 )
+from .evaluation import LOADS
 from .figures_in_words import factor_words, figure, mm, percent, robust_words, with_unit
 
 MOST_CANDIDATES = 8
@@ -60,6 +61,8 @@ def describe(result: OptimizationResult) -> Description:
         *rounding.warnings(result),
         _facts(result),
         section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
+        section("Side view of the new design", Picture("side"), detail=True),
+        section("What its joints carry", Picture("loads"), design.joint_loads(result.after), lead=LOADS, detail=True),
         section("Cross-sections", Picture("sections"), design.links(named), lead="All drawn to one scale."),
         section("Error over the workspace", Picture("map"), poses, lead=_COLOURS, detail=True),
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),

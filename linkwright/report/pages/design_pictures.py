@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from arm.evaluation import ErrorMap
 from linkwright.report.page import figure_place, side_by_side
-from linkwright.report.pictures.arm import arm_caption, arm_picture, shared_window, skeleton
+from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton
 from linkwright.report.pictures.plots import Figure, colour_range, error_map_figure, error_map_words, shared_spans
 from linkwright.report.pictures.svg import element, text
 from linkwright.results.design import Named
@@ -20,7 +20,8 @@ def arms(named: Named) -> str:
     for (when, evaluation), each in zip(named, drawn, strict=True):
         heading = element("h3", text(when.capitalize())) if when else ""
         caption = element("figcaption", text(arm_caption(evaluation.arm, each, window)))
-        figures.append(element("figure", heading, arm_picture(evaluation.arm, each, window, when or "after"), caption))
+        picture = arm_picture(evaluation.arm, each, window, when or "after").removesuffix("</svg>")
+        figures.append(element("figure", heading, picture + numbered(each, window) + "</svg>", caption))
     return side_by_side(*figures)
 
 

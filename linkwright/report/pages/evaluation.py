@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from arm.evaluation import ErrorMap, Evaluation
 from linkwright.report.contents import Contents
+from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.side_view import side_view
 from linkwright.results.evaluation import describe
 from optimize.robust.result import RobustFigure
 
@@ -17,6 +19,8 @@ def evaluation_report(evaluation: Evaluation, field: ErrorMap, robust: RobustFig
     places, figures = design_pictures.maps(named, (field,))
     pictures = {
         "arms": design_pictures.arms(named),
+        "side": side_view(evaluation.arm, evaluation.load_cases),
+        "loads": loads_picture(evaluation),
         "map": places,
         "sections": sections_grid((("", evaluation.arm),)),
     }

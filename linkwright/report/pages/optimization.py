@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from linkwright.report.contents import Contents
 from linkwright.report.page import figure_place
+from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.side_view import side_view
 from linkwright.report.pictures.svg import text
 from linkwright.results.optimization import describe, effort_words
 from optimize.result import OptimizationResult
@@ -21,6 +23,8 @@ def optimization_report(result: OptimizationResult) -> Contents:
     places, figures = design_pictures.maps(named, (result.before_map, result.after_map))
     pictures = {
         "arms": design_pictures.arms(named),
+        "side": side_view(result.after.arm, result.after.load_cases),
+        "loads": loads_picture(result.after),
         "map": places,
         "sections": sections_grid((("before", result.before.arm), ("after", result.after.arm))),
     }

@@ -14,7 +14,7 @@ from arm.evaluation import Evaluation
 from arm.worst.search import WorstPose
 from linkwright.results.figures_in_words import figure, mm, pose
 
-from .svg import drawing, element, line, nice_below, path, scale_bar
+from .svg import drawing, element, label, line, nice_below, path, scale_bar
 
 Point = tuple[float, float]
 _ARROW = 0.16
@@ -37,7 +37,12 @@ class Skeleton:
     @property
     def points(self) -> list[Point]:
         """What must be within the picture."""
-        found = [(0.0, 0.0), self.tip]
+        found = [
+            (0.0, 0.0),
+            self.tip,
+            *(place for place, _ in self.joints),
+            *(end for lead in self.leads for end in lead),
+        ]
         for start, end, thickness in self.links:
             for x, y in (start, end):
                 found += [(x - thickness / 2, y - thickness / 2), (x + thickness / 2, y + thickness / 2)]
@@ -145,6 +150,20 @@ def arm_picture(
         where = f"({pose(arm, drawn.pose.q)})"
         about = f"{arm.name} {when} at its worst pose {where}; error at the tip {mm(drawn.pose.error)}"
     return drawing(window.left, window.top, window.width, window.height, about, *parts)
+
+
+def numbered(drawn: Skeleton, window: Window) -> str:
+    """The joints' numbers in circles, those that would lie on each other side by side."""
+    size = 0.024 * window.width
+    parts: list[str] = []
+    taken: list[Point] = []
+    for number, ((x, y), _) in enumerate(drawn.joints, start=1):
+        while any(math.hypot(x - u, y - v) < 1.7 * size for u, v in taken):
+            x += 1.8 * size
+        taken.append((x, y))
+        parts.append(element("circle", cx=x, cy=y, r=0.85 * size, class_="joint", stroke_width=0.12 * size))
+        parts.append(label(x, y + 0.4 * size, 1.15 * size, str(number), class_="figures"))
+    return "".join(parts)
 
 
 def _bar(start: Point, end: Point, thickness: float) -> list[Point]:

@@ -10,6 +10,7 @@ import numpy as np
 from arm.chain.kinematics import tip_position
 from arm.evaluation import ErrorMap, Evaluation
 from linkwright.json.design import objective_unit
+from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, pose
 from optimize.result import Iteration
 
@@ -52,13 +53,27 @@ def error_map_figure(
         "colorbar": {"title": {"text": "mm"}, "thickness": 12, "outlinewidth": 0},
         "hovertemplate": f"{names[0]} %{{x}} mm<br>{names[1]} %{{y}} mm<br>error %{{z:.5g}} mm<extra></extra>",
     }
-    layout = {
+    layout: Figure = {
         "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain", "range": spans[0]},
         "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x", "range": spans[1]},
         "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
         "showlegend": False,
     }
+    own = colour_range([field], [evaluation])
+    if own != colours:
+        layout["updatemenus"] = [_scales(colours, own)]
+        layout["margin"] = {"l": 60, "r": 10, "t": 44, "b": 50}
     return {"data": [heat, _marks(field, evaluation)], "layout": layout}
+
+
+def _scales(common: tuple[float, float], own: tuple[float, float]) -> Figure:
+    """Two buttons: the colours of all maps, or those of this one."""
+    buttons = [
+        {"label": words, "method": "restyle", "args": [{"zmin": least, "zmax": most}, [0]]}
+        for words, (least, most) in (("common scale", common), ("own scale", own))
+    ]
+    place = {"x": 0.0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
+    return {"type": "buttons", "direction": "right", "showactive": True, "buttons": buttons, **place}
 
 
 def _rounded(values: Any) -> list[float]:
@@ -66,7 +81,7 @@ def _rounded(values: Any) -> list[float]:
 
 
 def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
-    poses = evaluation.worst.poses[:MOST_MARKS]
+    poses = poses_that_differ(evaluation)[:MOST_MARKS]
     tips = 1e3 * tip_position(evaluation.arm, [each.q for each in poses])
     across = tips[:, 0] if field.planar else np.hypot(tips[:, 0], tips[:, 1])
     up = tips[:, 1] if field.planar else tips[:, 2]

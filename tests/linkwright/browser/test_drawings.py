@@ -8,7 +8,8 @@ from arm.chain.statics import solve
 from arm.errors.exact import deformed
 from arm.errors.model import beams_of
 from arm.errors.tip import active_effects
-from linkwright.browser.server.drawings import bent_shape, worst_poses
+from linkwright.browser.server.drawings import worst_poses
+from linkwright.report.pictures.bent import bent_shape
 
 ARM = "examples/several-loads/arm.yaml"
 

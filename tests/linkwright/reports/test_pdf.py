@@ -6,6 +6,8 @@ from dataclasses import replace
 import pytest
 import typst
 
+from linkwright.face.arm import Arm
+from linkwright.face.evaluation import Evaluation
 from linkwright.pdf.document import pdf_of
 from linkwright.pdf.markup import markup, quoted
 from linkwright.pdf.pieces import pieces_of
@@ -15,6 +17,7 @@ from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pages.optimization import optimization_report
 from linkwright.results.document import Description, Lines, Paragraph, section, table
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
+from units.quantities import InputError
 
 ORIGIN = Origin("1970-01-02", "0.1.0", (("arm.yaml", "ba78"),), author="Ada")
 ODD = (
@@ -99,3 +102,11 @@ def test_without_typst_one_line_says_how_to_get_it_before_any_work(linkwright, m
     status, out, err = linkwright("optimize", "problem.yaml", "--pdf", "a.pdf")
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert "pip install 'linkwright[pdf]'" in err
+
+
+def test_a_pdf_does_not_go_to_standard_output(evaluation, tmp_path, monkeypatch):
+    """Nor into a file called `-`."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="needs the name of a file"):
+        Evaluation(Arm.of(evaluation.arm), evaluation).save_pdf("-")
+    assert list(tmp_path.iterdir()) == []

@@ -175,7 +175,7 @@ def test_every_figure_has_its_place(page):
     places = [attributes for _, attributes in page.tags if "data-figure" in attributes]
     assert {place["data-figure"] for place in places} == set(page.figures)
     drawings = [attributes for tag, attributes in page.tags if tag == "svg"]
-    assert len(drawings) == 2 + 4
+    assert len(drawings) == 2 + 2 + 4
     assert all(attributes["aria-label"] for attributes in drawings + places)
 
 

@@ -1,0 +1,70 @@
+"""What each joint carries at a pose: force and moment for its bearings, and what of them its drive holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+from arm.chain.chain import Arm, LoadCase
+from arm.chain.statics import solve
+from arm.chain.vectors import Vector
+from arm.errors.model import beams_of
+
+
+@dataclass(frozen=True)
+class JointLoad:
+    """What the arm beyond a joint puts on it: `force` (N) and `moment` (N*m) about its point, both in the base frame;
+    `axis` is its unit axis there. `drive` is what its drive holds: N*m about the axis, or N along it (a slide)."""
+
+    revolute: bool
+    axis: tuple[float, float, float]
+    force: tuple[float, float, float]
+    moment: tuple[float, float, float]
+    drive: float
+
+    @property
+    def along(self) -> float:
+        """The force along the axis, N."""
+        return _dot(self.axis, self.force)
+
+    @property
+    def radial(self) -> float:
+        """The size of the force across the axis, N."""
+        return _across(self.axis, self.force)
+
+    @property
+    def tilting(self) -> float:
+        """The size of the moment across the axis, which bearings hold, N*m."""
+        return _across(self.axis, self.moment)
+
+
+def joint_loads(arm: Arm, case: LoadCase, q: Sequence[float]) -> tuple[JointLoad, ...]:
+    """The loads at every joint from the base out, at joint coordinates q (rad, m), by the statics of the undeformed
+    arm. Raises `arm.errors.model.PropertyNeeded` where a mass is not known."""
+    state = solve(arm, list(q), beams_of(arm, (case,)), case)
+    return tuple(
+        JointLoad(
+            each.revolute,
+            _triple(each.axis),
+            _triple(each.force),
+            _triple(each.moment),
+            float(cast(float, each.drive_load)),
+        )
+        for each in state.joints
+    )
+
+
+def _triple(vector: Vector) -> tuple[float, float, float]:
+    x, y, z = (float(cast(float, part)) for part in vector)
+    return x, y, z
+
+
+def _dot(one: Sequence[float], other: Sequence[float]) -> float:
+    return sum(x * y for x, y in zip(one, other, strict=True))
+
+
+def _across(axis: Sequence[float], vector: Sequence[float]) -> float:
+    along = _dot(axis, vector)
+    return math.hypot(*(x - along * a for x, a in zip(vector, axis, strict=True)))

@@ -1,0 +1,107 @@
+"""An arm at its worst pose with what its joints carry, and the shape that the loads bend it to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from arm.evaluation import Evaluation
+from arm.limits.joint_loads import JointLoad
+from linkwright.results.figures_in_words import figure, pose
+
+from .arm import Point, Skeleton, Window, arm_picture, numbered, shared_window, skeleton
+from .bent import bent_line, bent_points
+from .labels import Box, free, width_of
+from .svg import element, label, line, text
+
+_SIZE = 0.03
+
+
+def loads_picture(evaluation: Evaluation) -> str:
+    """The picture, with what is said of it below; nothing where a mass is not known."""
+    loads = evaluation.joint_loads
+    if loads is None:
+        return ""
+    arm, top = evaluation.arm, evaluation.worst.poses[0]
+    drawn = skeleton(evaluation)
+    window = shared_window([drawn])
+    words = f"{pose(arm, top.q)}: number, force and moment of each joint"
+    bent, course = "", [drawn.tip]
+    if evaluation.relative_to is None and "compliance" not in evaluation.unknown:
+        bent = bent_line(arm, evaluation.load_cases[top.load_case], top, window)
+        course = bent_points(arm, evaluation.load_cases[top.load_case], top, window)
+        larger = figure(window.exaggeration)
+        words += f"; the dashed line is the shape under load (without play) and the arrow the tip's error, {larger} "
+        words += "times their size"
+    notes, all_of_them = _notes(drawn, loads, window, course)
+    if not all_of_them:
+        words += "; where there is no room for them, the table has them"
+    picture = arm_picture(arm, drawn, window, "pale", about=f"{arm.name} at its worst pose with its joints' loads")
+    whole = picture.removesuffix("</svg>") + bent + notes + numbered(drawn, window) + "</svg>"
+    return element("div", element("figure", whole, element("figcaption", text(f"{words}."))), class_="dimensioned")
+
+
+def _notes(drawn: Skeleton, loads: tuple[JointLoad, ...], window: Window, course: Sequence[Point]) -> tuple[str, bool]:
+    """Force and moment beside their joints, wherever there is room, and whether there was room for all."""
+    size = _SIZE * window.width
+    taken = [
+        *_along([*_lines(drawn, window), *_through(course)], size),
+        *((x - size, y - size, x + size, y + size) for (x, y), _ in drawn.joints),
+    ]
+    parts: list[str] = []
+    for number, ((place, _), load) in enumerate(zip(drawn.joints, loads, strict=True), start=1):
+        told = [f"{number}: {figure(math.hypot(*load.force), 3)} N", f"{figure(math.hypot(*load.moment), 3)} N·m"]
+        wide = max(width_of(each, size) for each in told)
+        box = next((box for box in _around(place, wide, size) if free(box, taken) and _inside(box, window)), None)
+        if box is None:
+            continue
+        taken.append(box)
+        corner = (min(max(place[0], box[0]), box[2]), min(max(place[1], box[1]), box[3]))
+        parts.append(line(place, corner, "rule", 0.002 * window.width))
+        middle = 0.5 * (box[0] + box[2])
+        parts += [
+            label(middle, box[1] + (1.0 + 1.25 * k) * size, size, each, class_="figures") for k, each in enumerate(told)
+        ]
+    return "".join(parts), len(parts) == 3 * len(loads)
+
+
+def _around(place: Point, wide: float, size: float) -> list[Box]:
+    """Where words may stand by a place: under it and over it first, ever further off."""
+    boxes: list[Box] = []
+    tall = 2.6 * size
+    for far in (1.6, 3.0, 4.5, 6.5, 9.0):
+        for side in (0.0, -0.6, 0.6, -1.2, 1.2):
+            for down in (True, False):
+                left = place[0] + side * wide - 0.5 * wide
+                top = place[1] + far * size if down else place[1] - far * size - tall
+                boxes.append((left, top, left + wide, top + tall))
+    return boxes
+
+
+def _lines(drawn: Skeleton, window: Window) -> list[tuple[Point, Point, float]]:
+    """Links, offsets and the tip's arrow: from where to where, how thick."""
+    thin = 0.01 * window.width
+    (x, y), (dx, dy) = drawn.tip, drawn.error
+    end = (x + window.exaggeration * dx, y + window.exaggeration * dy)
+    return [*((a, b, thin) for a, b in drawn.leads), *drawn.links, (drawn.tip, end, 2.0 * thin)]
+
+
+def _through(course: Sequence[Point]) -> list[tuple[Point, Point, float]]:
+    return [(a, b, 0.0) for a, b in pairwise(course)]
+
+
+def _along(lines: Sequence[tuple[Point, Point, float]], size: float) -> list[Box]:
+    """Boxes that cover lines."""
+    boxes: list[Box] = []
+    for (x, y), (u, v), thickness in lines:
+        count = max(2, math.ceil(math.hypot(u - x, v - y) / (0.5 * size)))
+        for k in range(count + 1):
+            a, b, half = x + (u - x) * k / count, y + (v - y) * k / count, 0.5 * thickness
+            boxes.append((a - half, b - half, a + half, b + half))
+    return boxes
+
+
+def _inside(box: Box, window: Window) -> bool:
+    foot = window.top + window.height - 0.09 * window.width
+    return window.left < box[0] and box[2] < window.left + window.width and window.top < box[1] and box[3] < foot

@@ -1,0 +1,195 @@
+"""The links laid out in line, to scale and with dimensions: lengths, outer sizes, walls, joints' numbers, payload."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.chain.chain import Arm, Link, LoadCase
+from arm.chain.kinematics import place
+from linkwright.results.figures_in_words import figure, with_unit
+from sections.numeric import Array
+from sections.section import Section
+from sections.taper import Tapered
+
+from .labels import Levels, width_of
+from .svg import drawing, element, label, line, path, text
+
+_WIDTH, _MARGIN, _SIZE = 460.0, 26.0, 11.5
+_ROW = 1.25 * _SIZE
+_TALLEST = 0.4 * _WIDTH
+_BALLOON = 8.0
+_FEW_EDGES = 8
+"""A section with edges at more heights is round, or rounded; its side view shows but its walls."""
+
+
+def side_view(arm: Arm, cases: Sequence[LoadCase]) -> str:
+    """The picture, with what is said of it below; links as high as their sections."""
+    steps = _Steps(arm)
+    words = "All links laid out in line, whatever the pose: lengths; height × width (⌀ where round) and walls, in mm."
+    if steps.offsets:
+        words += " Thin lines are offsets between joints, and the tool."
+    about = f"{arm.name} laid out in line, with dimensions"
+    left, top, height, parts = _drawn(arm, max(case.mass for case in cases), steps)
+    picture = drawing(left, top, _WIDTH, height, about, *parts)
+    return element("div", element("figure", picture, element("figcaption", text(words))), class_="dimensioned")
+
+
+class _Steps:
+    """Where links begin and end along the line, and where offsets run (mm)."""
+
+    def __init__(self, arm: Arm) -> None:
+        middle = [0.5 * (low + high) for low, high in (joint.range for joint in arm.joints)]
+        here, self.links, self.offsets = 0.0, list[tuple[float, float]](), list[tuple[float, float]]()
+        for link, frame in zip(arm.links, place(arm, middle).joints, strict=True):
+            here = self._offset(here, frame.lead)
+            self.links.append((here, here + 1e3 * link.length))
+            here += 1e3 * link.length
+        self.end = self._offset(here, arm.tool)
+
+    def _offset(self, here: float, step: Sequence[object]) -> float:
+        long = 1e3 * float(np.linalg.norm(np.array(step, dtype=float)))
+        if long > 1e-6:
+            self.offsets.append((here, here + long))
+        return here + long
+
+
+def _drawn(arm: Arm, payload: float, steps: _Steps) -> tuple[float, float, float, list[str]]:
+    heights = [_heights(link) for link in arm.links]
+    tallest = max((max(ends) for ends in heights), default=0.0)
+    scale = min((_WIDTH - 2 * _MARGIN) / max(steps.end, 1e-9), _TALLEST / max(tallest, 1e-9))
+    half = max(0.5 * scale * tallest, _BALLOON)
+    room = (-_MARGIN, _WIDTH - _MARGIN)
+    parts = [line((scale * a, 0.0), (scale * b, 0.0), "lead", 1.5) for a, b in steps.offsets]
+    for link, (start, end), ends in zip(arm.links, steps.links, heights, strict=True):
+        parts += _link(link, (scale * start, scale * end), ends, scale)
+    parts.append(element("circle", cx=scale * steps.end, cy=0.0, r=4.0, class_="tip"))
+    above, top = _sizes(arm, payload, steps, scale, half, room)
+    below, bottom = _lengths(steps, scale, half, room)
+    parts += [*above, *below, *_joints(steps, scale)]
+    return room[0], top, bottom - top, parts
+
+
+def _link(link: Link, span: tuple[float, float], heights: tuple[float, float], scale: float) -> list[str]:
+    start, end = span
+    if link.section is None:
+        return [line((start, 0.0), (end, 0.0), "lead", 4.0)]
+    near, far = (0.5 * scale * each for each in heights)
+    parts = [path([[(start, -near), (end, -far), (end, far), (start, near)]], "link after")]
+    for edge in _edges(_ends(link.section)[0]):
+        share = 2.0 * edge / heights[0]
+        parts.append(line((start, -near * share), (end, -far * share), "hidden", 0.8))
+    return parts
+
+
+def _joints(steps: _Steps, scale: float) -> list[str]:
+    parts: list[str] = []
+    taken = Levels()
+    for number, (start, _) in enumerate(steps.links, start=1):
+        x = scale * start
+        y = -2.2 * _BALLOON * taken.placed(x - _BALLOON, x + _BALLOON)
+        parts.append(element("circle", cx=x, cy=y, r=_BALLOON, class_="joint", stroke_width=1.4))
+        parts.append(label(x, y + 4.0, _SIZE, str(number), class_="figures"))
+    return parts
+
+
+def _sizes(
+    arm: Arm, payload: float, steps: _Steps, scale: float, half: float, room: tuple[float, float]
+) -> tuple[list[str], float]:
+    """What stands above the links, each in the lowest row where it is free, and how far up that goes."""
+    notes = [
+        (0.5 * scale * (start + end), -0.25 * scale * sum(_heights(link)), _words(number, link))
+        for number, (link, (start, end)) in enumerate(zip(arm.links, steps.links, strict=True), start=1)
+    ]
+    notes.append((scale * steps.end, 0.0, [f"payload {with_unit(payload, 'kg')}"]))
+    rows, placed = Levels(), list[tuple[float, float, float, int, list[str]]]()
+    for x, begin, told in notes:
+        wide = max(width_of(each, _SIZE) for each in told)
+        middle = min(max(x, room[0] + 0.5 * wide + 2.0), room[1] - 0.5 * wide - 2.0)
+        placed.append((x, begin, middle, rows.placed(middle - 0.5 * wide - 4.0, middle + 0.5 * wide + 4.0), told))
+    tall = [max(len(told) for *_, row, told in placed if row == k) * _ROW + 6.0 for k in range(len(rows.rows))]
+    foot = [-half - 12.0 - sum(tall[:k]) for k in range(len(tall))]
+    parts: list[str] = []
+    for x, begin, middle, row, told in placed:
+        parts.append(line((x, begin), (x, foot[row] + 2.0), "axis", 1.0))
+        parts += [
+            label(middle, foot[row] - 3.0 - (len(told) - 1 - k) * _ROW, _SIZE, each, class_="figures")
+            for k, each in enumerate(told)
+        ]
+    # The words stand over the lines that lead to those above them.
+    parts.sort(key=lambda part: not part.startswith("<line"))
+    return parts, foot[-1] - tall[-1] - 2.0
+
+
+def _lengths(steps: _Steps, scale: float, half: float, room: tuple[float, float]) -> tuple[list[str], float]:
+    """Dimension lines below the links, each in the first row where it is free, and how far down that goes."""
+    spans = [(a, b) for a, b in sorted([*steps.links, *steps.offsets]) if b - a > 1e-6]
+    if len(spans) > 1:
+        spans.append((0.0, steps.end))
+    rows = Levels()
+    parts: list[str] = []
+    deepest = half
+    for a, b in spans:
+        start, end, words = scale * a, scale * b, figure(b - a, 5)
+        wide = width_of(words, _SIZE)
+        middle = min(max(0.5 * (start + end), room[0] + 0.5 * wide), room[1] - 0.5 * wide)
+        row = rows.placed(min(start, middle - 0.5 * wide) + 0.5, max(end, middle + 0.5 * wide) - 0.5)
+        y = half + 24.0 + 19.0 * row
+        deepest = max(deepest, y)
+        parts += [line((x, 0.0), (x, y + 3.0), "axis", 0.8) for x in (start, end)]
+        parts.append(line((start, y), (end, y), "rule", 1.0))
+        parts += [line((x - 3.0, y + 3.0), (x + 3.0, y - 3.0), "rule", 1.0) for x in (start, end)]
+        parts.append(label(middle, y - 3.5, _SIZE, words, class_="figures"))
+    parts.sort(key=lambda part: 'class="axis"' not in part)
+    return parts, deepest + 10.0
+
+
+def _words(number: int, link: Link) -> list[str]:
+    section = link.section
+    if section is None:
+        return [f"link {number}", "rigid"]
+    given = section.given()
+    walls = [_figures(value) for name, value in given.items() if "thickness" in name]
+    sizes = [each for each in (_figures(value) for name, value in given.items() if name == "diameter") if each]
+    near = _outer(_ends(section)[0])
+    across, high = (figure(float(np.ptp(near[:, k])), 4) for k in (0, 1))
+    outer = f"⌀ {sizes[0]}" if sizes else f"{high} × {across}"
+    told = [f"link {number}", outer]
+    return [*told, f"walls {', '.join(walls)}" if len(walls) > 1 else f"wall {walls[0]}"] if walls else told
+
+
+def _figures(value: object) -> str:
+    ends = value if isinstance(value, tuple) else (value,)
+    return " to ".join(figure(1e3 * float(each), 4) for each in ends if isinstance(each, float | int))
+
+
+def _ends(section: Section) -> tuple[Section, ...]:
+    return (section.near, section.far) if isinstance(section, Tapered) else (section,)
+
+
+def _outer(section: Section) -> Array:
+    """The outer edge, mm: across, and along the height."""
+    return 1e3 * np.asarray(section.outline()[0], dtype=float)
+
+
+def _heights(link: Link) -> tuple[float, float]:
+    """How high a link is at its joint and at its far end, mm."""
+    if link.section is None:
+        return 0.0, 0.0
+    ends = _ends(link.section)
+    near, far = (float(np.ptp(_outer(each)[:, 1])) for each in (ends[0], ends[-1]))
+    return near, far
+
+
+def _edges(section: Section) -> list[float]:
+    """Heights (mm, from the middle) at which a section has edges between its top and its foot."""
+    rings = [1e3 * np.asarray(ring, dtype=float)[:, 1] for ring in section.outline()]
+    low, high = float(rings[0].min()), float(rings[0].max())
+    found: set[float] = set()
+    for k, ring in enumerate(rings):
+        edges = np.unique(np.round(ring, 3))
+        if len(edges) > _FEW_EDGES:
+            edges = edges[[0, -1]] if k else edges[:0]
+        found |= {float(edge) for edge in edges}
+    return sorted(edge - 0.5 * (low + high) for edge in found if low + 0.01 < edge < high - 0.01)

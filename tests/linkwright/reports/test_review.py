@@ -1,0 +1,86 @@
+"""What a design review looks at: dimensions, joint loads against statics by hand, poses that differ."""
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.chain.chain import Joint, LoadCase
+from arm.evaluation import evaluate
+from arm.limits.joint_loads import joint_loads
+from linkwright.report.pages.evaluation import evaluation_report
+from linkwright.report.pictures.side_view import side_view
+from linkwright.results.design import poses_that_differ
+from sections import Circle, RectangularTube, Tube
+from tests.linkwright.samples import arm_of, mapped
+
+G = 9.81
+
+
+def stretched():
+    """Two tubes, 400 and 300 mm, a mass of 2 kg at each joint and 1 kg at the tip, stretched level."""
+    return replace(arm_of((Tube(0.08, 0.003), RectangularTube(0.04, 0.06, 0.002, 0.002))), gravity=(0.0, -G, 0.0))
+
+
+def test_joint_loads_are_those_of_statics_by_hand():
+    """Weights times their distances, for a stretched level arm; nothing tilts a joint of a planar arm."""
+    arm = stretched()
+    inner, outer = evaluate(arm).link_masses
+    first, second = joint_loads(arm, LoadCase(1.0), (0.0, 0.0))
+    assert second.force == pytest.approx((0.0, -(outer + 1.0) * G, 0.0))
+    assert second.moment == pytest.approx((0.0, 0.0, -(0.15 * outer + 0.3) * G))
+    assert first.force == pytest.approx((0.0, -(inner + 2.0 + outer + 1.0) * G, 0.0))
+    moment = (0.2 * inner + 0.4 * 2.0 + 0.55 * outer + 0.7) * G
+    assert first.moment == pytest.approx((0.0, 0.0, -moment))
+    assert (abs(first.drive), first.tilting, first.along) == pytest.approx((moment, 0.0, 0.0))
+    assert first.radial == pytest.approx(math.hypot(*first.force))
+
+
+def test_a_column_is_pressed_along_its_axis_and_tilted():
+    """Turning about the plumb line: the weight runs along the axis, its moment lies across."""
+    column = Joint(axis=(0.0, 0.0, 1.0), range=(-1.0, 1.0))
+    arm = replace(arm_of((Circle(0.05),), (0.4,), (column,)), gravity=(0.0, 0.0, -G))
+    mass = evaluate(arm).mass
+    (load,) = joint_loads(arm, LoadCase(1.0), (0.7,))
+    assert (load.along, load.radial, load.drive) == pytest.approx((-(mass + 1.0) * G, 0.0, 0.0), abs=1e-9)
+    assert load.tilting == pytest.approx((0.2 * mass + 0.4) * G)
+
+
+def test_the_side_view_is_to_scale_and_says_the_sizes():
+    """Links as long to each other as they are and as high to their length; a tube's bore is dashed."""
+    picture = side_view(stretched(), (LoadCase(1.0), LoadCase(2.5)))
+    outlines = [
+        np.array([[float(x) for x in point.split(",")] for point in found.split("L")])
+        for found in re.findall(r'<path d="M([^Z]+)Z" class="link after"', picture)
+    ]
+    (first, high), (second, low) = (np.ptp(each, axis=0) for each in outlines)
+    assert first / second == pytest.approx(4.0 / 3.0, rel=1e-4)
+    assert (high / first, low / second) == pytest.approx((0.08 / 0.4, 0.06 / 0.3), rel=1e-3)
+    assert picture.count('class="hidden"') == 4
+    told = re.findall(r">([^<>]+)</text>", picture)
+    for words in ("400", "300", "700", "1", "2", "⌀ 80", "60 × 40", "wall 3", "walls 2, 2", "payload 2.5 kg"):
+        assert words in told
+
+
+def test_the_report_holds_loads_and_the_bent_shape(evaluation):
+    contents = evaluation_report(evaluation, mapped(evaluation))
+    assert 'class="bent"' in contents.pictures["loads"]
+    unweighed = replace(evaluation.arm.links[0], section=None, material=None, mass=None)
+    arm = replace(evaluation.arm, links=(unweighed, *evaluation.arm.links[1:]))
+    found = evaluate(arm)
+    assert found.joint_loads is None
+    assert evaluation_report(found, mapped(evaluation)).pictures["loads"] == ""
+
+
+def test_a_pose_turned_with_its_base_is_shown_once(evaluation):
+    """And one that is a few degrees off; another load case, or another elbow, is another pose."""
+    top = evaluation.worst.poses[0]
+    turned = replace(top, q=(top.q[0] + 1.0, *top.q[1:]))
+    near = replace(top, q=(*top.q[:-1], top.q[-1] + 0.05), error=0.9 * top.error)
+    other = replace(top, q=(*top.q[:-1], top.q[-1] + 0.5))
+    loaded = replace(turned, load_case=top.load_case + 1)
+    worse = replace(turned, error=0.9 * top.error)
+    found = replace(evaluation, worst=replace(evaluation.worst, poses=(top, turned, near, other, loaded, worse)))
+    assert poses_that_differ(found) == (top, other, loaded, worse)
