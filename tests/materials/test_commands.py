@@ -53,7 +53,7 @@ def test_each_command_has_an_example(materials, command):
 def test_list_filters_sorts_and_chooses_columns(materials, tmp_path):
     arguments = ("--family", "aluminium", "--family", "steel", "--where", "density < 3 g/cm^3", "--sort=-yield")
     out = ok(materials("list", *arguments, "--columns", "density,tensile", "--json", "l.json"))
-    names = [line.split()[0] for line in out.splitlines()[2:] if line.strip()]
+    names = [line.split()[0] for line in out.splitlines()[2:] if line.strip() and not line.startswith("?")]
     assert names[:2] == ["aluminium-7075-t6", "aluminium-2024-t3"]
     assert names[-1] == "aluminium-5083-h111"
     assert "tensile" in out
