@@ -73,7 +73,8 @@ def _scales(common: tuple[float, float], own: tuple[float, float]) -> Figure:
         for words, (least, most) in (("common scale", common), ("own scale", own))
     ]
     place = {"x": 0.0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
-    return {"type": "buttons", "direction": "right", "showactive": True, "buttons": buttons, **place}
+    look = {"font": {"color": "#1d2530"}, "bgcolor": "#f5f7f9"}  # a chosen button stays light on a dark page too
+    return {"type": "buttons", "direction": "right", "showactive": True, "buttons": buttons, **place, **look}
 
 
 def _rounded(values: Any) -> list[float]:
