@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import datetime
 import io
+import warnings
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -55,7 +56,9 @@ def workbook_text(path: Path | str, sheet: str = "", decimal: str = ".") -> str:
             unpacked = sum(each.file_size for each in packed.infolist())
         if unpacked > _LARGEST:
             raise InputError(path, "", f"unpacks to more than {_LARGEST // 1024**2} MB")
-        return _text_of(path, content, sheet, decimal)
+        with warnings.catch_warnings():  # what a library grumbles of a file is no line of ours
+            warnings.simplefilter("ignore")
+            return _text_of(path, content, sheet, decimal)
     except InputError:
         raise
     except (*_BROKEN, InvalidFileException) as error:

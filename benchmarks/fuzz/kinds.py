@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import linkwright as lw
+from arm.actuators import load_actuators
 from arm.chain.chain import Arm
 from arm.files.read import read_arm
 from arm.files.write import arm_to_yaml
@@ -53,6 +55,16 @@ def kinds() -> dict[str, Kind]:
             {"own.yaml": _shipped("materials/catalogue/*.yaml")}, lambda at: load_layer(at / "own.yaml"), {}
         ),
         "sections": Kind({"own.yaml": _shipped("sections/stock/*.yaml")}, lambda at: read_file(at / "own.yaml"), {}),
+        "actuators": Kind(
+            {"own.yaml": (*_shipped("arm/actuators/*.yaml"), PRICES)},
+            lambda at: load_actuators([at / "own.yaml"], user=False),
+            {},
+        ),
+        "workbook": Kind(
+            {"sheet1.xml": (_sheet(rows),), "workbook.xml": (WORKBOOK,), "workbook.xml.rels": (RELATIONS,)},
+            lambda at: _workbook(at, drives),
+            {},
+        ),
         "recording": Kind(
             {"r.csv": recordings, "recording.yaml": (cable, UNUSUAL_SETTINGS, "sigma: 15 um\n")},
             lambda at: read_recording(at / "r.csv", drives),
@@ -88,6 +100,34 @@ def _shipped(pattern: str) -> tuple[str, ...]:
     """The first entries of the shipped files: what odd files cost grows with their size."""
     texts = (path.read_text(encoding="utf-8") for path in sorted(ROOT.glob(pattern)))
     return tuple(text[: ENTRY.search(text, 2500).start() + 1] if len(text) > 5000 else text for text in texts)
+
+
+def _sheet(rows: Sequence[str]) -> str:
+    """Rows of a recording as a sheet of a workbook: texts in the first row, numbers below."""
+    lines: list[str] = []
+    for number, row in enumerate(rows, start=1):
+        cells = row.strip().split(",")
+        form = '<c t="inlineStr"><is><t>{}</t></is></c>' if number == 1 else "<c><v>{}</v></c>"
+        lines.append(f'<row r="{number}">' + "".join(form.format(cell) for cell in cells) + "</row>")
+    body = "\n".join(lines)
+    return f'<worksheet xmlns="{MAIN}"><sheetData>\n{body}\n</sheetData></worksheet>\n'
+
+
+def _workbook(at: Path, arm: Arm) -> object:
+    """The parts put together as a spreadsheet program does."""
+    with zipfile.ZipFile(at / "r.xlsx", "w") as made:
+        made.writestr("[Content_Types].xml", TYPES)
+        made.writestr(
+            "_rels/.rels",
+            RELATIONS.replace("worksheet", "officeDocument", 1).replace("worksheets/sheet1", "xl/workbook"),
+        )
+        for name, part in (
+            ("xl/workbook.xml", "workbook.xml"),
+            ("xl/_rels/workbook.xml.rels", "workbook.xml.rels"),
+            ("xl/worksheets/sheet1.xml", "sheet1.xml"),
+        ):
+            made.write(at / part, name)
+    return read_recording(at / "r.xlsx", arm)
 
 
 def _arm(at: Path) -> object:
@@ -127,6 +167,26 @@ def _exchange(at: Path, arm: Arm) -> object:
     return None
 
 
+MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+_OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+WORKBOOK = (
+    f'<workbook xmlns="{MAIN}" xmlns:r="{_OFFICE}">\n'
+    '<sheets>\n<sheet name="run" sheetId="1" r:id="rId1"/>\n</sheets></workbook>\n'
+)
+RELATIONS = (
+    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">\n'
+    f'<Relationship Id="rId1" Type="{_OFFICE}/worksheet" Target="worksheets/sheet1.xml"/>\n</Relationships>\n'
+)
+_KIND = "application/vnd.openxmlformats-officedocument.spreadsheetml"
+TYPES = (
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    f'<Override PartName="/xl/workbook.xml" ContentType="{_KIND}.sheet.main+xml"/>'
+    f'<Override PartName="/xl/worksheets/sheet1.xml" ContentType="{_KIND}.worksheet+xml"/></Types>'
+)
+PRICES = (
+    "format_version: 1\nprices: {RV-20E: {value: 900 EUR, spread: [800 EUR, 1000 EUR], date: 2026-03, source: x}}\n"
+)
 UNUSUAL_ARM = """\
 name: all that may stand in a file
 gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]

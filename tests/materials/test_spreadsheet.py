@@ -2,13 +2,17 @@
 
 import csv
 import io
+import zipfile
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchmarks.fuzz.kinds import RELATIONS, TYPES
 from catalogues.csv_table import read_rows, table_text
+from units.quantities import InputError
 from units.spreadsheet import defused, fused
+from units.workbook import workbook_text
 
 # From OWASP's page on the attack.
 ATTACKS = [
@@ -48,3 +52,20 @@ def test_tables_are_defused_on_writing_and_read_back(tmp_path):
     cells = next(csv.DictReader(io.StringIO(path.read_text())))
     assert cells == {"name": "'=1+1", "source": "'@SUM(A1)", "density": "2700 kg/m^3"}
     assert read_rows(path, list(row), ["name"], lambda found, _: found) == (row,)
+
+
+def test_a_workbook_with_a_broken_part_is_refused_without_a_warning(tmp_path, recwarn):
+    """The library grumbles of a sheet that its list does not give an address of; people get one line."""
+    path = tmp_path / "r.xlsx"
+    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    with zipfile.ZipFile(path, "w") as made:
+        made.writestr("[Content_Types].xml", TYPES)
+        made.writestr(
+            "xl/workbook.xml", f'<workbook xmlns="{main}"><sheets><sheet name="a" sheetId="1"/></sheets></workbook>'
+        )
+        made.writestr("xl/_rels/workbook.xml.rels", RELATIONS)
+        made.writestr("xl/worksheets/sheet1.xml", f'<worksheet xmlns="{main}"><sheetData/></worksheet>')
+    with pytest.raises(InputError) as caught:
+        workbook_text(path)
+    assert "\n" not in str(caught.value)
+    assert list(recwarn) == []
