@@ -12,13 +12,13 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-diagnosis test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody instruments rules rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody instruments rules rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
 	@echo "make pictures   docs/pictures/tradeoff.svg, by the command that docs/tradeoff.md shows (ten minutes)"
-	@echo "make picture-diagnosis  docs/pictures/diagnosis.png, with Chromium"
+	@echo "make picture-reports  docs/pictures/diagnosis.png and welding-arm.png, with Chromium"
 	@echo "make test       run the test suite"
 	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make lint       ruff and pyright"
@@ -85,7 +85,7 @@ pictures: $(RUNTIME)
 	cp pictures-out/tradeoff.svg docs/pictures/tradeoff.svg
 
 # Its file says what the report answered; a test holds that against a fresh diagnosis.
-picture-diagnosis: $(DEV)
+picture-reports: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m handbook.pictures
 
 test: $(DEV)
