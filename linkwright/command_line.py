@@ -24,6 +24,7 @@ from linkwright.version import program_version
 from units.quantities import InputError, NoAnswer
 
 from .commands.groups import PLAIN, command_group
+from .commands.options import with_loudness
 
 VERSION = "--version"
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
@@ -100,7 +101,7 @@ def command_line(asked: str = "") -> typer.Typer:
         else:
             settings = dict(getattr(module, "SETTINGS", {}))
             made.command(name, help=module.HELP, context_settings=settings)(
-                getattr(module, name + "_" * iskeyword(name))
+                with_loudness(getattr(module, name + "_" * iskeyword(name)))
             )
     return made
 

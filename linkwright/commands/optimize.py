@@ -115,7 +115,6 @@ def optimize(
         result.save(out, made_from=read, author=author, comment=comment)
     if pdf is not None:
         result.save_pdf(pdf, made_from=read, author=author, comment=comment)
-    console().print()
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
     tell(describe(result.found), markdown, *written, pdf, json)
     if result.interrupted:
@@ -129,26 +128,31 @@ def _solved(
     """Optimise (and round), with a line for each iteration and a bar while combinations are tried."""
     from linkwright.results.optimization import iteration_line
     from linkwright.screen.console import console
+    from linkwright.screen.loudness import loudness
     from linkwright.screen.progress import Steps
 
     screen = console()
     steps = Steps()
 
     def log(iteration: Iteration) -> None:
-        screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
+        if loudness() != "answer":
+            screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
 
     def beyond(text: str) -> None:
         screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
 
     given: Any = {"round_to": round_to, "round_length": round_length, "resume": resume}
     try:
-        return lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond, executor=crew)
+        found = lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond, executor=crew)
     except KeyboardInterrupt:
         steps.close()
         _stopped("no design was finished yet, so there is none to keep", resume)
         raise
     finally:
         steps.close()
+    if loudness() != "answer":
+        screen.print()
+    return found
 
 
 def _stopped(words: str, resume: Path | None) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+import inspect
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -45,6 +47,31 @@ Dask = Annotated[
 ]
 
 
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show the answer and warnings alone, and no progress.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show what is else left to the report too.")]
+
+
+def with_loudness(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that shows a described result, with `--quiet` and `--verbose`; any other as it is."""
+    given = inspect.signature(command, eval_str=True)
+    if "markdown" not in given.parameters:
+        return command
+
+    @wraps(command)
+    def loud(*positional: Any, quiet: bool = False, verbose: bool = False, **named: Any) -> None:
+        from linkwright.screen.loudness import showing
+
+        with showing(quiet=quiet, verbose=verbose):
+            command(*positional, **named)
+
+    extra = {"quiet": Quiet, "verbose": Verbose}
+    own = [inspect.Parameter(k, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=v) for k, v in extra.items()]
+    every = [*given.parameters.values(), *own]
+    vars(loud)["__signature__"] = given.replace(parameters=every)
+    loud.__annotations__ = {each.name: each.annotation for each in every}
+    return loud
+
+
 def files_of(*given: Path | None) -> list[Path]:
     """The files among what may have been given."""
     return [path for path in given if path is not None]
@@ -66,10 +93,13 @@ def tell(described: Description, markdown: Path | None, *written: Path | None) -
     from linkwright.output.files import write_markdown
     from linkwright.screen.console import console
     from linkwright.screen.described import show
+    from linkwright.screen.loudness import loudness
 
     screen = console()
     write_markdown(markdown, described)
     show(screen, described)
+    if loudness() == "answer":
+        return
     for path in files_of(*written, markdown):
         screen.print(f"written: {path}", soft_wrap=True)
 

@@ -101,6 +101,7 @@ def tradeoff(
     from linkwright.report.origin import origin_of
     from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console, waiting
+    from linkwright.screen.loudness import loudness
 
     for target in (json, csv, markdown, pdf):
         check_target(target, problem, catalogue)
@@ -123,7 +124,8 @@ def tradeoff(
         written = _write(result, out, json, csv, origin)
         if pdf is not None:
             result.save_pdf(pdf, made_from=read, author=author, comment=comment)
-    console().print()
+    if loudness() != "answer":
+        console().print()
     tell(describe(result.found), markdown, *written, pdf)
 
 

@@ -14,6 +14,8 @@ from rich.text import Text
 
 from linkwright.output.stream import OutputClosed, drop_output, printable
 
+from .loudness import loudness
+
 PLAIN_WIDTH = 100
 """Columns where the output is not a terminal."""
 
@@ -49,7 +51,7 @@ def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = Non
 def waiting(text: str) -> Generator[None]:
     """A sign of life on a terminal while something without parts to count is computed."""
     screen = console(errors=True)
-    if not screen.is_terminal:
+    if not screen.is_terminal or loudness() == "answer":
         yield
         return
     with screen.status(text):

@@ -23,6 +23,7 @@ from linkwright.results.document import (
 )
 
 from .console import table as empty_table
+from .loudness import Loudness, loudness
 
 _BAR = 24
 _WIDE = 80
@@ -30,20 +31,25 @@ _STYLES = (("strong", "bold"), ("warning", "bold red"))
 
 
 def show(out: Console, description: Description) -> None:
-    """Print a result."""
+    """Print a result, as much of it as `linkwright.screen.loudness` says."""
+    how = loudness()
     _say(out, f"{description.subject}{description.headline}", "bold")
-    _Shown(out).show(description.items)
+    _Shown(out, how).show(_warnings(description.items) if how == "answer" else description.items)
+
+
+def _warnings(items: Iterable[Item]) -> list[Item]:
+    return [each for each in items if isinstance(each, Paragraph) and each.tone == "warning"]
 
 
 class _Shown:
     """Prints items with a blank line before every table and every section, and none between sentences."""
 
-    def __init__(self, out: Console) -> None:
-        self._out, self._gap = out, False
+    def __init__(self, out: Console, how: Loudness) -> None:
+        self._out, self._how, self._gap = out, how, False
 
     def show(self, items: Iterable[Item]) -> None:
         for item in items:
-            if isinstance(item, Picture) or item.detail:
+            if isinstance(item, Picture) or (item.detail and self._how != "all"):
                 continue
             if isinstance(item, Section):
                 self._section(item)
@@ -55,7 +61,8 @@ class _Shown:
                     self._say(line)
             else:
                 self._part()
-                self._out.print(drawn(item.table if isinstance(item, Facts) else item, self._out.width))
+                given = item.table if isinstance(item, Facts) else item
+                self._out.print(drawn(given, self._out.width, whole=self._how == "all"))
                 self._gap = False
 
     def _section(self, item: Section) -> None:
@@ -80,10 +87,10 @@ def _say(out: Console, text: str, style: str | None = None) -> None:
         out.print(plain(line), style=style, soft_wrap=True)
 
 
-def drawn(given: Table, width: int) -> rich.table.Table:
-    """A table as a screen of so many columns shows it: its brief rows, bars as blocks."""
+def drawn(given: Table, width: int, *, whole: bool = False) -> rich.table.Table:
+    """A table as a screen of so many columns shows it: its brief rows (or the `whole` of it), bars as blocks."""
     blocks = _BAR if width >= _WIDE else _BAR // 3
-    short = given.shortened()
+    short = given if whole else given.shortened()
     headings = (plain(column.heading) for column in short.columns)
     made = empty_table(*headings, numbers=short.numbers, title=plain(given.title) or None)
     made.show_header = short.headed

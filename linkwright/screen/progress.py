@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 from linkwright.output.stream import printable
 
 from .console import console
+from .loudness import loudness
 
 _PATIENCE = 1.0
 
@@ -28,7 +29,7 @@ class Steps:
         now, text = time.monotonic(), printable(text)
         if now - self._began < _PATIENCE:
             return
-        if not (self._screen.is_terminal or self._screen.is_jupyter):
+        if not (self._screen.is_terminal or self._screen.is_jupyter) or loudness() == "answer":
             return
         if self._bar is None:
             what = TextColumn("{task.description}", markup=False)

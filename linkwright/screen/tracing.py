@@ -10,6 +10,7 @@ from linkwright.results.figures_in_words import percent
 from optimize.tradeoff.trace import Progress
 
 from .console import console
+from .loudness import loudness
 
 MOST_ROWS = 25
 _PATIENCE = 2.0
@@ -29,7 +30,7 @@ class TracingProgress:
         now = time.monotonic()
         if now - self._began < _PATIENCE:
             return
-        if self._screen.is_terminal:
+        if self._screen.is_terminal and loudness() != "answer":
             if self._status is None:
                 self._status = self._screen.status("")
                 self._status.start()
