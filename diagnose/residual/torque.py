@@ -150,8 +150,8 @@ def _of_drive(
     design = np.column_stack([np.ones(len(torque)), *own.values(), each])
     values, _, rank, _ = np.linalg.lstsq(design, torque, rcond=_TOLD)
     freedom = len(torque) - int(rank)
-    if spread <= 0.0 or freedom < rules.enough_freedom or float(np.std(torque)) <= 0.0:
-        return None
+    if spread <= rules.torque_seen * float(np.std(torque)) or freedom < rules.enough_freedom or not np.std(torque):
+        return None  # what the model has it hold is next to nothing of what it holds: a joint upright, or at rest
     left = torque - design @ values
     scatter = float(np.sqrt(np.sum(left**2) / freedom))
     spread_of = scatter**2 * np.linalg.pinv(design.T @ design, rcond=_TOLD**2, hermitian=True)

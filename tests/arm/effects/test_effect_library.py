@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
@@ -188,7 +189,7 @@ def test_a_designs_symbols_give_the_same_numbers(effect: Effect, posed: Posed) -
     if not at:
         return
     entry = EffectEntry(effect.id, () if effect.place in ("base", "tip") else at, values)
-    arm = type(posed.arm)(**{**vars(posed.arm), "effects": (entry,), "leave_out": frozenset(EFFECTS) - {"axial"}})
+    arm = replace(posed.arm, effects=(entry,), leave_out=frozenset(EFFECTS) - {"axial"})
     q = symbols(arm)
     made = tip_error(solve(arm, parts(q), posed.beams), active_effects(arm))
     function = ca.Function(

@@ -65,7 +65,7 @@ def test_links_and_sections_are_to_scale(arm):
 def test_a_rigid_link_is_an_axis_and_that_is_said():
     model = Arm("one", (Joint(),), (Link(0.4, mass=1.0),))
     found = lw.export_arm(lw.Arm.of(model), to="dxf").found
-    assert any("links 1 are rigid" in each for each in found.lost)
+    assert any("link 1 is rigid" in each for each in found.lost)
     space = ezdxf.read(io.StringIO(found.text)).modelspace()
     assert not space.query("LWPOLYLINE")
     assert [each.get_measurement() for each in space.query("DIMENSION")] == pytest.approx([400.0])
