@@ -40,8 +40,8 @@ class ResidualRules:
     torque_seen: float = rule(
         0.02,
         "share of the load's spread",
-        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of; nor of a load that "
-        "is so small a share of the torque.",
+        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of; nor of a load "
+        "that is so small a share of the torque.",
         JUDGED,
     )
     torque_noise: float = rule(
