@@ -37,9 +37,7 @@ def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
                 f" on it {_times(each.links)} what the arm file says: check masses and centres, or a counterbalance."
             )
     own = [each for each in torques if not each.scaled]
-    payload = _common([each.payload for each in own if each.payload is not None])
-    if payload is not None and payload.differs(rules):
-        said.append(f"By the torques the payload is {_times(payload)} what the recording or the arm file says.")
+    said += _of_payload([(each.joint, each.payload) for each in own if each.payload is not None], rules)
     instead = [str(each.joint + 1) for each in torques if each.instead]
     if instead:
         said.append(
@@ -57,6 +55,22 @@ def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
     if rubs:
         said.append(f"Friction by the torques: {', '.join(rubs)}.")
     return said
+
+
+def _of_payload(factors: Sequence[tuple[int, Factor]], rules: ResidualRules) -> list[str]:
+    """How much the payload weighs; drive by drive where they do not agree on one factor, which a mass would have."""
+    common = _common([each for _, each in factors])
+    if common is None:
+        return []
+    least = (max(rules.torque_off, rules.torque_sure * each.error) for _, each in factors)
+    if any(abs(each.value - common.value) > far for (_, each), far in zip(factors, least, strict=True)):
+        by_drive = ", ".join(f"{_times(each)} at drive {joint + 1}" for joint, each in factors)
+        return [
+            "By the torques the payload weighs on each drive another number of times what the recording or the arm "
+            f"file says: {by_drive}. Rather its centre of mass is off than its mass."
+        ]
+    told = f"By the torques the payload is {_times(common)} what the recording or the arm file says."
+    return [told] if common.differs(rules) else []
 
 
 def _agreed(torques: Sequence[DriveTorque], rules: ResidualRules) -> str:

@@ -150,7 +150,7 @@ def _of_drive(
     design = np.column_stack([np.ones(len(torque)), *own.values(), each])
     values, _, rank, _ = np.linalg.lstsq(design, torque, rcond=_TOLD)
     freedom = len(torque) - int(rank)
-    if spread <= rules.torque_seen * float(np.std(torque)) or freedom < rules.enough_freedom or not np.std(torque):
+    if spread <= rules.torque_least * float(np.std(torque)) or freedom < rules.enough_freedom or not np.std(torque):
         return None  # what the model has it hold is next to nothing of what it holds: a joint upright, or at rest
     left = torque - design @ values
     scatter = float(np.sqrt(np.sum(left**2) / freedom))

@@ -40,8 +40,14 @@ class ResidualRules:
     torque_seen: float = rule(
         0.02,
         "share of the load's spread",
-        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of; nor of a load "
-        "that is so small a share of the torque.",
+        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of.",
+        JUDGED,
+    )
+    torque_least: float = rule(
+        0.2,
+        "share of the torque's spread",
+        "Where the model's load spreads by less, a torque is another thing than weights (friction, a sensor that "
+        "drifts): no arm file is off by such a factor.",
         JUDGED,
     )
     torque_noise: float = rule(

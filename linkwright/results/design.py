@@ -87,9 +87,11 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
 
 
 def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
-    """What of the error no better link takes away, where that is more than a twentieth of it. Where it is more than all
-    of it (the links' weight balances a spring) it is no part of it."""
+    """What of the error no better link takes away, where that is more than a twentieth of it. Where the links' weight
+    balances a spring, and where it is more than all of the error, it is no part of it."""
     rest = evaluation.rigid_links_error
+    if any(joint.counterbalance is not None for joint in evaluation.arm.joints):
+        return []
     if rest is None or not _TOLD_OF_RIGID_LINKS * evaluation.max_error < rest <= evaluation.max_error:
         return []
     share = percent(rest / evaluation.max_error)

@@ -23,32 +23,35 @@ def weighed_arm():
     return arm.with_links(tuple(replace(link, mass=m) for link, m in zip(arm.links, MASSES.tolist(), strict=True)))
 
 
-def weights(q, payload, masses):
-    """The torque (N, 5) of weights about each joint: links pull at their middles, the payload at the tip."""
+def weights(q, payload, masses, beyond=0.0):
+    """The torque (N, 5) of weights about each joint: links pull at their middles, the payload at the tip, or so far (m)
+    beyond it along the last link."""
     tip, places, axes = placed(q)
     ends = np.concatenate([places[:, 1:], tip[:, None]], axis=1)
     middles = 0.5 * (places + ends)
+    last = tip - places[:, -1]
+    held = tip + beyond * last / np.linalg.norm(last, axis=1)[:, None]
     found = np.zeros(q.shape)
     for joint in range(5):
         for link in range(joint, 5):
             arm = middles[:, link] - places[:, joint]
             pull = [0.0, 0.0, -GRAVITY * masses[link]]
             found[:, joint] += np.sum(np.cross(arm, pull) * axes[:, joint], axis=1)
-        arm = tip - places[:, joint]
+        arm = held - places[:, joint]
         pulls = np.outer(payload, [0.0, 0.0, -GRAVITY])
         found[:, joint] += np.sum(np.cross(arm, pulls) * axes[:, joint], axis=1)
     return found
 
 
-def recorded(masses=MASSES, scale=1.0, sign=1.0, seed=11, compliance=COMPLIANCE):
+def recorded(masses=MASSES, scale=1.0, sign=1.0, seed=11, compliance=COMPLIANCE, beyond=0.0):
     """Torques beside tips, of an arm whose drive 2 gives under what really weighs on it."""
     rng = np.random.default_rng(seed)
     q, payload = session(45, seed=seed)
     sides = np.repeat(rng.choice([-1.0, 1.0], (45, 5)), 2, axis=0)
-    load = weights(q, payload, masses)
+    load = weights(q, payload, masses, beyond)
     bent = q.copy()
     for _ in range(4):
-        bent[:, 1] = q[:, 1] + compliance * weights(bent, payload, masses)[:, 1]
+        bent[:, 1] = q[:, 1] + compliance * weights(bent, payload, masses, beyond)[:, 1]
     tip = placed(bent)[0] + SIGMA * rng.standard_normal((len(q), 3))
     torque = sign * (scale * -load + FRICTION * sides + 1.5) + NOISE * rng.standard_normal(q.shape)
     return Recording(
@@ -94,6 +97,26 @@ def test_torques_of_another_scale_say_nothing_against_the_weights():
     (finding,) = result.findings
     low, high = finding.parameters[0].interval
     assert low < COMPLIANCE < high
+
+
+def test_a_payload_whose_centre_is_elsewhere_is_not_told_as_another_mass():
+    """0.2 m beyond the tip it weighs the more on a drive, the nearer that is: no one factor fits."""
+    result = diagnose(weighed_arm(), recorded(compliance=0.0, beyond=0.2))
+
+    assert says(result, "Rather its centre of mass is off than its mass")
+    assert not says(result, "By the torques the payload is ")
+
+
+def test_a_drive_that_holds_next_to_nothing_says_nothing_of_weights():
+    """Whatever its sensor reads (here fourteen times the load) is no weight: what its torque and the model share is
+    chance."""
+    recording = recorded(compliance=0.0)
+    torque = recording.torque.copy()
+    torque[:, 4] *= 14.0
+    result = diagnose(weighed_arm(), replace(recording, torque=torque))
+
+    assert not says(result, "drive 5")
+    assert says(result, "Torques bear out what the links weigh")
 
 
 def test_torques_of_another_sign_are_refused_in_one_line(tmp_path):
