@@ -11,14 +11,9 @@ import linkwright as lw
 from arm.actuators import read_actuators, shipped_actuators, user_actuators_path
 from catalogues.materials_as_text import Entry
 from linkwright.commands.catalogues.own import (
-    Changes,
-    Name,
     OwnCatalogue,
-    OwnFile,
-    Source,
-    changes_of,
+    edit_keys_command,
     price_command,
-    say,
     value_of_text,
 )
 from linkwright.commands.groups import Commands
@@ -75,28 +70,6 @@ OWN = OwnCatalogue(
 )
 
 
-def edit_actuator(
-    name: Name,
-    changes: Changes = None,
-    source: Source = "",
-    unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
-    catalogue: OwnFile = None,
-) -> None:
-    """Run `actuators edit`."""
-    path = OWN.path(catalogue)
-    if not changes:
-        OWN.edit_in_editor(path, name)
-        return
-    if unset:
-        if len(changes) > 1 or "=" in changes[0]:
-            raise InputError("", "--unset", "takes one KEY and no value")
-        say(ACTUATORS.remove_key(path, name, changes[0]), path)
-        return
-    asked = changes_of(changes, OWN.such_as)
-    values = {key: value_of_text(text, key) for key, text in asked.items()}
-    say(ACTUATORS.set_keys(path, name, values, source=source), path)
-
-
 def export_actuators(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml file.")] = Path("actuators.yaml"),
@@ -117,5 +90,9 @@ def commands() -> Commands:
     """These commands by name."""
     price = price_command(OWN, lambda: list(shipped_actuators()))
     return OWN.commands(
-        {"edit": (edit_actuator, EDIT_HELP), "export": (export_actuators, EXPORT_HELP), "price": (price, PRICE_HELP)}
+        {
+            "edit": (edit_keys_command(OWN, ACTUATORS), EDIT_HELP),
+            "export": (export_actuators, EXPORT_HELP),
+            "price": (price, PRICE_HELP),
+        }
     )

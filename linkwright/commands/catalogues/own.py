@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dataclasses import replace as renamed
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Protocol, TypeVar
 
 import typer
 
@@ -35,6 +35,18 @@ _UsedIn = Annotated[
     list[Path] | None,
     typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),
 ]
+
+
+class KeysEditor(Protocol):
+    """An editor of entries that have keys."""
+
+    def set_keys(self, path: Path | str, name: str, values: Mapping[str, Any], *, source: str = "") -> str:
+        """Set keys of an entry, all of them or none; what was done, in words."""
+        ...
+
+    def remove_key(self, path: Path | str, name: str, key: str) -> str:
+        """Take a key away; what was done, in words."""
+        ...
 
 
 T = TypeVar("T")
@@ -215,6 +227,33 @@ class OwnCatalogue:
         order = ("add", "edit", "price", "remove", "rename", "undo", "check", "import", "export")
         every = {**alike, **of_its_own}
         return {name: every[name] for name in order if name in every}
+
+
+def edit_keys_command(own: OwnCatalogue, editor: KeysEditor) -> Callable[..., None]:
+    """The command that changes keys of an entry, or hands the file to the user's editor."""
+
+    def edit(
+        name: Name,
+        changes: Changes = None,
+        source: Source = "",
+        unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
+        catalogue: OwnFile = None,
+    ) -> None:
+        path = own.path(catalogue)
+        if not changes:
+            own.edit_in_editor(path, name)
+            return
+        if unset:
+            if len(changes) > 1 or "=" in changes[0]:
+                raise InputError("", "--unset", "takes one KEY and no value")
+            say(editor.remove_key(path, name, changes[0]), path)
+            return
+        asked = changes_of(changes, own.such_as)
+        values = {key: value_of_text(text, key) for key, text in asked.items()}
+        say(editor.set_keys(path, name, values, source=source), path)
+        own.question(path, name)
+
+    return edit
 
 
 def price_command(own: OwnCatalogue, shipped: Callable[[], Sequence[str]]) -> Callable[..., None]:

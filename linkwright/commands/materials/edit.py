@@ -14,14 +14,9 @@ from catalogues.materials_as_text import Entry, entries_text, find_entry, read_e
 from catalogues.materials_csv import read_table, write_table
 from catalogues.materials_editor import MATERIALS
 from linkwright.commands.catalogues.own import (
-    Changes,
-    Name,
     OwnCatalogue,
-    OwnFile,
-    Source,
-    changes_of,
+    edit_keys_command,
     price_command,
-    say,
     value_of_text,
 )
 from linkwright.commands.groups import Commands
@@ -80,31 +75,6 @@ OWN = OwnCatalogue(
 )
 
 
-def edit_material(
-    name: Name,
-    changes: Changes = None,
-    source: Source = "",
-    unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
-    catalogue: OwnFile = None,
-) -> None:
-    """Run `materials edit`."""
-    path = OWN.path(catalogue)
-    if not changes:
-        OWN.edit_in_editor(path, name)
-        return
-    if unset:
-        if len(changes) > 1 or "=" in changes[0]:
-            raise InputError("", "--unset", "takes one KEY and no value")
-        say(MATERIALS.remove_key(path, name, changes[0]), path)
-        return
-    asked = changes_of(changes, OWN.such_as)
-    say(
-        MATERIALS.set_keys(path, name, {key: value_of_text(text, key) for key, text in asked.items()}, source=source),
-        path,
-    )
-    OWN.question(path, name)
-
-
 def export_materials(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat or .csv file.")] = Path(
@@ -134,5 +104,9 @@ def commands() -> Commands:
     """These commands by name."""
     price = price_command(OWN, lambda: [name for layer in shipped_layers() for name in layer.materials])
     return OWN.commands(
-        {"edit": (edit_material, EDIT_HELP), "export": (export_materials, EXPORT_HELP), "price": (price, PRICE_HELP)}
+        {
+            "edit": (edit_keys_command(OWN, MATERIALS), EDIT_HELP),
+            "export": (export_materials, EXPORT_HELP),
+            "price": (price, PRICE_HELP),
+        }
     )
