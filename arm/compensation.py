@@ -7,6 +7,7 @@ the side of approach, on time or on a temperature other than the arm file's is n
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +33,11 @@ take joints far from where they belong."""
 _MOST_DEFAULT = 20_000
 _FINEST_DEFAULT = 15
 _CHECKED = 2048
+_AT_ONCE = 4096
+"""Poses that are computed together: as fast as all at once, with little memory."""
+
+Heard = Callable[[int, int], None]
+"""Hears how many rows are done, and of how many."""
 
 
 @dataclass(frozen=True)
@@ -118,26 +124,27 @@ def grid_axes(arm: Arm, points: int) -> tuple[Array, ...]:
     )
 
 
-def table_at(arm: Arm, q: Array, payloads: tuple[float, ...]) -> Table:
-    """The table at poses of one's own (N, n), for each payload (kg)."""
-    parts = [(model_error(arm, q, mass), joint_corrections(arm, q, mass), mass) for mass in payloads]
-    return Table(
-        arm,
-        np.tile(q, (len(payloads), 1)),
-        np.repeat(np.array(payloads), len(q)),
-        np.concatenate([error for error, _, _ in parts]),
-        np.concatenate([moved for _, moved, _ in parts]),
-        np.concatenate([remaining(arm, q, moved, mass) for _, moved, mass in parts]),
-        None,
-        None,
-    )
+def table_at(arm: Arm, q: Array, payloads: tuple[float, ...], heard: Heard | None = None) -> Table:
+    """The table at poses of one's own (N, n), for each payload (kg); `heard` hears how many of all rows are done."""
+    parts: list[tuple[Array, Array, Array]] = []
+    total = len(payloads) * len(q)
+    for number, mass in enumerate(payloads):
+        for start in range(0, len(q), _AT_ONCE):
+            some = q[start : start + _AT_ONCE]
+            moved = joint_corrections(arm, some, mass)
+            parts.append((model_error(arm, some, mass), moved, remaining(arm, some, moved, mass)))
+            if heard is not None:
+                heard(number * len(q) + start + len(some), total)
+    error, correction, left = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    poses, masses = np.tile(q, (len(payloads), 1)), np.repeat(np.array(payloads), len(q))
+    return Table(arm, poses, masses, error, correction, left, None, None)
 
 
-def table_over(arm: Arm, points: int, payloads: tuple[float, ...]) -> Table:
-    """The table over a grid of so many points for each joint, checked between them."""
+def table_over(arm: Arm, points: int, payloads: tuple[float, ...], heard: Heard | None = None) -> Table:
+    """The table over a grid of so many points for each joint, checked between them; `heard` as in `table_at`."""
     axes = grid_axes(arm, points)
     q = np.stack([each.reshape(-1) for each in np.meshgrid(*axes, indexing="ij")], axis=1)
-    table = table_at(arm, completed(arm, q), payloads)
+    table = table_at(arm, completed(arm, q), payloads, heard)
     return replace(table, axes=axes, check=_checked(table, axes, len(q), payloads))
 
 

@@ -159,10 +159,10 @@ def _diagnosed(body: Mapping, arm: Arm, widths: dict[str, tuple[float, ...]]) ->
             if not (_figures(value) and _figures(ends, 2)):
                 raise body.error("diagnosis", f"{path} is no diagnosis.json: {shown(parameter)} holds no figures")
             width = min(0.5 * abs(ends[1] - ends[0]) / abs(value), _MOST)
-            places: Any = at or finding.get("at") or range(1, arm.size + 1)
+            places: Any = at or finding.get("at") or list(range(1, arm.size + 1))
             own = list(widths[name])
-            for number in [places] if isinstance(places, int) else places:
-                if isinstance(number, int) and 1 <= number <= arm.size and _has(arm, name, number - 1):
+            for number in cast(list[Any], places if isinstance(places, list) else [places]):
+                if type(number) is int and 1 <= number <= arm.size and _has(arm, name, number - 1):
                     own[number - 1], used = width, True
             widths[name] = tuple(own)
     if not used:

@@ -32,7 +32,7 @@ def compare(
 ) -> None:
     """Run the command."""
     from linkwright.results.diagnoses.comparison import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown):
         check_target(target, arm, first, second, recording_yaml, catalogue)

@@ -50,19 +50,21 @@ def compensate(
 ) -> None:
     """Run the command."""
     from linkwright.results.compensation import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (out, json, markdown):
         check_target(target, arm, poses, catalogue)
     if grid is not None and poses is not None:
         raise InputError("", "--poses", "goes without --grid: the poses are the file's")
-    given = lw.read_arm(arm, catalogue=catalogue)
-    with asked_of(arm), as_options(), waiting("computing the table"):
+    with asked_of(arm), as_options(), waiting("computing the table") as told:
+        given = lw.read_arm(arm, catalogue=catalogue)
         at = None if poses is None else read_poses(poses, given.model).tolist()
-        found = lw.compensate(given, grid=grid, poses=at, payload=payload or ())
-    if out is not None:
-        found.save(out)
-    write_result(json, found.to_json())
+        found = lw.compensate(given, grid=grid, poses=at, payload=payload or (), progress=told)
+        told("writing", 0.0)
+        if out is not None:
+            found.save(out)
+        written = found.to_json()
+    write_result(json, written)
     tell(describe(found.found), markdown, out, json)
 
 

@@ -90,7 +90,7 @@ def diagnose(
     from linkwright.face.diagnosis import recordings_of, settings_of
     from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
     from linkwright.results.diagnoses.described import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown, pdf):
         check_target(target, arm, *recording, *(recording_yaml or ()), problem, catalogue)
@@ -132,10 +132,7 @@ def known_effects(names: Sequence[str]) -> frozenset[str]:
 @contextmanager
 def steps() -> Generator[Steps]:
     """A bar on a terminal, nothing elsewhere."""
-    from linkwright.screen.progress import Steps
+    from linkwright.screen.progress import waiting
 
-    made = Steps()
-    try:
+    with waiting("beginning") as made:
         yield made
-    finally:
-        made.close()

@@ -59,7 +59,7 @@ def evaluate(
 ) -> None:
     """Run the command."""
     from linkwright.results.evaluation import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown, pdf):
         check_target(target, arm, problem, catalogue)

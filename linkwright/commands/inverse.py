@@ -42,7 +42,8 @@ def inverse(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import waiting
 
     check_target(json, arm, catalogue)
     with as_options(x="X", y="Y", z="Z"), waiting("looking for poses"):

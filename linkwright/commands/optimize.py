@@ -84,8 +84,9 @@ def optimize(
     """Run the command."""
     from linkwright.json.infeasible import infeasible_json
     from linkwright.results.optimization import describe, describe_infeasible
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
     from linkwright.screen.described import show
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown, pdf, resume):
         check_target(target, problem, catalogue)
@@ -132,14 +133,16 @@ def _solved(
     from linkwright.screen.progress import Steps
 
     screen = console()
-    steps = Steps()
+    steps = Steps("looking at what there is to choose from")
 
     def log(iteration: Iteration) -> None:
         if loudness() != "answer":
-            screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
+            with steps.aside():
+                screen.print(iteration_line(iteration, problem.model.minimize), soft_wrap=True)
 
     def beyond(text: str) -> None:
-        screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
+        with steps.aside():
+            screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
 
     given: Any = {"round_to": round_to, "round_length": round_length, "resume": resume}
     try:

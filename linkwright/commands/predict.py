@@ -29,7 +29,7 @@ def predict(
 ) -> None:
     """Run the command."""
     from linkwright.results.prediction import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown):
         check_target(target, arm, recording, recording_yaml, catalogue)

@@ -28,7 +28,8 @@ def seam(
 ) -> None:
     """Run the command."""
     from linkwright.paper.output.screen import show_extended
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import waiting
 
     check_target(json, arm)
     ends = [[part.strip() for part in text.split(",")] for text in (start, end)]

@@ -90,7 +90,8 @@ def simulate(
 ) -> None:
     """Run the command."""
     from linkwright.face.recording import with_effects
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import waiting
 
     if (poses is None) == (at is None):
         message = "is missing; say how many, or name a plan with --at" if at is None else "goes without --at; drop one"

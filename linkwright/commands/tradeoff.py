@@ -100,8 +100,9 @@ def tradeoff(
     """Run the command."""
     from linkwright.report.origin import origin_of
     from linkwright.results.tradeoff import describe
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
     from linkwright.screen.loudness import loudness
+    from linkwright.screen.progress import waiting
 
     for target in (json, csv, markdown, pdf):
         check_target(target, problem, catalogue)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from arm.chain.kinematics import tip_position
+from arm.compensation import Heard, default_grid, table_at, table_over
 from arm.compensation import Table as Found
-from arm.compensation import default_grid, table_at, table_over
 from linkwright.json.compensation import compensation_json, table_columns
 from linkwright.output.files import write_file
 from units.quantities import InputError
@@ -19,6 +19,7 @@ from units.quantities import InputError
 from .arm import Arm, arm_of
 from .evaluation import pose_of
 from .given import File, Quantity, in_si
+from .progress import Progress, told
 from .result import Result, figure_of
 
 if TYPE_CHECKING:
@@ -78,12 +79,14 @@ def compensate(
     grid: int | None = None,
     poses: Sequence[Sequence[Quantity]] | None = None,
     payload: Quantity | Sequence[Quantity] = (),
+    progress: Progress | None = None,
 ) -> Compensation:
     """The error over the workspace as a table: by how much the tip is off, and what to add to each joint against it.
 
     `grid` is how many coordinates of each joint, over its range; `poses` (N, n) are poses of one's own instead (text,
-    or rad and m). `payload` (text, or kg; one or several) replaces the arm's own. Raises `InputError`, and
-    `MissingProperty` where the arm lacks a figure.
+    or rad and m). `payload` (text, or kg; one or several) replaces the arm's own. `progress(text, share)` hears of the
+    rows, by default a bar where somebody looks. Raises `InputError`, and `MissingProperty` where the arm lacks a
+    figure.
 
     >>> import linkwright as lw
     >>> found = lw.compensate("examples/welding-arm/arm.yaml", grid=3)
@@ -102,9 +105,16 @@ def compensate(
     if len(set(masses)) != len(masses):
         raise InputError("", "payload", "names the same mass twice")
     if poses is not None:
-        return Compensation(given, table_at(given.model, np.array([pose_of(given.model, q) for q in poses]), masses))
+        at = np.array([pose_of(given.model, q) for q in poses])
+        with told(progress) as tell:
+            return Compensation(given, table_at(given.model, at, masses, _counted(tell)))
     points = default_grid(sum(joint.driven for joint in given.model.joints), len(masses)) if grid is None else grid
     rows = points**given.model.size * len(masses)
     if rows > _MOST_ROWS:
         raise InputError("", "grid", f"makes {rows} rows; take fewer, {_MOST_ROWS} at most")
-    return Compensation(given, table_over(given.model, points, masses))
+    with told(progress) as tell:
+        return Compensation(given, table_over(given.model, points, masses, _counted(tell)))
+
+
+def _counted(tell: Progress) -> Heard:
+    return lambda done, total: tell(f"computing the table, {done} of {total} rows", done / total)

@@ -110,11 +110,10 @@ def tradeoff(
 
     `x` and `y` are two of `lw.limits`, all but those not `traded`. `by` asks for a front of each material or shape;
     `reach` says which reach is the better one. `accuracy` is the relative error that straight lines between points may
-    have.
-    `progress(text, share)` hears of each point; the share is not known beforehand, and stays 0. What takes long is
-    done by so many `workers`, processes of this machine (one a core), or by an `executor` (`lw.Processes`,
-    `lw.Cluster`). Ctrl-C ends it with
-    the points so far, marked `interrupted`. Raises `InputError`, and `NoAnswer` where no design keeps the limits.
+    have. `progress(text, share)` hears of each point; the share is that of the first points, then an estimate. What
+    takes long is done by so many `workers`, processes of this machine (one a core), or by an `executor`
+    (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the points so far, marked `interrupted`. Raises `InputError`,
+    and `NoAnswer` where no design keeps the limits.
 
     >>> import linkwright as lw
     >>> problem = lw.Problem(
@@ -133,7 +132,7 @@ def tradeoff(
     with told(progress) as tell, at_work(executor, workers) as crew:
 
         def heard(traced: Traced) -> None:
-            tell(f"{traced.front}: {traced.points} points, {traced.doing}", 0.0)
+            tell(f"{traced.front}: {traced.points} points, {traced.doing}", traced.share)
 
         return traced_front(given, asked, accuracy, Journal(None, ""), heard, crew)
 

@@ -1,10 +1,8 @@
-"""The console that everything is printed to, and how progress is shown on it."""
+"""The console that everything is printed to."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Generator
-from contextlib import contextmanager
 from typing import Any, NoReturn
 
 from rich.box import SIMPLE_HEAD
@@ -13,8 +11,6 @@ from rich.table import Table
 from rich.text import Text
 
 from linkwright.output.stream import OutputClosed, drop_output, printable
-
-from .loudness import loudness
 
 PLAIN_WIDTH = 100
 """Columns where the output is not a terminal."""
@@ -45,14 +41,3 @@ def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = Non
     for index, heading in enumerate(headings):
         made.add_column(heading, justify="right" if index in numbers else "left", overflow="fold")
     return made
-
-
-@contextmanager
-def waiting(text: str) -> Generator[None]:
-    """A sign of life on a terminal while something without parts to count is computed."""
-    screen = console(errors=True)
-    if not screen.is_terminal or loudness() == "answer":
-        yield
-        return
-    with screen.status(text):
-        yield

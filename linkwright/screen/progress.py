@@ -2,44 +2,114 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections.abc import Generator
+from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from linkwright.output.stream import printable
 
 from .console import console
 from .loudness import loudness
+from .pace import Pace, in_words
 
 _PATIENCE = 1.0
+"""Seconds of silence; what is done by then needs no bar."""
+_BAR_WIDTH = 20
 
 
 class Steps:
-    """Hears what is being done and what share of the whole is behind (0 to 1); silent in the first second."""
+    """Hears what is being done and what share of the whole is behind (0 to 1).
 
-    def __init__(self) -> None:
+    A terminal shows it after a second, whether something was heard by then or not, with the time that has passed and
+    how long the part at work still takes.
+    """
+
+    def __init__(self, text: str = "working") -> None:
+        """`text` is shown until something is heard."""
         self._screen: Console = console(errors=True)
-        self._began = time.monotonic()
+        self._text, self._began = printable(text), time.monotonic()
+        self._pace = Pace(self._began)
         self._bar: Progress | None = None
         self._task = TaskID(0)
+        self._lock = threading.RLock()
+        self._closed = False
+        self._due: threading.Timer | None = None
+        if self._screen.is_terminal and not self._screen.is_jupyter and loudness() != "answer":
+            self._due = threading.Timer(_PATIENCE, self._show)
+            self._due.daemon = True
+            self._due.start()
 
     def __call__(self, text: str, share: float) -> None:
         """`text` says what is being done now."""
-        now, text = time.monotonic(), printable(text)
-        if now - self._began < _PATIENCE:
-            return
-        if not (self._screen.is_terminal or self._screen.is_jupyter) or loudness() == "answer":
-            return
-        if self._bar is None:
-            what = TextColumn("{task.description}", markup=False)
-            self._bar = Progress(BarColumn(), TimeElapsedColumn(), what, console=self._screen, transient=True)
-            self._bar.start()
-            self._task = self._bar.add_task(text, total=1.0)
-        self._bar.update(self._task, completed=share, description=text)
+        now = time.monotonic()
+        with self._lock:
+            self._text = printable(text)
+            self._pace.heard(share, now)
+            # A notebook shows nothing of another thread.
+            if self._bar is None and self._screen.is_jupyter and now - self._began >= _PATIENCE:
+                self._show()
+            if self._bar is not None:
+                # Without a share there is no end to run towards.
+                total = 1.0 if share > 0.0 else self._bar.tasks[0].total
+                self._bar.update(self._task, completed=share, total=total, description=self._text)
+
+    @contextmanager
+    def aside(self) -> Generator[None]:
+        """The bar taken away for as long as something else is printed."""
+        with self._lock:
+            if self._bar is not None:
+                self._bar.stop()
+            yield
+            if self._bar is not None:
+                self._bar.start()
 
     def close(self) -> None:
         """Take the bar away."""
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
+        with self._lock:
+            self._closed = True
+            if self._due is not None:
+                self._due.cancel()
+            if self._bar is not None:
+                self._bar.stop()
+                self._bar = None
+
+    def _show(self) -> None:
+        with self._lock:
+            if self._closed or self._bar is not None or loudness() == "answer":
+                return
+            what = TextColumn("{task.description}", markup=False)
+            columns = (BarColumn(_BAR_WIDTH), TimeElapsedColumn(), _Left(self._pace), what)
+            self._bar = Progress(*columns, console=self._screen, transient=True, redirect_stdout=False)
+            share = self._pace.share
+            self._task = self._bar.add_task(self._text, total=1.0 if share > 0.0 else None)
+            self._bar.update(self._task, completed=share)
+            self._bar.start()
+
+
+class _Left(ProgressColumn):
+    """How long it still takes."""
+
+    max_refresh = 0.5
+
+    def __init__(self, pace: Pace) -> None:
+        super().__init__()
+        self._pace = pace
+
+    def render(self, task: Task) -> Text:  # noqa: ARG002 - the pace knows of parts
+        """In words."""
+        return Text(in_words(self._pace.left(time.monotonic())))
+
+
+@contextmanager
+def waiting(text: str) -> Generator[Steps]:
+    """A sign of life while something is computed, which may tell of its steps."""
+    steps = Steps(text)
+    try:
+        yield steps
+    finally:
+        steps.close()

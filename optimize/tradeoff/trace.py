@@ -30,13 +30,15 @@ _AT_BEST_Y = 1e-4
 @dataclass(frozen=True)
 class Progress:
     """How far a trade-off has come: the front at work, its points, how many of all points a journal knew, the worst
-    error of a straight line that is still to be dealt with (None at first), and what is being done."""
+    error of a straight line that is still to be dealt with (None at first), what is being done, and what share of the
+    front's first points, and then of its refinement, is behind."""
 
     front: str
     points: int
     resumed: int
     error: float | None
     doing: str
+    share: float
 
 
 Told = Callable[[Progress], None]
@@ -76,6 +78,7 @@ class Tracer:
         self.capped = False
         self.resumed = 0
         self._error: float | None = None
+        self._first = _LEAST_POINTS
         self._search: Search | None = None
 
     @property
@@ -92,7 +95,15 @@ class Tracer:
 
     def _say(self, text: str) -> None:
         if self._told is not None:
-            self._told(Progress(self.name, len(self.nodes), self.resumed, self._error, text))
+            self._told(Progress(self.name, len(self.nodes), self.resumed, self._error, text, self._share))
+
+    @property
+    def _share(self) -> float:
+        """Of the first points; then, as the error of a straight line falls with the square of how many there are, of
+        the points that the accuracy needs."""
+        if self._error is None:
+            return min(len(self.nodes) / self._first, 1.0)
+        return min(math.sqrt(self._accuracy / self._error), 1.0) if self._error > 0.0 else 1.0
 
     def _key(self, push: int, held: float) -> tuple[str, ...]:
         return (self.name, "x" if push == self.asked.x_limit else "y", float(held).hex())
@@ -158,6 +169,7 @@ class Tracer:
         """The first points, from the loose end to the tight one: what is known of combinations there rules them out."""
         width = math.log(right.level / left.level)
         count = max(_LEAST_POINTS - 1, math.ceil(width / _STEP))
+        self._first = count + 1
         made = [right]
         self.nodes.append(right)
         for number in range(count - 1, 0, -1):

@@ -301,16 +301,16 @@ def _check_printed(sizes: list[StockSize], shape: str, where: str) -> None:
         return
     # Arrays: one pass through the formulas for the whole table.
     columns = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
-    properties = SHAPES[shape](**columns).properties(0.3)
+    with np.errstate(all="ignore"):  # what is no number is refused below, row by row
+        properties = SHAPES[shape](**columns).properties(0.3)
     for column, (name, factor) in PRINTED.items():
         if column not in sizes[0].printed:
             continue
         computed = np.broadcast_to(getattr(properties, name) * factor, len(sizes))
         for size, value in zip(sizes, computed, strict=True):
-            if abs(size.printed[column] - float(value)) > ROUNDING * last_unit(size.printed[column]):
-                raise _wrong(
-                    where, f"{size.name}: {column} is {size.printed[column]:g}, its dimensions give {float(value):.4g}"
-                )
+            if not abs(size.printed[column] - float(value)) <= ROUNDING * last_unit(size.printed[column]):
+                given = f"{float(value):.4g}" if math.isfinite(value) else "none"
+                raise _wrong(where, f"{size.name}: {column} is {size.printed[column]:g}, its dimensions give {given}")
 
 
 def last_unit(printed: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from importlib.resources import files
 from pathlib import Path
 
@@ -98,6 +99,19 @@ def test_a_wrong_row_is_refused_with_one_line(wrong: tuple[str, str], words: str
     assert words in str(caught.value)
     assert "own.yaml" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("flange", ["1e-3", "1e-30", "1e-200"])
+def test_sizes_that_no_formula_stands_are_refused_with_one_line(flange: str) -> None:
+    """A flange thinner than an atom takes the fits of fillets and of shear beyond all floats."""
+    shape = TABLE.replace("shape: tube", "shape: i_section").replace("family: CHS", "family: HEA")
+    columns = "[name, height_mm, width_mm, web_thickness_mm, flange_thickness_mm, root_radius_mm, area_cm2]"
+    head = shape.split("    columns:")[0]
+    row = f"      - [HEA 300, 290, 300, 8.5, {flange}, 27, 112.5]\n"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(SectionError, match="HEA 300: area_cm2 is"):
+            read_text(f"{head}    columns: {columns}\n    rows:\n{row}", "own.yaml")
 
 
 @pytest.mark.parametrize(("name", "content"), shipped(), ids=lambda value: value if isinstance(value, str) else "")

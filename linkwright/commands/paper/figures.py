@@ -25,7 +25,8 @@ def figures(
     json: JsonFile = None,
 ) -> None:
     """Run the command."""
-    from linkwright.screen.console import console, waiting
+    from linkwright.screen.console import console
+    from linkwright.screen.progress import waiting
 
     check_target(json)
     with waiting("computing the paper's figures"):

@@ -49,16 +49,17 @@ def budget(
 ) -> None:
     """Run the command."""
     from linkwright.results.budget import describe
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown, pdf):
         check_target(target, arm, sheet, problem, catalogue)
     check_pdf(pdf)
-    given = lw.read_arm(arm, catalogue=catalogue)
     if out is not None:
         claim_own(out, "budget", (RESULT, REPORT))
-    with asked_of(arm):
+    with waiting("reading") as told, asked_of(arm):
+        given = lw.read_arm(arm, catalogue=catalogue)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
-        found = lw.budget(given, sheet=sheet, problem=asked)
+        found = lw.budget(given, sheet=sheet, problem=asked, progress=told)
     read = files_of(arm, sheet, problem, catalogue)
     if out is not None:
         found.save(out, made_from=read, author=author, comment=comment)

@@ -61,13 +61,14 @@ def plan(
 ) -> None:
     """Run the command."""
     from linkwright.results.planning import describe
+    from linkwright.screen.progress import waiting
 
     for target in (out, json, markdown):
         check_target(target, arm, *(after or []), catalogue)
     if out == OUTPUT:
         raise InputError("", "--out", "needs the name of a file; --json - writes to standard output")
-    given = lw.read_arm(arm, catalogue=catalogue)
-    with asked_of(arm), as_options(for_="--for", payloads="--payload"):
+    with waiting("reading") as told, asked_of(arm), as_options(for_="--for", payloads="--payload"):
+        given = lw.read_arm(arm, catalogue=catalogue)
         found = lw.plan(
             given,
             poses=poses,
@@ -81,6 +82,7 @@ def plan(
             avoid=[_box(text) for text in avoid or []],
             after=after[0] if after and len(after) == 1 else after,
             seed=seed,
+            progress=told,
         )
     if out is not None:
         found.save(out)

@@ -68,7 +68,7 @@ def watch(
     """Run the command."""
     from linkwright.face.planning.watch import known_effects, read_dated
     from linkwright.results.diagnoses.watch import describe
-    from linkwright.screen.console import waiting
+    from linkwright.screen.progress import waiting
 
     for target in (json, markdown, pdf):
         check_target(target, arm, *recordings, *(recording_yaml or ()), catalogue)

@@ -209,6 +209,17 @@ def test_widths_of_a_diagnosis(tmp_path: Path) -> None:
     assert uncertain.places == (("elastic_modulus", 1), ("stiffness", 0), ("backlash", 1))
 
 
+@pytest.mark.parametrize("at", [1.0, "1", {"joint": 1}, [[1]], True])
+def test_a_finding_at_no_joint_widens_none(tmp_path: Path, at: object) -> None:
+    """JSON that no diagnosis writes: a place that is no number of a joint."""
+    parameter = {"value": 2e-5, "ci95": [1.9e-5, 2.1e-5], "parameter": "compliance", "at": at}
+    content = {"missing": [{"effect": "joint_compliance", "parameters": {"c": parameter}}]}
+    (tmp_path / "diagnosis.json").write_text(json.dumps(content), encoding="utf-8")
+    text = f"robust: worst\nuncertain: {{diagnosis: diagnosis.json}}\nsubject_to: {{{SIZES}}}\n"
+    with pytest.raises(InputError, match="holds no interval of a drive here"):
+        problem_of(tmp_path, TWO, text)
+
+
 def test_a_finding_gives_as_its_drive_does(tmp_path: Path) -> None:
     """A compliance among an arm's effects is as uncertain as the stiffness of its drive."""
     more = TWO + "effects:\n  - {effect: joint_compliance, at: [2], compliance: 1.0e-5 rad/(N*m)}\n"
