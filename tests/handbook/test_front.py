@@ -1,0 +1,62 @@
+"""The picture in docs/tradeoff.md is what its command draws now, and what was solved for it holds."""
+
+import json
+
+import pytest
+import yaml
+
+import linkwright as lw
+from handbook.front import DRAWN, PAGE, PICTURE, asked, shown, unpack
+from handbook.sources import ROOT
+from linkwright.cli import run
+
+EXAMPLE = ROOT / "examples" / "welding-arm"
+
+
+@pytest.fixture(scope="module")
+def again(tmp_path_factory):
+    """The folder that the page's command leaves where all it asks for is solved already."""
+    folder = tmp_path_factory.mktemp("front")
+    unpack(folder)
+    assert run(asked(shown(), folder)) == 0
+    return folder
+
+
+def found_in(folder):
+    return json.loads((folder / "result.json").read_text(encoding="utf-8"))
+
+
+def test_the_picture_is_what_the_command_draws_now(again):
+    """Another arm, problem, material, axis or accuracy is refused; another drawing, refinement or envelope differs."""
+    assert found_in(again)["solved"] == 0
+    assert (again / DRAWN).read_bytes() == PICTURE.read_bytes()
+
+
+def test_the_page_says_what_the_picture_shows(again):
+    found = found_in(again)
+    page = PAGE.read_text(encoding="utf-8")
+    assert "for seven shapes, with their envelope and its knee](pictures/tradeoff.svg)" in page
+    assert len(found["fronts"]) == 7
+    assert found["envelope"]["knee"] is not None
+
+
+def test_points_are_what_their_arms_err_by(again):
+    """A sample of those drawn, evaluated anew."""
+    for point in found_in(again)["points"][::40]:
+        made = lw.evaluate(again / point["arm_file"]).found
+        assert 1e3 * made.max_error == pytest.approx(point["max_error_mm"], rel=1e-6)
+        assert made.mass == pytest.approx(point["mass_kg"], rel=1e-8)
+
+
+@pytest.mark.parametrize("share", [0.4, 0.85])
+def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
+    """By `optimize`, which knows nothing of what is kept, with the point's mass as limit and its shape as the only one."""
+    points = [each for each in found_in(again)["points"] if each["on_envelope"]]
+    point = points[round(share * (len(points) - 1))]
+    given = yaml.safe_load((EXAMPLE / "problem.yaml").read_text(encoding="utf-8"))
+    given["arm"] = str(EXAMPLE / "arm.yaml")
+    given["subject_to"]["mass"] = f"<= {point['mass_kg']!r} kg"
+    given["choose"] = {"section": [point["front"]], "material": ["aluminium-6061-t6"], "same": ["section"]}
+    (tmp_path / "one.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    best = lw.optimize(tmp_path / "one.yaml").found
+    assert 1e3 * best.after.max_error == pytest.approx(point["max_error_mm"], rel=2e-3)
