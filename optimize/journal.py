@@ -1,12 +1,14 @@
 """A journal: one line of JSON for each answer of long work, only ever added to, so that a stop loses nothing.
 
-The first line names the question by its digest. Each further line is written whole by one call and flushed to the disk;
-a line that a kill cut short, and only that, is passed over on reading. While a process writes, it holds a lock that the
-operating system frees when the process ends, however it ends.
+The first line names the question by its digest. Each further line is written whole by one call and flushed to the disk,
+and ends with a checksum of itself; a line that a kill cut short, or that somebody changed, is passed over on reading:
+its answer is found anew. While a process writes, it holds a lock that the operating system frees when the process ends,
+however it ends.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
@@ -15,10 +17,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, cast
 
-from units.files import locked
+from units.files import locked, read_bytes
 from units.quantities import InputError
 
-VERSION = 2
+VERSION = 3
+_LARGEST = 1024**3
+"""Bytes of a journal that are read."""
+_HEADER = 4096
+_SUM = b', "sum": "'
 Record = Mapping[str, Any]
 
 
@@ -50,15 +56,20 @@ class Journal:
         self._of, self._differs, self._would_do = of, differs, would_do
         if path is None:
             return
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise InputError(path, "", "is no file that a journal could be kept in")
         self._held.enter_context(locked(path, wait=False))
         try:
-            before = path.read_bytes() if resume and path.exists() else b""
+            before = read_bytes(path, _LARGEST) if resume and os.path.exists(path) else b""
             self._stream = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             if not resume:
                 os.ftruncate(self._stream, 0)
         except OSError as error:
             self.close()
             raise InputError(path, "", f"cannot be written: {error.strerror or error}") from None
+        except InputError:
+            self.close()
+            raise
         try:
             self._begin(path, before, digest, made_by)
         except InputError:
@@ -81,7 +92,8 @@ class Journal:
     def put(self, key: tuple[str, ...], record: Record | None) -> None:
         """Note an answer."""
         self._records[key] = record
-        self._write({"key": list(key), "found": record})
+        line = json.dumps({"key": list(key), "found": record}).encode()
+        self._add(line[:-1] + _SUM + _sum_of(line) + b'"}')
 
     def close(self) -> None:
         """Give the file up."""
@@ -98,43 +110,50 @@ class Journal:
 
     def _begin(self, path: Path, before: bytes, digest: str, made_by: str) -> None:
         if not before.strip():
-            self._write({"made_by": made_by, "version": VERSION, "digest": digest})
+            self._add(json.dumps({"made_by": made_by, "version": VERSION, "digest": digest}).encode())
             return
         self._read(path, before, digest)
         if self._stream is not None and not before.endswith(b"\n"):
             os.write(self._stream, b"\n")
 
-    def _write(self, content: Mapping[str, Any]) -> None:
+    def _add(self, line: bytes) -> None:
         if self._stream is not None:
-            os.write(self._stream, (json.dumps(content, separators=(",", ":")) + "\n").encode())
+            os.write(self._stream, line + b"\n")
             os.fsync(self._stream)
 
     def _read(self, path: Path, content: bytes, digest: str) -> None:
         lines = content.split(b"\n")
-        header = _parsed(lines[0])
+        header = _parsed(lines[0][:_HEADER])
         if header is None or "digest" not in header:
             raise InputError(path, "", f"is not the journal of {self._of}")
         if header["digest"] != digest or header.get("version") != VERSION:
             raise InputError(path, "", f"is of another question ({self._differs}); {self._would_do}")
         for line in lines[1:]:
-            entry = _parsed(line)
-            if entry is not None and "key" in entry:
-                self._records[tuple(entry["key"])] = entry.get("found")
+            own, _, total = line.rpartition(_SUM)
+            if own and total == _sum_of(own + b"}") + b'"}':
+                entry: dict[str, Any] = json.loads(own + b"}")
+                self._records[tuple(entry["key"])] = entry["found"]
 
 
 def journal_digest(path: Path) -> str | None:
     """The digest in a journal's first line; None where the file is not there or is no journal."""
+    if not path.is_file():
+        return None
     try:
         with path.open("rb") as stream:
-            header = _parsed(stream.readline())
+            header = _parsed(stream.readline(_HEADER))
     except OSError:
         return None
     return None if header is None else header.get("digest")
 
 
+def _sum_of(line: bytes) -> bytes:
+    return hashlib.sha256(line).hexdigest()[:16].encode()
+
+
 def _parsed(line: bytes) -> dict[str, Any] | None:
     try:
         content: object = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return cast(dict[str, Any], content) if isinstance(content, dict) else None

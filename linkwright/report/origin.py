@@ -63,7 +63,11 @@ def _part(origin: Origin) -> str:
 
 
 def _sum_of(path: Path) -> str:
+    """The sum of a file; none of a pipe, which was read and is empty."""
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        if not path.is_file():
+            return ""
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:
         return ""

@@ -1,45 +1,163 @@
 """Files that are none, or that never end: one line that names the file, and nothing is waited for."""
 
 import os
+import shlex
 import threading
 
 import pytest
+import typer
+
+from linkwright.command_line import COMMANDS, command_line
 
 LONG = "a" * 300
 INPUTS = [
-    ("evaluate", "{}"),
-    ("diagnose", "arm.yaml", "{}"),
-    ("diagnose", "{}", "r.csv"),
-    ("diagnose", "arm.yaml", "r.csv", "--recording-yaml", "{}"),
-    ("evaluate", "arm.yaml", "--problem", "{}"),
-    ("evaluate", "arm.yaml", "--catalogue", "{}"),
-    ("compensate", "arm.yaml", "--poses", "{}"),
-    ("materials", "check", "{}"),
-    ("sections", "check", "{}"),
+    "evaluate {}",
+    "evaluate arm.yaml --problem {}",
+    "evaluate arm.yaml --catalogue {}",
+    "optimize {}",
+    "optimize problem.yaml --catalogue {}",
+    "optimize problem.yaml --resume {}",
+    "seam {} --from '1m,0m' --to '1m,1m'",
+    "seam arm.yaml --from '0.6m,0m' --to '0.6m,0.1m' --catalogue {}",
+    "inverse {} '0.5 m' '0.2 m'",
+    "inverse arm.yaml '0.5 m' '0.2 m' --catalogue {}",
+    "simulate {} --poses 3 --out s.csv",
+    "simulate arm.yaml --at {} --out s.csv",
+    "simulate arm.yaml --poses 3 --out s.csv --catalogue {}",
+    "tradeoff {}",
+    "tradeoff problem.yaml --catalogue {}",
+    "diagnose {} r.csv",
+    "diagnose arm.yaml {}",
+    "diagnose arm.yaml r.csv {}",
+    "diagnose arm.yaml r.csv --recording-yaml {}",
+    "diagnose arm.yaml r.csv --problem {}",
+    "diagnose arm.yaml r.csv --catalogue {}",
+    "compare {} r.csv r.csv",
+    "compare arm.yaml {} r.csv",
+    "compare arm.yaml r.csv {}",
+    "compare arm.yaml r.csv r.csv --recording-yaml {}",
+    "compare arm.yaml r.csv r.csv --catalogue {}",
+    "predict {} r.csv",
+    "predict arm.yaml {}",
+    "predict arm.yaml r.csv --recording-yaml {}",
+    "predict arm.yaml r.csv --catalogue {}",
+    "compensate {}",
+    "compensate arm.yaml --poses {}",
+    "compensate arm.yaml --catalogue {}",
+    "plan {} --poses 9",
+    "plan arm.yaml --poses 9 --after {}",
+    "plan arm.yaml --poses 9 --after r.csv --after {}",
+    "plan arm.yaml --poses 9 --catalogue {}",
+    "budget {}",
+    "budget arm.yaml --sheet {}",
+    "budget arm.yaml --problem {}",
+    "budget arm.yaml --catalogue {}",
+    "watch {} r.csv r.csv r.csv",
+    "watch arm.yaml r.csv r.csv {}",
+    "watch arm.yaml r.csv r.csv r.csv --recording-yaml {}",
+    "watch arm.yaml r.csv r.csv r.csv --catalogue {}",
+    "import {} --out i.yaml",
+    "export {} --to urdf",
+    "export arm.yaml --to urdf --catalogue {} --out a.urdf",
+    "materials list --catalogue {}",
+    "materials show steel-s355 --catalogue {}",
+    "materials compare steel-s355 aluminium-6061-t6 --catalogue {}",
+    "materials add x elastic_modulus='70 GPa' poisson_ratio=0.3 density='2700 kg/m^3' --source a --catalogue {}",
+    "materials edit x density '3000 kg/m^3' --source a --catalogue {}",
+    "materials price steel-s355 '1 EUR/kg' --source a --catalogue {}",
+    "materials remove x --catalogue {}",
+    "materials remove x --used-in {}",
+    "materials rename x y --catalogue {}",
+    "materials rename x y --used-in {}",
+    "materials undo --catalogue {}",
+    "materials check {}",
+    "materials check --catalogue {}",
+    "materials import {}",
+    "materials import m.csv --catalogue {}",
+    "materials export --catalogue {} --out e.csv",
+    "sections list --catalogue {}",
+    "sections show 'IPE 80' --catalogue {}",
+    "sections compare 'IPE 80' 'IPE 100' --catalogue {}",
+    "sections check {}",
+    "sections import {}",
+    "sections remove x --used-in {}",
+    "sections undo --catalogue {}",
+    "sections export --catalogue {} --out e.csv",
+    "actuators list --catalogue {}",
+    "actuators show RV-20E --catalogue {}",
+    "actuators check {}",
+    "actuators import {}",
+    "actuators remove x --used-in {}",
+    "actuators export --catalogue {} --out e.yaml",
+    "actuators edit x mass 3kg --catalogue {}",
+    "serve {}",
 ]
+"""Every place of every command where a file is named that is read."""
+WRITTEN = {"--out", "--json", "--markdown", "--pdf", "--csv", "--plot"}
 NAMES = {
     "/dev/zero": "is a device",
     "loop": "Too many levels of symbolic links",
     LONG: "name too long",
     ".": "is a directory",
+    "pipe": "pipe through which nothing came",
 }
 
 
-@pytest.mark.parametrize("name", NAMES, ids=["device", "loop", "long", "folder"])
-@pytest.mark.parametrize("arguments", INPUTS, ids=" ".join)
-def test_what_is_no_file_is_one_line(linkwright, bench, arguments, name):
+@pytest.fixture
+def odd_names(bench, monkeypatch):
+    """A loop and a pipe in a folder that has all else that the commands name."""
     os.symlink("loop", bench / "loop")
+    os.mkfifo(bench / "pipe")
     (bench / "r.csv").write_text("q1_deg,q2_deg,x_mm,y_mm\n0,0,700,0\n")
-    status, out, err = linkwright(*(word.format(name) for word in arguments))
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert NAMES[name] in err
+    (bench / "m.csv").write_text("name,elastic_modulus,poisson_ratio,density,source\nmine,70 GPa,0.3,2700 kg/m^3,own\n")
+    monkeypatch.setattr("units.files._PATIENCE", 0.01)
+
+
+@pytest.mark.usefixtures("odd_names")
+@pytest.mark.parametrize("line", INPUTS)
+def test_what_is_no_file_is_one_line(linkwright, line):
+    """A device that never ends and a pipe through which nothing comes, as any file of any command; and other names."""
+    few = line.startswith(("evaluate", "diagnose", "materials check"))
+    for name in NAMES if few else ("/dev/zero", "pipe"):
+        status, out, err = linkwright(*(word.format(name) for word in shlex.split(line)))
+        assert (status, out, err.count("\n")) == (2, "", 1), name
+        # What an ending, a folder or a journal should be is told before the file is opened.
+        elsewise = line.startswith(("serve", "optimize problem.yaml --resume")) or " import " in line
+        assert NAMES[name] in err or (name in err and elsewise)
+
+
+def test_every_file_of_every_command_is_tried():
+    for name in COMMANDS:
+        for path, command in commands_of(typer.main.get_command(command_line(name)), ()):
+            own = [line for line in INPUTS if line.startswith(" ".join(path))]
+            for each in command.params:
+                option = each.opts[-1]
+                if "Path" not in repr(each.type_descriptor) or option in WRITTEN or edits(path):
+                    continue
+                named = f"{option} {{}}" if option.startswith("--") else "{}"
+                assert any(named in line for line in own), (path, option)
+
+
+def commands_of(command, path):
+    """The commands below one, each with its words."""
+    below = getattr(command, "commands", None)
+    if below is None:
+        yield path, command
+    else:
+        for name, each in below.items():
+            yield from commands_of(each, (*path, name))
+
+
+def edits(path):
+    """Whether a command changes an own catalogue: those of materials, which are tried, stand for the others."""
+    return len(path) == 2 and path[0] != "materials"
 
 
 @pytest.mark.parametrize("option", ["--json", "--markdown", "--out"])
-@pytest.mark.parametrize("name", ["loop", LONG, "b" * 250])
+@pytest.mark.parametrize("name", ["loop", LONG, "b" * 253])
 def test_what_cannot_be_written_is_said_before_anything_is_computed(linkwright, bench, monkeypatch, option, name):
     """A name that leaves no room for the neighbour, from which the file would be renamed, cannot be written either."""
-    if (option, name) == ("--out", "b" * 250):
+    if (option, name) == ("--out", "b" * 253):
         pytest.skip("a folder has no neighbour")
     os.symlink("loop", bench / "loop")
     monkeypatch.setattr("linkwright.evaluate", lambda *_, **__: pytest.fail("computed"))
@@ -55,13 +173,14 @@ def test_settings_beside_a_recording_may_be_a_loop(linkwright, bench):
 
 
 def test_a_pipe_is_read_and_one_that_nobody_writes_to_is_given_up(linkwright, bench, monkeypatch):
-    """`linkwright evaluate <(generate)` is a habit of shells."""
+    """`linkwright evaluate <(generate)` is a habit of shells; what was read is not opened again for the report."""
     os.mkfifo(bench / "pipe")
     text = (bench / "arm.yaml").read_text()
     writer = threading.Thread(target=(bench / "pipe").write_text, args=(text,))
     writer.start()
-    assert linkwright("evaluate", "pipe")[0] == 0
+    assert linkwright("evaluate", "pipe", "--out", "out")[0] == 0
     writer.join()
+    assert "pipe</th><td>no longer there" in (bench / "out" / "report.html").read_text()
     monkeypatch.setattr("units.files._PATIENCE", 0.05)
     status, _, err = linkwright("evaluate", "pipe")
     assert status == 2
