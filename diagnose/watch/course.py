@@ -163,7 +163,11 @@ def _settled(series: Series, turns: list[Turn]) -> list[Turn]:
             if not ways:
                 continue
             others = [each for k, each in enumerate(turns) if k != place]
-            left = series.beside(others, np.column_stack([column(*way, series.when) for way in ways])).left[0]
+            beside = series.beside(others, np.column_stack([column(*way, series.when) for way in ways]))
+            # What the others tell already (the first alone, beside a step after it) is no way of its own.
+            left = np.where(beside.information[0] > 0.0, beside.left[0], np.inf)
+            if not np.isfinite(left).any():
+                continue
             kind, at = ways[int(np.argmin(left))]
             turns = [*turns[:place], Turn(kind, at, turn.told, turn.p), *turns[place + 1 :]]
         if [(each.kind, each.at) for each in turns] == before:

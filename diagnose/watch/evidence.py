@@ -23,6 +23,7 @@ from sections.numeric import Array
 
 _MEDIAN = float(stats.chi2.median(1))
 """The median of a squared standard normal."""
+_LEAST_SCALE = 1e-200
 _NOTHING = 1e-9
 """A column that others describe to this share of its square is none."""
 
@@ -93,7 +94,7 @@ def tried(values: Array, variances: Array, model: Array, columns: Array, common:
     sizes = np.where(real, score, 0.0) / np.where(real, information, 1.0)
     left = np.maximum(whole - sizes * score, 0.0)
     own = size - model.shape[1] - 1
-    scale = (prior * common[:, None] + left) / (prior + own)
+    scale = np.maximum((prior * common[:, None] + left) / (prior + own), _LEAST_SCALE)
     t = sizes * np.sqrt(information / scale)
     return Tried(sizes, t, left, scale, information, prior + own)
 

@@ -201,3 +201,9 @@ def _check(read: Sequence[Read]) -> None:
                 f"{named[0]} and {named[1]} are both of {day.isoformat()}; give each a date of its own, or one of them"
             )
             raise InputError(one.settings or "", "date", said)
+    for k, one in enumerate(read):
+        for other in read[:k]:
+            if np.array_equal(one.q, other.q) and np.array_equal(one.tip, other.tip, equal_nan=True):
+                names = [PurePath(each.file).name or "a recording" for each in (one, other)]
+                said = f"hold the same readings twice ({names[1]} and {names[0]}), as no instrument reads; name one"
+                raise InputError(one.file, "", said)

@@ -1,5 +1,7 @@
 """Evidence of a change in a series: textbook tests, false alarms and power over many series by chance alone."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -97,3 +99,16 @@ def test_two_steps_are_two():
     found = _course(values).changes
     assert [(each.turn.kind, each.turn.at) for each in found] == [("step", 10), ("step", 21)]
     assert [each.size for each in found] == pytest.approx([7.0, -12.0], abs=1.5)
+
+
+@pytest.mark.parametrize("later", [0.0, 1e-13, 5.0])
+def test_a_series_that_does_not_scatter_has_a_course(later):
+    """Copies of a recording, or an estimate that stays at its bound: ways to tell a change that are one and the same
+    (the first alone, or a step after it) are no two."""
+    place, quiet = np.arange(30), np.zeros(30)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for values in (place >= 1, place >= 17, (place >= 1) * 1.0 + (place >= 2), (place >= 9) * 1.0 - (place >= 10)):
+            found = course_of(Series(1.0 + later * values, 1e-6 + quiet, WHEN[:30], quiet, RULES.watch), LEVEL)
+            assert np.isfinite(found.deviations).all()
+            assert (later < 1.0) or found.changes

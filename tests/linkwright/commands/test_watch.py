@@ -84,7 +84,12 @@ def test_dates_that_tell_no_order(linkwright, weeks, tmp_path, replaced, said):
 
 
 def test_other_wrong_input(linkwright, weeks, tmp_path):
-    """Recordings of several arms, too few of them, an effect that nobody knows."""
+    """Recordings of several arms, too few of them, a copy of one, an effect that nobody knows."""
+    copies = _changed(weeks, tmp_path, "date: 2026-01-19\n")
+    (tmp_path / "week-1.csv").write_bytes((tmp_path / "week-2.csv").read_bytes())
+    status, _, err = linkwright("watch", *copies)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "hold the same readings twice (week-1.csv and week-2.csv)" in err
     given = _changed(weeks, tmp_path, "date: 2026-01-19\nunit: serial 8\n")
     first = tmp_path / "week-0.yaml"
     first.write_text(f"{first.read_text(encoding='utf-8')}unit: serial 7\n", encoding="utf-8")
