@@ -70,6 +70,7 @@ class Search:
     def __init__(self, asked: Question, problem: Problem, told: Told) -> None:
         """`told` is called between the parts of the work."""
         self.asked, self.problem, self._told = asked, problem, told
+        self.share = 0.0
         self.context: Context = context_of(problem)
         self.exhaustive = count(problem) <= MOST_COMBINATIONS
         self.picks = combinations(problem) if self.exhaustive else uniform(problem)
@@ -173,8 +174,9 @@ class Search:
         """Keep the poses that every later point starts with."""
         self._first = pool
 
-    def say(self, text: str) -> None:
-        """Tell what is being done."""
+    def say(self, text: str, share: float = 0.0) -> None:
+        """Tell what is being done, and what share of it is behind."""
+        self.share = share
         self._told(text)
 
 
@@ -271,7 +273,7 @@ class _Trial:
         for number, pick in enumerate(picks):
             if pick == done or search.bound_on(self._push, pick, self._held) >= self.badness:
                 continue
-            search.say(f"bounding combination {number + 1} of {len(picks)}")
+            search.say(f"bounding combination {number + 1} of {len(picks)}", number / len(picks))
             exchange, materials = self._exchange(pick, small=True)
             found = None
             for start in search.starts(pick):
@@ -283,9 +285,9 @@ class _Trial:
                 search.remember(pick, found[0].x)
                 bounds.append((found[1], number, found[0].x))
         bounds.sort(key=lambda entry: entry[:2])
-        for bound, number, start in bounds:
+        for done_of, (bound, number, start) in enumerate(bounds):
             if bound < self.badness:
-                search.say("finishing the best combinations")
+                search.say("finishing the best combinations", done_of / len(bounds))
                 self.finish(picks[number], start)
 
     def link_by_link(self) -> None:

@@ -99,8 +99,10 @@ class Tracer:
 
     @property
     def _share(self) -> float:
-        """Of the first points; then, as the error of a straight line falls with the square of how many there are, of
-        the points that the accuracy needs."""
+        """Of what the first point takes; of the first points; then, as the error of a straight line falls with the
+        square of how many there are, of the points that the accuracy needs."""
+        if not self.nodes:
+            return 0.0 if self._search is None else self._search.share
         if self._error is None:
             return min(len(self.nodes) / self._first, 1.0)
         return min(math.sqrt(self._accuracy / self._error), 1.0) if self._error > 0.0 else 1.0

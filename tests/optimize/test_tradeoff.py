@@ -250,6 +250,9 @@ def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
     with Journal(path, key) as journal:
         cut = trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
     assert cut.interrupted
+    shares = [each.share for each in seen]
+    assert all(0.0 <= share <= 1.0 for share in shares)
+    assert any(0.0 < share < 1.0 for share in shares)
     lines = path.read_bytes().splitlines()
     path.write_bytes(b"\n".join(lines) + b'\n{"key": ["all", "y", "0x1.8')  # a line that a kill cut short
     with Journal(path, key, resume=True) as journal:
