@@ -24,6 +24,7 @@ from linkwright.redesigning import redesign as redesigned
 from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.report.pages.diagnosis import diagnosis_report
+from linkwright.report.pictures.plots import LIKE
 from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from linkwright.results.diagnoses.words import name_words
@@ -136,7 +137,7 @@ class Diagnosis(Reported):
     def plot(self) -> go.Figure:
         """The length of the residual at each reading, with what was found taken off."""
         _, figures = hover_maps(self.found)
-        return figure_of(list(figures.values())[-1])
+        return figure_of([each for each in figures.values() if LIKE not in each][-1])
 
     def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write what `diagnose --out` writes, the report with its origin as other results have it. Raises `InputError`

@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 from importlib.resources import files
 
 from linkwright.pdf.plots import plotted
-from linkwright.report.pictures.plots import Figure
+from linkwright.report.pictures.plots import Figure, whole_figure
 
 FONT = "Libertinus Serif"
 """What Typst brings along, so that a document is the same on every machine."""
@@ -56,7 +56,7 @@ class _Reader(HTMLParser):
         if tag == "img":
             self._add(self._left.pop(0))
         elif name is not None and name in self._figures:
-            self._add(plotted(self._figures[name], str(dict(attrs).get("aria-label") or "")))
+            self._add(plotted(whole_figure(self._figures, name), str(dict(attrs).get("aria-label") or "")))
         elif tag in ("h3", "h4", "figcaption", "p"):
             self._inside, self._words = tag, ""
         elif tag == "br":

@@ -32,7 +32,7 @@ def plotted(figure: Figure, about: str) -> str:
 def _map(heat: Figure, marks: Sequence[Figure], spans: tuple[Any, Any], names: tuple[str, str], about: str) -> str:
     across, up = (float(spans[0][0]), float(spans[0][1])), (float(spans[1][0]), float(spans[1][1]))
     scale = _SIDE / max(across[1] - across[0], up[1] - up[0], 1e-12)
-    plot = Plot((across[1] - across[0]) * scale, (up[1] - up[0]) * scale, across, up, right=70.0)
+    plot = Plot((across[1] - across[0]) * scale, (up[1] - up[0]) * scale, across, up, top=20.0, right=70.0)
     least, greatest = float(heat["zmin"]), float(heat["zmax"])
     x, y = np.array(heat["x"], dtype=float), np.array(heat["y"], dtype=float)
     parts = _cells(plot, x, y, heat["z"], (least, greatest))
@@ -41,7 +41,7 @@ def _map(heat: Figure, marks: Sequence[Figure], spans: tuple[Any, Any], names: t
         for a, b, words in zip(at[0].tolist(), at[1].tolist(), trace["text"], strict=True):
             parts.append(element("circle", cx=a, cy=b, r=5.0, class_="mark", stroke_width=2.0))
             parts.append(label(a, b - 8.0, 12.0, str(words)))
-    parts += _colour_bar(plot, (least, greatest))
+    parts += _colour_bar(plot, (least, greatest), str(heat["colorbar"]["title"]["text"]))
     return plot.drawn(about, names, *parts)
 
 
@@ -86,13 +86,14 @@ def _shades() -> list[str]:
     return [str(shade) for shade in shades]
 
 
-def _colour_bar(plot: Plot, ends: tuple[float, float]) -> list[str]:
+def _colour_bar(plot: Plot, ends: tuple[float, float], unit: str) -> list[str]:
     x, step = plot.left + plot.width + 10.0, plot.height / _SHADES
     foot = plot.top + plot.height
     parts = [
         element("rect", x=x, y=foot - (k + 1) * step, width=_BAR, height=step + 0.15, fill=colour)
         for k, colour in enumerate(_shades())
     ]
+    parts.append(label(x, plot.top - 6.0, 11.0, unit, "start"))
     for value in round_ticks(*ends):
         share = (value - ends[0]) / (ends[1] - ends[0]) if ends[1] > ends[0] else 0.0
         parts.append(label(x + _BAR + 4.0, foot - share * plot.height + 4.0, 11.0, in_words(value, 4), "start"))
@@ -104,7 +105,9 @@ def _lines(traces: Sequence[Figure], names: tuple[str, str], about: str) -> str:
         return np.array([math.nan if value is None else float(value) for value in values])
 
     x, y = (np.concatenate([known(trace[axis]) for trace in traces]) for axis in ("x", "y"))
-    plot = Plot(_SIDE, 0.6 * _SIDE, spanned(x), spanned(y), left=70.0)
+    low, high = spanned(y)
+    room = 0.1 * (high - low) * (len(traces) if len(traces) > 1 else 0)  # the names stand above the lines
+    plot = Plot(_SIDE, 0.6 * _SIDE, spanned(x), (low, high + room), left=70.0)
     parts: list[str] = []
     for number, trace in enumerate(traces):
         a, b = known(trace["x"]), known(trace["y"])

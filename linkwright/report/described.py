@@ -102,13 +102,16 @@ def _rows_html(given: Table, chosen: Iterable[int] | None) -> str:
         class_ = "drawn" if isinstance(content, Bars) else "number" if k in numbers else None
         return element(tag, inside, class_=class_, **more)
 
+    drawn = any(isinstance(content, Bars) for row in given.rows for content in row)
+    # Where rows with bars are taken apart on a phone, each figure tells its heading.
+    told = [{"data_head": plain(column.heading)} if drawn and column.heading else {} for column in given.columns]
     heads = [cell("th", k, column.heading, scope="col") for k, column in enumerate(given.columns)]
     head = element("thead", element("tr", *heads)) if given.headed else ""
     lines: list[str] = []
     for row in given.rows if chosen is None else [given.rows[k] for k in chosen]:
-        cells = [cell("td", k, content) for k, content in enumerate(row[1:], 1)]
-        lines.append(element("tr", cell("th", 0, row[0], scope="row"), *cells))
-    drawn = any(isinstance(content, Bars) for row in given.rows for content in row)
+        cells = [cell("td", k, content, **told[k]) for k, content in enumerate(row[1:], 1)]
+        head_too = told[0] if words(row[0]).isdigit() else {}
+        lines.append(element("tr", cell("th", 0, row[0], scope="row", **head_too), *cells))
     made = element("table", head, element("tbody", *lines), class_="bars" if drawn else None)
     return element("div", made, class_="scroll")
 

@@ -34,6 +34,17 @@ def side_by_side(*parts: str) -> str:
     return element("div", *parts, class_=f"columns-{len(parts)}")
 
 
+def in_own_place(name: str, when: str, label: str) -> str:
+    """Where the figure called `name` stands in its own colours."""
+    heading = element("h3", text(f"{when.capitalize()}, in its own colours".removeprefix(", ").capitalize()))
+    return element("div", heading, figure_place(f"{name}-own", f"{label} In its own colours."))
+
+
+def only_on_paper(parts: Sequence[str]) -> str:
+    """Parts beside each other that a screen does not show, since there buttons do."""
+    return element("div", side_by_side(*parts), class_="paper") if parts else ""
+
+
 def _unbroken(words: str) -> str:
     """Figures kept on one line with their units."""
     return re.sub(r"(\d) (?=[a-zA-Z])", "\\1\u00a0", words)

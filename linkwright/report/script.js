@@ -1,6 +1,6 @@
 (function () {
   "use strict";
-  var figures = {};
+  var figures = {}, folded = [];
   var places = Array.prototype.slice.call(document.querySelectorAll("[data-figure]"));
   function colour(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -18,9 +18,22 @@
       yaxis: Object.assign({}, layout.yaxis, axis)
     });
   }
+  // A figure that is like another one in other colours, for paper, where there is no button.
+  function whole(figure) {
+    var like = figures[figure.like];
+    if (!like) { return figure; }
+    var first = Object.assign({}, like.data[0]);
+    if (first.marker) {
+      first.marker = Object.assign({}, first.marker, { cmin: figure.from, cmax: figure.to });
+    } else {
+      first.zmin = figure.from;
+      first.zmax = figure.to;
+    }
+    return { data: [first].concat(like.data.slice(1)), layout: Object.assign({}, like.layout, { updatemenus: [] }) };
+  }
   function draw() {
     places.forEach(function (place) {
-      var figure = figures[place.dataset.figure];
+      var figure = whole(figures[place.dataset.figure]);
       Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: false });
     });
   }
@@ -57,11 +70,14 @@
     }
     // The page's own layout on paper is not there to be asked before it is printed: A4 within its margins.
     window.addEventListener("beforeprint", function () {
+      folded = Array.prototype.slice.call(document.querySelectorAll("details:not([open])"));
+      folded.forEach(function (each) { each.open = true; });
       places.forEach(function (place) {
-        Plotly.relayout(place, { autosize: false, width: place.closest(".columns-2") ? 330 : 680, height: 380 });
+        Plotly.relayout(place, { autosize: false, width: place.closest(".columns-2, .paper") ? 330 : 680, height: 380 });
       });
     });
     window.addEventListener("afterprint", function () {
+      folded.forEach(function (each) { each.open = false; });
       places.forEach(function (place) { Plotly.relayout(place, { autosize: true, width: null, height: null }); });
     });
   });

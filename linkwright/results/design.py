@@ -144,7 +144,9 @@ def _alike(evaluation: Evaluation, one: WorstPose, other: WorstPose) -> bool:
     if one.load_case != other.load_case:
         return False
     apart = [
-        abs(a - b) >= (_APART if joint.revolute else _SLIDE * (joint.range[1] - joint.range[0]))
+        abs(math.remainder(a - b, math.tau)) >= _APART
+        if joint.revolute
+        else abs(a - b) >= _SLIDE * (joint.range[1] - joint.range[0])
         for a, b, joint in zip(one.q, other.q, evaluation.arm.joints, strict=True)
     ]
     turned = abs(one.error - other.error) <= _SAME_ERROR * other.error and evaluation.arm.joints[0].revolute
@@ -253,12 +255,18 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
     loads = evaluation.joint_loads
     if loads is None:
         return Paragraph(f"Not known: {evaluation.unknown['mass']}.")
+    forces, moments = ([math.hypot(*getattr(each, kind)) for each in loads] for kind in ("force", "moment"))
+
+    def told(value: float, unit: str) -> Value:
+        # What a sum of many loads leaves where nothing is.
+        least = _NOTHING * max(forces if unit == "N" else moments)
+        return amount(0.0 if abs(value) <= least else abs(value), unit)
+
     rows: list[list[Cell]] = []
-    for number_, each in enumerate(loads, start=1):
-        force, moment = math.hypot(*each.force), math.hypot(*each.moment)
-        held = amount(abs(each.drive), "N·m" if each.revolute else "N")
-        bearing = [amount(each.radial, "N"), amount(abs(each.along), "N"), amount(each.tilting, "N·m")]
-        rows.append([count(number_), amount(force, "N"), amount(moment, "N·m"), *bearing, held])
+    for number_, (each, force, moment) in enumerate(zip(loads, forces, moments, strict=True), start=1):
+        held = told(each.drive, "N·m" if each.revolute else "N")
+        bearing = [told(each.radial, "N"), told(each.along, "N"), told(each.tilting, "N·m")]
+        rows.append([count(number_), told(force, "N"), told(moment, "N·m"), *bearing, held])
     headings = ("joint", "force", "moment", "radial", "along the axis", "tilting moment", "drive holds")
     return table(headings, rows, detail=True)
 

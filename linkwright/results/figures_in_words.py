@@ -152,4 +152,6 @@ def factor_words(before: float, after: float) -> str:
     ratio = before / after
     if abs(ratio - 1.0) < 5e-4:
         return "unchanged"
+    if abs(ratio - 1.0) < 5e-3:
+        return f"{percent(1.0 - 1.0 / ratio)} smaller" if ratio > 1.0 else f"{percent(1.0 / ratio - 1.0)} larger"
     return f"{figure(ratio, 3)} times smaller" if ratio > 1.0 else f"{figure(1.0 / ratio, 3)} times larger"

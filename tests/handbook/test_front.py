@@ -50,7 +50,7 @@ def test_points_are_what_their_arms_err_by(again):
 
 @pytest.mark.parametrize("share", [0.4, 0.85])
 def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
-    """By `optimize`, which knows nothing of what is kept, with the point's mass as limit and its shape as the only one."""
+    """By `optimize`, which knows nothing of what is kept, with the point's mass as limit and its shape alone."""
     points = [each for each in found_in(again)["points"] if each["on_envelope"]]
     point = points[round(share * (len(points) - 1))]
     given = yaml.safe_load((EXAMPLE / "problem.yaml").read_text(encoding="utf-8"))

@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from arm.evaluation import ErrorMap
-from linkwright.report.page import figure_place, side_by_side
+from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton
-from linkwright.report.pictures.plots import Figure, colour_range, error_map_figure, error_map_words, shared_spans
+from linkwright.report.pictures.plots import (
+    Figure,
+    colour_range,
+    error_map_figure,
+    error_map_words,
+    in_own_colours,
+    shared_spans,
+)
 from linkwright.report.pictures.svg import element, text
 from linkwright.results.design import Named
 
@@ -26,10 +33,11 @@ def arms(named: Named) -> str:
 
 
 def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Figure]]:
-    """The error maps with one colour scale: where they go, and the figures by name."""
+    """The error maps with one colour scale, and for paper each in its own: where they go, and the figures by name."""
     colours = colour_range(fields, [evaluation for _, evaluation in named])
     spans = shared_spans(fields)
     places: list[str] = []
+    on_paper: list[str] = []
     figures: dict[str, Figure] = {}
     for (when, evaluation), field in zip(named, fields, strict=True):
         name = f"map-{when or 'arm'}"
@@ -37,4 +45,8 @@ def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Fi
         words = error_map_words(field, evaluation)
         heading = element("h3", text(when.capitalize())) if when else ""
         places.append(element("div", heading, figure_place(name, words, text(words))))
-    return side_by_side(*places), figures
+        own = colour_range([field], [evaluation])
+        if own != colours:
+            figures[f"{name}-own"] = in_own_colours(name, *own)
+            on_paper.append(in_own_place(name, when, words))
+    return side_by_side(*places) + only_on_paper(on_paper), figures

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from optimize.result import Iteration
 
 MOST_MARKS = 5
 Figure = dict[str, Any]
+LIKE = "like"
+"""A figure that is another one in other colours holds that one's name by this key, and no data of its own."""
 
 
 def colour_range(maps: Sequence[ErrorMap], evaluations: Sequence[Evaluation]) -> tuple[float, float]:
@@ -61,16 +63,36 @@ def error_map_figure(
     }
     own = colour_range([field], [evaluation])
     if own != colours:
-        layout["updatemenus"] = [_scales(colours, own)]
-        layout["margin"] = {"l": 60, "r": 10, "t": 44, "b": 50}
+        layout.update(with_scales(colours, own, ("zmin", "zmax")))
     return {"data": [heat, _marks(field, evaluation)], "layout": layout}
 
 
-def _scales(common: tuple[float, float], own: tuple[float, float]) -> Figure:
+def in_own_colours(name: str, least: float, greatest: float) -> Figure:
+    """The figure called `name` with colours from `least` to `greatest`: what its second button shows, for paper."""
+    return {LIKE: name, "from": least, "to": greatest}
+
+
+def whole_figure(figures: Mapping[str, Figure], name: str) -> Figure:
+    """A figure with its data, wherever those stand."""
+    found = figures[name]
+    if LIKE not in found:
+        return found
+    like = figures[found[LIKE]]
+    ends = {"zmin": found["from"], "zmax": found["to"]}
+    return {**like, "data": [{**like["data"][0], **ends}, *like["data"][1:]]}
+
+
+def with_scales(common: tuple[float, float], own: tuple[float, float], ends: tuple[str, str]) -> Figure:
+    """What a layout holds with the buttons: `ends` are what plotly calls the ends of the colours."""
+    margin = {"l": 60, "r": 10, "t": 44, "b": 50}
+    return {"updatemenus": [_scales(common, own, ends)], "margin": margin}
+
+
+def _scales(common: tuple[float, float], own: tuple[float, float], ends: tuple[str, str]) -> Figure:
     """Two buttons: the colours of all maps, or those of this one."""
     buttons = [
-        {"label": words, "method": "restyle", "args": [{"zmin": least, "zmax": most}, [0]]}
-        for words, (least, most) in (("common scale", common), ("own scale", own))
+        {"label": words, "method": "restyle", "args": [dict(zip(ends, colours, strict=True)), [0]]}
+        for words, colours in (("common scale", common), ("own scale", own))
     ]
     place = {"x": 0.0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
     look = {"font": {"color": "#1d2530"}, "bgcolor": "#f5f7f9"}  # a chosen button stays light on a dark page too
@@ -103,7 +125,7 @@ def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
 
 def _numbers(across: Any, up: Any) -> list[str]:
     """The numbers of the marks; those that would stand on an earlier one are left blank."""
-    near = 0.06 * max(float(np.ptp(across)), float(np.ptp(up)), 1e-9)
+    near = 0.06 * max(float(np.ptp(across)), float(np.ptp(up)), 0.1 * float(np.hypot(across, up).max()))
     shown: list[str] = []
     for number, (x, y) in enumerate(zip(across, up, strict=True)):
         taken = any(shown[k] and np.hypot(across[k] - x, up[k] - y) < near for k in range(number))

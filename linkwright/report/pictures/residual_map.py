@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from arm.chain.kinematics import tip_position
 from diagnose.residual.observed import rms_length
 from diagnose.result import Diagnosis
-from linkwright.report.page import figure_place, side_by_side
+from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.results.diagnoses.words import row_words
 from linkwright.results.figures_in_words import figure, mm, pose
 from sections.numeric import Array
 
-from .plots import Figure
+from .plots import Figure, in_own_colours, with_scales
 from .svg import element, label, line, nice_below, text
 from .svg_plot import Plot, arrows, spanned
 
@@ -123,6 +123,7 @@ def hover_maps(diagnosis: Diagnosis) -> tuple[str, dict[str, Figure]]:
     greatest = max(float(length.max()) for length in lengths)
     figures: dict[str, Figure] = {}
     places: list[str] = []
+    on_paper: list[str] = []
     for (when, _), length in zip(states(diagnosis), lengths, strict=True):
         name = f"readings-{when}"
         figures[name] = _hovered(diagnosis, length, rows, greatest)
@@ -130,7 +131,10 @@ def hover_maps(diagnosis: Diagnosis) -> tuple[str, dict[str, Figure]]:
         words = f"Length of the residual at each reading{which}; the largest is {mm(1e-3 * float(length.max()), 3)}."
         heading = element("h3", text(when.capitalize() if which else "Each reading"))
         places.append(element("div", heading, figure_place(name, words, text(words))))
-    return side_by_side(*places), figures
+        if 0.0 < float(length.max()) < greatest:
+            figures[f"{name}-own"] = in_own_colours(name, 0.0, float(length.max()))
+            on_paper.append(in_own_place(name, when, words))
+    return side_by_side(*places) + only_on_paper(on_paper), figures
 
 
 def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], greatest: float) -> Figure:
@@ -162,10 +166,13 @@ def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], great
             "colorbar": {"title": {"text": "mm"}, "thickness": 12, "outlinewidth": 0},
         },
     }
-    layout = {
+    layout: Figure = {
         "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain"},
         "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x"},
         "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
         "showlegend": False,
     }
+    own = float(length.max())
+    if 0.0 < own < greatest:
+        layout.update(with_scales((0.0, greatest), (0.0, own), ("marker.cmin", "marker.cmax")))
     return {"data": [marks], "layout": layout}

@@ -19,7 +19,13 @@ def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
     if side <= 0.0:
         return element("p", text("No link has a section: all are rigid."))
     rows = zip_longest(*(arm.links for _, arm in arms))
-    return element("div", *(_card(number, arms, row, side) for number, row in enumerate(rows, start=1)), class_="cards")
+    made = {n: row for n, row in enumerate(rows, start=1) if any(x is not None and x.section is not None for x in row)}
+    cards = element("div", *(_card(number, arms, row, side) for number, row in made.items()), class_="cards")
+    rigid = [str(n) for n in range(1, max(len(arm.links) for _, arm in arms) + 1) if n not in made]
+    if not rigid:
+        return cards
+    told = f"Rigid, without a section: link{'s' if len(rigid) > 1 else ''} {', '.join(rigid)}."
+    return cards + element("p", text(told), class_="lead")
 
 
 def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[Link | None], side: float) -> str:

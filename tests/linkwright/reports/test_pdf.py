@@ -51,14 +51,20 @@ def test_sentences_tables_and_origin_are_all_there(result):
 def test_maps_are_drawn_with_the_greatest_error_in_the_last_colour(result):
     """Viridis runs from #440154 to #fde725 (the matplotlib developers)."""
     contents = optimization_report(result)
-    before, after = pieces_of(contents.pictures["map"], contents.figures)
+    before, after, *own = pieces_of(contents.pictures["map"], contents.figures)
     assert (before.heading, after.heading) == ("Before", "After")
     assert before.caption.startswith("Error over the workspace; the worst")
     for piece, name in ((before, "map-before"), (after, "map-after")):
         rows = [value for row in contents.figures[name]["data"][0]["z"] for value in row if value is not None]
         cells = piece.drawing.count("<rect") - 64 - 1
         assert 0 < cells <= len(rows)
-    assert before.drawing.count("rgb(253, 231, 37)") > 1  # a cell, and the end of the colour bar
+    last = "rgb(253, 231, 37)"
+    assert before.drawing.count(last) > 1  # a cell, and the end of the colour bar
+    # On one scale the better design is dark all over; in its own colours its worst cell has the last one too.
+    assert after.drawing.count(last) == 1
+    headings = ["Before, in its own colours", "After, in its own colours"]
+    assert [piece.heading for piece in own] == headings[-len(own) :]
+    assert own[-1].drawing.count(last) > 1
 
 
 @pytest.mark.parametrize("words", ODD)

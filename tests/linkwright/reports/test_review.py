@@ -3,16 +3,22 @@
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from arm.chain.chain import Joint, LoadCase
 from arm.evaluation import evaluate
-from arm.limits.joint_loads import joint_loads
+from arm.limits.joint_loads import JointLoad, joint_loads
+from linkwright.report.described import table_html
 from linkwright.report.pages.evaluation import evaluation_report
+from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
+from linkwright.results.design import joint_loads as joint_loads_told
 from linkwright.results.design import poses_that_differ
+from linkwright.results.document import Bars, count, share, table, words
+from linkwright.results.figures_in_words import factor_words
 from sections import Circle, RectangularTube, Tube
 from tests.linkwright.samples import arm_of, mapped
 
@@ -60,8 +66,8 @@ def test_the_side_view_is_to_scale_and_says_the_sizes():
     assert (high / first, low / second) == pytest.approx((0.08 / 0.4, 0.06 / 0.3), rel=1e-3)
     assert picture.count('class="hidden"') == 4
     told = re.findall(r">([^<>]+)</text>", picture)
-    for words in ("400", "300", "700", "1", "2", "⌀ 80", "60 × 40", "wall 3", "walls 2, 2", "payload 2.5 kg"):
-        assert words in told
+    for each in ("400", "300", "700", "1", "2", "⌀ 80", "60 × 40", "wall 3", "walls 2, 2", "payload 2.5 kg"):
+        assert each in told
 
 
 def test_the_report_holds_loads_and_the_bent_shape(evaluation):
@@ -84,3 +90,48 @@ def test_a_pose_turned_with_its_base_is_shown_once(evaluation):
     worse = replace(turned, error=0.9 * top.error)
     found = replace(evaluation, worst=replace(evaluation.worst, poses=(top, turned, near, other, loaded, worse)))
     assert poses_that_differ(found) == (top, other, loaded, worse)
+
+
+def test_full_turns_are_one_pose(evaluation):
+    """A wrist at -180 and at 180 degrees stands where it stood."""
+    top = evaluation.worst.poses[0]
+    one, other = (replace(top, q=(*top.q[:-1], turn)) for turn in (-math.pi, math.pi))
+    found = replace(evaluation, worst=replace(evaluation.worst, poses=(one, other)))
+    assert poses_that_differ(found) == (one,)
+
+
+def test_what_rounding_leaves_is_no_load():
+    """A joint that carries nothing along its axis says 0, not 5e-14 N."""
+    load = JointLoad(
+        revolute=True, axis=(0.0, 0.0, 1.0), force=(0.0, 50.0, 5e-14), moment=(4.0, 2e-29, 0.0), drive=2e-29
+    )
+    told = [words(cell) for row in joint_loads_told(SimpleNamespace(joint_loads=(load,))).rows for cell in row]
+    assert told == ["1", "50 N", "4 N·m", "50 N", "0 N", "4 N·m", "0 N·m"]
+
+
+def test_rigid_links_have_no_empty_card(evaluation):
+    arm = evaluation.arm
+    rigid = replace(arm.links[0], section=None, material=None, mass=1.0)
+    drawn = sections_grid((("", replace(arm, links=(rigid, *arm.links[1:]))),))
+    assert drawn.count('class="card"') == len(arm.links) - 1
+    assert "Rigid, without a section: link 1." in drawn
+
+
+def test_rows_with_bars_tell_their_headings():
+    """Where a phone takes the row apart, each figure says what it is, and a number at its head of what."""
+    made = table_html(table(["joint", "could describe", ""], [(count(1), share(0.43), Bars((("after", 0.43),)))]))
+    assert 'scope="row" data-head="joint"' in made
+    assert '<td class="number" data-head="could describe"' in made
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (10.01, 9.985, "0.25 % smaller"),
+        (9.985, 10.01, "0.25 % larger"),
+        (2.0, 1.0, "2 times smaller"),
+        (1.0, 1.0001, "unchanged"),
+    ],
+)
+def test_small_changes_are_no_one_times_smaller(before, after, said):
+    assert factor_words(before, after) == said
