@@ -15,7 +15,8 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
-from .kinds import REFUSED, Kind, kinds
+from .kind import REFUSED, Kind
+from .kinds import kinds
 from .odd import odd_files
 
 SECONDS = 10.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import linkwright as lw
@@ -16,38 +16,31 @@ from arm.files.write import arm_to_yaml
 from catalogues import freecad_cards, materials_csv, stock_csv
 from diagnose.reading.read import read_recording
 from linkwright.commands.compensate import read_poses
+from linkwright.output.diagnosis_folder import learned_from
 from linkwright.output.files import made_by
 from materials.catalogue import load_layer
 from optimize.problem import read_problem
-from sections.section import SectionError
 from sections.stock.tables import read_file
-from units.quantities import InputError, NoAnswer
+
+from .kind import EXAMPLES, ROOT, Kind, each_of, example
+from .planning import planning_kinds
+from .served import served_kinds
 
 ENTRY = re.compile(r"\n  [^ ]")
-ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ROOT / "examples"
-REFUSED = (InputError, SectionError, NoAnswer)
-"""What may be said of a file instead of reading it."""
 
 
-@dataclass(frozen=True)
-class Kind:
-    """Files by name, each with good ones to begin with; what reads them in a folder; and those that stay good."""
-
-    odd: Mapping[str, tuple[str, ...]]
-    read: Callable[[Path], object]
-    good: Mapping[str, str]
-
-
+@cache
 def kinds() -> dict[str, Kind]:
     """Every kind of file by name."""
-    arms = tuple(_text(f"{name}/arm.yaml") for name in ("welding-arm", "hidden-backlash", "several-loads", "real/ur10"))
-    problems = tuple(_text(f"{name}/problem.yaml") for name in ("welding-arm", "left-out-slopes", "several-loads"))
+    arms = tuple(
+        example(f"{name}/arm.yaml") for name in ("welding-arm", "hidden-backlash", "several-loads", "real/ur10")
+    )
+    problems = tuple(example(f"{name}/problem.yaml") for name in ("welding-arm", "left-out-slopes", "several-loads"))
     welding = read_arm(EXAMPLES / "welding-arm/arm.yaml")
     drives = read_arm(EXAMPLES / "hidden-backlash/arm.yaml")
-    rows = _text("hidden-backlash/recording.csv").splitlines(keepends=True)[:24]
+    rows = example("hidden-backlash/recording.csv").splitlines(keepends=True)[:24]
     recordings = ("".join(rows), "".join(rows).replace(",", ";"), "".join(rows).replace(",", "\t"))
-    cable = _text("cable-drag/recording.yaml")
+    cable = example("cable-drag/recording.yaml")
     return {
         "arm": Kind({"arm.yaml": (*arms, UNUSUAL_ARM)}, _arm, {}),
         "problem": Kind({"problem.yaml": (*problems, UNUSUAL_PROBLEM)}, _problem, {"arm.yaml": arm_to_yaml(welding)}),
@@ -61,10 +54,12 @@ def kinds() -> dict[str, Kind]:
             {},
         ),
         "workbook": Kind(
-            {"sheet1.xml": (_sheet(rows),), "workbook.xml": (WORKBOOK,), "workbook.xml.rels": (RELATIONS,)},
-            lambda at: _workbook(at, drives),
+            _book("".join(rows)),
+            lambda at: read_recording(_workbook(at), drives),
             {},
         ),
+        "materials_book": Kind(_book(MATERIALS), lambda at: materials_csv.read_table(_workbook(at)), {}),
+        "sizes_book": Kind(_book(STOCK), lambda at: stock_csv.read_table(_workbook(at)), {}),
         "recording": Kind(
             {"r.csv": recordings, "recording.yaml": (cable, UNUSUAL_SETTINGS, "sigma: 15 um\n")},
             lambda at: read_recording(at / "r.csv", drives),
@@ -84,16 +79,14 @@ def kinds() -> dict[str, Kind]:
                 "materials.csv": (MATERIALS,),
                 "stock.csv": (STOCK,),
                 "poses.csv": ("q1_deg,q2_deg,q3_deg\n0,10,20\n5,15,25\n",),
-                "robot.urdf": (_text("urdf/tabletop.urdf"),),
+                "robot.urdf": (example("urdf/tabletop.urdf"),),
             },
             lambda at: _exchange(at, welding),
             {},
         ),
+        **planning_kinds(drives),
+        **served_kinds(drives),
     }
-
-
-def _text(name: str) -> str:
-    return (EXAMPLES / name).read_text(encoding="utf-8")
 
 
 def _shipped(pattern: str) -> tuple[str, ...]:
@@ -103,17 +96,23 @@ def _shipped(pattern: str) -> tuple[str, ...]:
 
 
 def _sheet(rows: Sequence[str]) -> str:
-    """Rows of a recording as a sheet of a workbook: texts in the first row, numbers below."""
+    """Rows of a table as a sheet of a workbook: numbers as numbers, all else as texts."""
     lines: list[str] = []
     for number, row in enumerate(rows, start=1):
-        cells = row.strip().split(",")
-        form = '<c t="inlineStr"><is><t>{}</t></is></c>' if number == 1 else "<c><v>{}</v></c>"
-        lines.append(f'<row r="{number}">' + "".join(form.format(cell) for cell in cells) + "</row>")
+        forms = ["<c><v>{}</v></c>" if _NUMBER.fullmatch(cell) else TEXT for cell in row.strip().split(",")]
+        cells = (form.format(cell) for form, cell in zip(forms, row.strip().split(","), strict=True))
+        lines.append(f'<row r="{number}">' + "".join(cells) + "</row>")
     body = "\n".join(lines)
     return f'<worksheet xmlns="{MAIN}"><sheetData>\n{body}\n</sheetData></worksheet>\n'
 
 
-def _workbook(at: Path, arm: Arm) -> object:
+def _book(table: str) -> dict[str, tuple[str, ...]]:
+    """The parts of a workbook that holds a table."""
+    sheet = _sheet(table.splitlines())
+    return {"sheet1.xml": (sheet,), "workbook.xml": (WORKBOOK,), "workbook.xml.rels": (RELATIONS,)}
+
+
+def _workbook(at: Path) -> Path:
     """The parts put together as a spreadsheet program does."""
     with zipfile.ZipFile(at / "r.xlsx", "w") as made:
         made.writestr("[Content_Types].xml", TYPES)
@@ -127,7 +126,7 @@ def _workbook(at: Path, arm: Arm) -> object:
             ("xl/worksheets/sheet1.xml", "sheet1.xml"),
         ):
             made.write(at / part, name)
-    return read_recording(at / "r.xlsx", arm)
+    return at / "r.xlsx"
 
 
 def _arm(at: Path) -> object:
@@ -143,30 +142,23 @@ def _problem(at: Path) -> object:
 
 def _result(at: Path) -> object:
     made_by(at / "diagnosis.json")
-    lw.read_arm(at / "arm.yaml")
+    learned_from(at / "arm.yaml", read_arm(at / "arm.yaml"))
     return read_problem(at / "problem.yaml")
 
 
 def _exchange(at: Path, arm: Arm) -> object:
     """Each of the files, and the first refusal."""
-    refused: list[Exception] = []
-    readers: tuple[Callable[[], object], ...] = (
+    each_of(
         lambda: freecad_cards.read_card(at / "card.FCMat"),
         lambda: materials_csv.read_table(at / "materials.csv"),
         lambda: stock_csv.read_table(at / "stock.csv"),
         lambda: read_poses(at / "poses.csv", arm),
         lambda: lw.import_arm(at / "robot.urdf", tip="tip"),
     )
-    for read in readers:
-        try:
-            read()
-        except REFUSED as error:
-            refused.append(error)
-    if refused:
-        raise refused[0]
-    return None
 
 
+_NUMBER = re.compile(r"[-+0-9.eE]+")
+TEXT = '<c t="inlineStr"><is><t>{}</t></is></c>'
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 _OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 WORKBOOK = (

@@ -12,7 +12,7 @@ from arm.chain.chain import Arm
 from arm.chain.following import completed
 from arm.chain.kinematics import tip_position
 from diagnose.reading.columns import UnitMissing, meaning_of
-from diagnose.reading.read import recording_from
+from diagnose.reading.read import measurable, recording_from
 from diagnose.reading.settings import ReadingSettings
 from diagnose.reading.table import Layout, Table, read_table
 from diagnose.reading.write import cell, recording_columns
@@ -99,7 +99,7 @@ def _coordinate(table: Table, arm: Arm, index: int) -> Array:
     for header in table.names:
         meaning = meaning_of(header, arm, file=table.file)
         if meaning is not None and meaning.name == f"q{index + 1}":
-            return table.numbers(header) * meaning.factor + meaning.offset
+            return measurable(table.numbers(header) * meaning.factor + meaning.offset)
     if not arm.joints[index].driven:
         return np.zeros(len(table.row))
     unit = "deg" if arm.joints[index].revolute else "mm"

@@ -154,7 +154,7 @@ def _columns(
         if meaning is None:
             if header in used:
                 continue  # what a column of ours is made of tells nothing further
-            strangers[header] = _measurable(table.numbers(header))
+            strangers[header] = measurable(table.numbers(header))
             if not held.columns:
                 hint = nearest(header, _known_headers(arm))
                 meant = hint if hint.startswith("; did") else ""
@@ -211,10 +211,10 @@ def _plain(table: Table, header: str, meaning: ColumnMeaning) -> ReadColumn:
         return table.fault(header, index) or f"{header} is {table.text(header, index)}, beyond anything measured"
 
     numbers = table.sides(header) if meaning.base == "dir" else table.numbers(header)
-    return ReadColumn(meaning, header, _measurable(numbers * meaning.factor + meaning.offset), fault)
+    return ReadColumn(meaning, header, measurable(numbers * meaning.factor + meaning.offset), fault)
 
 
-def _measurable(values: Array) -> Array:
+def measurable(values: Array) -> Array:
     """The values (SI), nan for what nobody measures: powers of it would not be finite."""
     return np.where(np.abs(values) <= _LARGEST, values, np.nan)
 
@@ -235,7 +235,7 @@ def _by_formula(
 
     numbers = table.sides if meaning.base == "dir" else table.numbers
     values = formula.value(numbers, len(table.row)) * meaning.factor + meaning.offset
-    return ReadColumn(meaning, header, _measurable(values), fault)
+    return ReadColumn(meaning, header, measurable(values), fault)
 
 
 def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:

@@ -10,7 +10,7 @@ from typing import Any
 from nicegui import events, ui
 
 from linkwright.browser.server.desk import Desk
-from linkwright.browser.server.dropped import Dropped, question, with_another
+from linkwright.browser.server.dropped import Dropped, plain_name, question, with_another
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.browser.server.jobs import Job
@@ -115,14 +115,13 @@ class DiagnosisPage:
         self._problem.say(f"a recording has at most {MOST_UPLOADED // 1024**2} MB and ends in {', '.join(_ENDINGS)}")
 
     async def _dropped(self, event: events.UploadEventArguments) -> None:
-        name = PurePosixPath(event.file.name.replace("\\", "/")).name
+        name = plain_name(event.file.name)
         if PurePosixPath(name).suffix.lower() not in _ENDINGS or event.file.size() > MOST_UPLOADED:
             self._too_large()
             return
-        letters = "".join(each if each.isalnum() or each in "._- " else "-" for each in name)
         # What is told of the one before is likely so of the next as well.
         told = dict(self._shown.told) if self._shown is not None else {}
-        fresh = Dropped(letters[-80:].lstrip(".") or "recording.csv", await event.file.read(), told)
+        fresh = Dropped(name, await event.file.read(), told)
         try:
             self._held = with_another(self._held, fresh)
         except InputError as error:

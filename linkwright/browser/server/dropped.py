@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import PurePosixPath
 from typing import Any
 
 import linkwright as lw
@@ -17,6 +18,8 @@ from .mapping import IGNORED, OTHER, Meaning, proposed, settings_text
 
 SETTINGS = "recording.yaml"
 LAYOUT = ("skip_rows", "separator", "decimal", "encoding")
+_LONGEST_NAME = 80
+"""Bytes of a file's name that are kept, its end."""
 MOST = 12
 """Recordings that can be diagnosed at once here."""
 
@@ -86,6 +89,13 @@ class Dropped:
         layout = {name: self.told.get(name, "") for name in LAYOUT}
         with staged({self.name: self.content, SETTINGS: settings_text((), layout).encode()}) as root:
             return read_table(root / self.name, read_settings(root / SETTINGS).layout)
+
+
+def plain_name(name: str) -> str:
+    """The name of a dropped file without folders, and with what every file system can keep."""
+    own = PurePosixPath(name.replace("\\", "/")).name
+    letters = "".join(each if each.isalnum() or each in "._- " else "-" for each in own[-_LONGEST_NAME:])
+    return letters.encode()[-_LONGEST_NAME:].decode(errors="ignore").lstrip(".") or "recording.csv"
 
 
 def with_another(held: Sequence[Dropped], fresh: Dropped) -> list[Dropped]:

@@ -113,6 +113,21 @@ def budget(
     ['cause', 'at_worst_mm', 'average_mm', 'share']
     """
     given = arm_of(arm)
+    asked = sheet_of(given, sheet)
+    space, loads = None, ()
+    if problem is not None:
+        own = problem_of(problem).model
+        if own.arm.size != given.model.size:
+            message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
+            raise InputError(own.file, "arm", message)
+        space, loads = own.workspace, own.load_cases
+    with told(progress) as hear:
+        return Budget(given, budgeted(given.model, asked, space, loads, progress=hear))
+
+
+def sheet_of(given: Arm, sheet: Mapping[str, object] | File | None) -> Sheet:
+    """What a sheet says of an arm. Raises `InputError`."""
+    where = "sheet" if sheet is None or isinstance(sheet, Mapping) else Path(sheet)
 
     def changed(keys: Iterable[tuple[str, object]]) -> Model:
         made = given
@@ -123,18 +138,7 @@ def budget(
                 raise InputError(where, f"better: {error.key or key}", error.message) from None
         return made.model
 
-    where = "sheet" if sheet is None or isinstance(sheet, Mapping) else Path(sheet)
     if sheet is None:
-        asked = Sheet()
-    else:
-        reader = Reader(plain(sheet), file="sheet") if isinstance(sheet, Mapping) else load_yaml(sheet)
-        asked = read_sheet(reader, given.model, changed)
-    space, loads = None, ()
-    if problem is not None:
-        own = problem_of(problem).model
-        if own.arm.size != given.model.size:
-            message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
-            raise InputError(own.file, "arm", message)
-        space, loads = own.workspace, own.load_cases
-    with told(progress) as hear:
-        return Budget(given, budgeted(given.model, asked, space, loads, progress=hear))
+        return Sheet()
+    reader = Reader(plain(sheet), file="sheet") if isinstance(sheet, Mapping) else load_yaml(sheet)
+    return read_sheet(reader, given.model, changed)

@@ -120,6 +120,15 @@ def test_a_cell_beyond_anything_measured_sets_its_row_aside(linkwright, bench, c
     assert '"rows": 9' in (bench / "result.json").read_text()
 
 
+@pytest.mark.parametrize("cell", ["1e200", "1e400", "nan"])
+def test_a_pose_of_a_plan_beyond_anything_is_left_out(linkwright, bench, cell):
+    """As a recording's is; nothing is computed of it, and no warning reaches the screen."""
+    (bench / "plan.csv").write_text(f"q1_deg,q2_deg,x_mm,y_mm\n{cell},0,,\n10,20,,\n30,20,,\n")
+    status, _, err = linkwright("simulate", "arm.yaml", "--at", "plan.csv", "--out", "made.csv")
+    assert (status, err) == (0, "")
+    assert (bench / "made.csv").read_text().count("\n") == 3
+
+
 def test_a_column_of_such_cells_is_refused(linkwright, bench):
     rows = [[*row, "1e200"] for row in ROWS]
     (bench / "r.csv").write_text(recording([[*row[:2], "1e200", row[3]] for row in rows]))
