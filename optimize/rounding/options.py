@@ -32,9 +32,17 @@ _WROUGHT = (
     "aluminium-6082-t6",
     "aluminium-7075-t6",
 )
-GRADES = MappingProxyType({"EN 10210": _STEELS, "EN 10219": _STEELS, "EN 10365": _STEELS, "EN 755": _WROUGHT})
+GRADES = MappingProxyType(
+    {
+        "EN 10210": _STEELS,
+        "EN 10219": _STEELS,
+        "EN 10365": _STEELS,
+        "EN 755": _WROUGHT,
+        "Aluminum Design Manual": _WROUGHT,
+    }
+)
 """The shipped materials that a standard of dimensions is delivered in, by the technical conditions that go with it:
-EN 10210-1, EN 10219-1, EN 10025 (for EN 10365) and EN 755-2."""
+EN 10210-1, EN 10219-1, EN 10025 (for EN 10365), EN 755-2 and ASTM B221 (for the Aluminum Design Manual)."""
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,14 @@ tables:
       - [CHS 60.3x3.2, 60.3, 3.2, 5.74, 23.5]
 ```
 
+A table can say where its figures were found beside their source, in text that anybody can look up, and what was looked
+for in vain, for all its rows or some:
+
+```yaml
+    found_in: "owner/repository, path/table.json"
+    unconfirmed: "in no text that could be searched"        # or {CHS 60.3x3.2: "..."}
+```
+
 A column that ends in ``_mm`` is a dimension of the shape. `area_cm2`, `second_moment_y_cm4` and
 `second_moment_z_cm4` are what the source prints; a table without them has computed figures only.
 
@@ -28,7 +36,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -42,7 +50,7 @@ from sections.build import build
 from sections.section import Section, SectionError
 from sections.shapes import SHAPES
 from units.quantities import InputError, shown
-from units.reading import parse_yaml
+from units.reading import parse_own_yaml, parse_yaml
 from units.reading import read_text as file_text
 
 FORMAT_VERSION = 1
@@ -82,6 +90,8 @@ class StockSize:
         printed: what the source prints, by column (cm^2, cm^4); empty where A and I are computed only.
         source: the standard.
         file: where the row stands.
+        found_in: the text that anybody can look up in which the row was found, empty where nobody looked.
+        unconfirmed: what was looked for in vain where nobody could find the size in its source, else empty.
     """
 
     name: str
@@ -91,6 +101,8 @@ class StockSize:
     printed: Mapping[str, float]
     source: str
     file: str
+    found_in: str = ""
+    unconfirmed: str = ""
 
     @cached_property
     def section(self) -> Section:
@@ -153,7 +165,7 @@ def plain_name(name: str) -> str:
     text = text.replace("aluminium", "alu").replace("aluminum", "alu")
     text = re.sub(r"\d+(?:\.\d+)?", lambda number: f"{float(number[0]):g}", text)
     text = re.sub(r"^he(\d+)([abm])$", r"he\2\1", text)
-    return re.sub(r"^(shs)([\d.]+)x\2x", r"\1\2x", text)
+    return re.sub(r"^((?:hf)?shs)([\d.]+)x\2x", r"\1\2x", text)
 
 
 def section_from_name(name: str, stock: Stock | None = None) -> Section:
@@ -203,7 +215,8 @@ def shipped_sizes() -> tuple[StockSize, ...]:
     sizes: list[StockSize] = []
     for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
         if item.name.endswith(".yaml"):
-            sizes.extend(read_text(item.read_text(encoding="utf-8"), f"stock/{item.name}"))
+            content = parse_own_yaml(item.read_text(encoding="utf-8"))
+            sizes.extend(_read_content(content, f"stock/{item.name}"))
     return tuple(sizes)
 
 
@@ -222,6 +235,10 @@ def read_text(text: str, file: str) -> tuple[StockSize, ...]:
         content: Any = parse_yaml(text, file=file)
     except InputError as error:
         raise SectionError("section", f"{file}: is not YAML: {error.message}") from None
+    return _read_content(content, file)
+
+
+def _read_content(content: Any, file: str) -> tuple[StockSize, ...]:
     if not isinstance(content, dict) or not isinstance(content.get("tables"), list):
         raise _wrong(file, "needs format_version and tables, a list")
     version = content.get("format_version")
@@ -243,9 +260,9 @@ def _wrong(where: str, message: str) -> SectionError:
 
 
 def _read_table(table: Any, where: str) -> list[StockSize]:
-    needed = ("family", "shape", "source", "columns", "rows")
-    if not isinstance(table, dict) or set(table) != set(needed):
-        raise _wrong(where, f"needs exactly {', '.join(needed)}")
+    needed, more = ("family", "shape", "source", "columns", "rows"), ("found_in", "unconfirmed")
+    if not isinstance(table, dict) or not set(needed) <= set(table) <= {*needed, *more}:
+        raise _wrong(where, f"needs {', '.join(needed)}, may have {' and '.join(more)}, and nothing else")
     family, shape, source, columns, rows = (table[key] for key in needed)
     if not all(isinstance(value, str) and value.strip() for value in (family, shape, source)):
         raise _wrong(where, "family, shape and source are text")
@@ -265,8 +282,26 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
     if not isinstance(rows, list) or not rows:
         raise _wrong(where, "rows is a list of at least one row")
     sizes = [_read_row(row, columns, family, shape, source, where) for row in rows]
-    _check_printed(sizes, shape, where)
-    return sizes
+    dimensions = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
+    _check_buildable(sizes, shape, dimensions, where)
+    _check_printed(sizes, shape, dimensions, where)
+    return _told(sizes, table, where)
+
+
+def _told(sizes: list[StockSize], table: Mapping[str, Any], where: str) -> list[StockSize]:
+    """The sizes with what their table says of where they were found, and of those that nobody could find."""
+    found_in = table.get("found_in", "")
+    marks = table.get("unconfirmed", "")
+    if not isinstance(found_in, str):
+        raise _wrong(where, "found_in is text")
+    if isinstance(marks, str):
+        marks = dict.fromkeys((size.name for size in sizes), marks)
+    if not isinstance(marks, dict) or not all(isinstance(text, str) for text in cast(dict[Any, Any], marks).values()):
+        raise _wrong(where, "unconfirmed is text, or a size's name and text for each")
+    marks = cast(dict[str, str], marks)
+    for name in set(marks) - {size.name for size in sizes}:
+        raise _wrong(where, f"unconfirmed: {shown(name)} is not in the table")
+    return [replace(size, found_in=found_in, unconfirmed=marks.get(size.name, "")) for size in sizes]
 
 
 def _read_row(row: Any, columns: list[str], family: str, shape: str, source: str, where: str) -> StockSize:
@@ -285,22 +320,32 @@ def _read_row(row: Any, columns: list[str], family: str, shape: str, source: str
         for column, value in entries.items()
         if column.endswith("_mm")
     }
-    try:
-        build(shape, dimensions)
-    except SectionError as error:
-        raise _wrong(where, f"{name}: {error}") from None
     printed = {column: value for column, value in entries.items() if column in PRINTED}
     return StockSize(
         name, family, shape, MappingProxyType(dimensions), MappingProxyType(printed), source, where.split(": tables")[0]
     )
 
 
-def _check_printed(sizes: list[StockSize], shape: str, where: str) -> None:
+_Columns = Mapping[str, np.ndarray[Any, np.dtype[np.float64]]]
+"""The dimensions of all rows by name: one pass through the formulas for the whole table."""
+
+
+def _check_buildable(sizes: list[StockSize], shape: str, columns: _Columns, where: str) -> None:
+    """Refuse a row whose dimensions do not go together."""
+    try:
+        build(shape, columns)
+    except SectionError:
+        for size in sizes:
+            try:
+                build(shape, size.dimensions)
+            except SectionError as error:
+                raise _wrong(where, f"{size.name}: {error}") from None
+
+
+def _check_printed(sizes: list[StockSize], shape: str, columns: _Columns, where: str) -> None:
     """Refuse a row whose printed figures are not those of its dimensions."""
     if not sizes[0].printed:
         return
-    # Arrays: one pass through the formulas for the whole table.
-    columns = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
     with np.errstate(all="ignore"):  # what is no number is refused below, row by row
         properties = SHAPES[shape](**columns).properties(0.3)
     for column, (name, factor) in PRINTED.items():

@@ -66,7 +66,7 @@ def test_list_filters_sorts_and_chooses_columns(sections, tmp_path):
     arguments = ("--family", "IPE", "--family", "shs", "--where", "I_y > 100 cm^4", "--where", "area <= 20 cm^2")
     out = ok(sections("list", *arguments, "--sort=-I_y", "--columns", "height,W_y", "--json", "l.json"))
     names = rows_of(out)
-    assert names[0] == "IPE 140"
+    assert names[0] == "SHS 150x3"
     assert {name.split()[0] for name in names} == {"IPE", "SHS"}
     assert "height mm" in out
     assert "W_y cm³" in out

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sections import SectionError, load_stock, section_from_name
-from sections.stock.tables import last_unit, plain_name, read_text
+from sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
 
 TABLE = """
 format_version: 1
@@ -37,10 +37,72 @@ def shipped() -> list[tuple[str, dict]]:
 
 def test_there_are_many_and_each_says_its_source() -> None:
     stock = load_stock(user=False)
-    assert len(stock) >= 200
-    assert all(size.source.startswith("EN ") for size in stock)
-    assert {"IPE", "HEA", "HEB", "CHS", "SHS", "RHS", "ALU TUBE", "ALU BAR"} <= set(stock.families)
-    assert sum(bool(size.printed) for size in stock) >= 200
+    assert len(stock) >= 1100
+    assert all(size.source.startswith(("EN ", "Aluminum Association")) for size in stock)
+    assert {"IPE", "HEA", "HEB", "CHS", "SHS", "RHS", "HFSHS", "HFRHS", "ALU TUBE", "ALU BAR"} <= set(stock.families)
+    assert sum(bool(size.printed) for size in stock) >= 900
+
+
+def test_each_says_where_it_was_found_or_that_it_was_not() -> None:
+    stock = load_stock(user=False)
+    assert all(bool(size.found_in) != bool(size.unconfirmed) for size in stock)
+    assert {size.family for size in stock if size.unconfirmed} == {"ALU BAR", "ALU FLAT", "ALU TUBE"}
+
+
+def test_the_fast_reading_of_the_shipped_tables_finds_what_the_careful_one_does() -> None:
+    folder = files("sections").joinpath("stock")
+    names = sorted(item.name for item in folder.iterdir() if item.name.endswith(".yaml"))
+    careful = [read_text(folder.joinpath(name).read_text(encoding="utf-8"), f"stock/{name}") for name in names]
+    assert [size for sizes in careful for size in sizes] == list(shipped_sizes())
+
+
+@pytest.mark.parametrize(
+    ("name", "radii", "area", "second_moment"),
+    [  # EN 10219-2 and EN 10210-2, tables B.2 and B.3: the same tube, its corners cold formed and hot finished
+        ("SHS 100x100x5", (10.0, None), 18.4, 271),
+        ("HFSHS 100x100x5", (7.5, 5.0), 18.7, 279),
+        ("SHS 100x8", (20.0, None), 27.2, 366),
+        ("HFSHS 100x8", (12.0, 8.0), 28.8, 400),
+        ("RHS 120x80x6", (12.0, None), 21.6, 406),
+        ("HFRHS 120x80x6.3", (9.45, 6.3), 23.2, 440),
+    ],
+)
+def test_corners_are_those_of_their_standard(
+    name: str, radii: tuple[float, float | None], area: float, second_moment: float
+) -> None:
+    size = load_stock(user=False).find(name)
+    inner = size.dimensions.get("inner_corner_radius")
+    assert (1e3 * size.dimensions["corner_radius"], inner and 1e3 * inner) == pytest.approx(radii)
+    assert size.printed["area_cm2"] == area
+    assert size.printed["second_moment_y_cm4"] == second_moment
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ("    unconfirmed: nobody has it\n", "nobody has it"),
+        ("    unconfirmed: {CHS 60.3x3.2: in no list}\n", "in no list"),
+        ("    found_in: a list\n", ""),
+    ],
+)
+def test_what_nobody_could_find_is_marked(given: str, found: str) -> None:
+    (size,) = read_text(TABLE.replace("    columns", given + "    columns"), "own.yaml")
+    assert size.unconfirmed == found
+    assert size.found_in == ("a list" if "found_in" in given else "")
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("    unconfirmed: {CHS 1: in no list}\n", "'CHS 1' is not in the table"),
+        ("    unconfirmed: [1]\n", "unconfirmed is text"),
+        ("    found_in: 3\n", "found_in is text"),
+        ("    note: x\n", "and nothing else"),
+    ],
+)
+def test_a_wrong_mark_is_refused(given: str, words: str) -> None:
+    with pytest.raises(SectionError, match=words):
+        read_text(TABLE.replace("    columns", given + "    columns"), "own.yaml")
 
 
 @pytest.mark.parametrize(

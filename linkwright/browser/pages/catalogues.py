@@ -85,6 +85,8 @@ class TableView:
             {"field": "own", "width": 75, "sortable": True},
             *({"field": each, "headerName": each.replace("_", " "), "editable": True} for each in columns),
         ]
+        if "unconfirmed" in there:
+            definitions.append({"field": "unconfirmed", "headerName": "not confirmed", "tooltipField": "unconfirmed"})
         self._place.clear()
         with self._place:
             self._grid = ui.aggrid(

@@ -27,7 +27,8 @@ from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, read_text
 
 Row = dict[str, str]
-"""A row's cells as text, `name` among them; `own` says whether it stands in the user's own file."""
+"""A row's cells as text, `name` among them; `own` says whether it stands in the user's own file, `unconfirmed` what
+nobody could find in its source."""
 
 
 class CatalogueTable(ABC):
@@ -99,7 +100,10 @@ class MaterialsTable(CatalogueTable):
         for each in lw.materials.values():
             figures = {name: value_of(each.model, name).replace("–", "") for name in QUERY.every}
             is_own = "yes" if each.name in own else ""
-            found.append({"name": each.name, "own": is_own, "title": each.model.title, **figures})
+            marks = {name: item.unconfirmed for name, item in each.model.properties.items() if item.unconfirmed}
+            unconfirmed = "; ".join(f"{name.replace('_', ' ')}: {text}" for name, text in marks.items())
+            row = {"name": each.name, "own": is_own, "title": each.model.title, **figures}
+            found.append({**row, "unconfirmed": unconfirmed})
         return found
 
     def change(self, name: str, column: str, text: str, source: str) -> str:
@@ -149,7 +153,8 @@ class SectionsTable(CatalogueTable):
         for size in (each for each in lw.sections.values() if each.shape == group):
             row = row_of(size)
             cells = {column: f"{value:.12g}" for column, value in row.cells.items()}
-            found.append({"name": size.name, "own": "yes" if size.name in own else "", "family": size.family, **cells})
+            told = {"family": size.family, "unconfirmed": size.unconfirmed}
+            found.append({"name": size.name, "own": "yes" if size.name in own else "", **told, **cells})
         return found
 
     def change(self, name: str, column: str, text: str, source: str) -> str:

@@ -29,6 +29,7 @@ COMPARE_HELP = """Several stock sizes side by side.
 
 Example: linkwright sections compare "IPE 80" "RHS 80x40x3" "CHS 60.3x4"
 """
+UNCONFIRMED = "?: could not be found in its source; `sections show NAME` says what was looked for"
 SHOW_HELP = """One shape, or one stock size with its properties.
 
 Example: linkwright sections show "IPE 80"
@@ -111,7 +112,8 @@ def compare_sections(
     known = lw.sections.with_file(catalogue)
     sizes = [known[name] for name in names]
     _write(json, {"stock": [_stock_json(size) for size in sizes]})
-    shown = table("what", *(size.name for size in sizes), numbers=tuple(range(1, len(sizes) + 1)))
+    marked = (size.name + (" ?" if size.unconfirmed else "") for size in sizes)
+    shown = table("what", *marked, numbers=tuple(range(1, len(sizes) + 1)))
     shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))
     for name in dict.fromkeys(["height", "width", *(name for size in sizes for name in size.dimensions), *FIGURES]):
         label = FIGURES[name][0] if name in FIGURES else name.replace("_", " ")
@@ -121,6 +123,8 @@ def compare_sections(
         label = "I_y" if name.endswith("y") else "I_z"
         shown.add_row(f"{label} / A, cm²", *(figure(1e4 * ratio, 4) for ratio in ratios))
     console().print(shown)
+    if any(size.unconfirmed for size in sizes):
+        console().print(UNCONFIRMED, soft_wrap=True)
 
 
 def _print_shapes() -> None:
@@ -139,8 +143,12 @@ def _print_families(stock: Stock) -> None:
     for family in stock.families:
         sizes = stock.of_family(family)
         sources = dict.fromkeys(size.source.partition(",")[0] for size in sizes)
-        shown.add_row(family, str(len(sizes)), sizes[0].name, sizes[-1].name, ", ".join(sources))
+        marked = any(size.unconfirmed for size in sizes)
+        name = family + (" ?" if marked else "")
+        shown.add_row(name, str(len(sizes)), sizes[0].name, sizes[-1].name, ", ".join(sources))
     console().print(shown)
+    if any(size.unconfirmed for size in stock):
+        console().print(UNCONFIRMED, soft_wrap=True)
 
 
 def _print_sizes(sizes: list[StockSize], names: tuple[str, ...], *, dimensions: bool) -> None:
@@ -151,13 +159,15 @@ def _print_sizes(sizes: list[StockSize], names: tuple[str, ...], *, dimensions: 
     shown = table(*leading, *(heading(name) for name in names), numbers=numbers)
     for size in sizes:
         own = [", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())] if dimensions else []
-        shown.add_row(size.name, *own, *(written(size, name) for name in names))
+        shown.add_row(size.name + (" ?" if size.unconfirmed else ""), *own, *(written(size, name) for name in names))
     console().print(shown)
     if len({(size.source, tuple(size.dimensions)) for size in sizes}) == 1:
         words = ", ".join(name.replace("_", " ") for name in sizes[0].dimensions)
         console().print(f"dimensions: {words}; {sizes[0].source}", soft_wrap=True)
     else:
         console().print(f"sources: {'; '.join(dict.fromkeys(size.source for size in sizes))}", soft_wrap=True)
+    if any(size.unconfirmed for size in sizes):
+        console().print(UNCONFIRMED, soft_wrap=True)
 
 
 def _print_size(size: StockSize) -> None:
@@ -174,6 +184,10 @@ def _print_size(size: StockSize) -> None:
     screen.print(shown)
     figures = "printed figures checked against the dimensions" if size.printed else "figures computed"
     screen.print(f"{size.source}; {figures}; from {size.file}", soft_wrap=True)
+    if size.found_in:
+        screen.print(f"found in: {size.found_in}", soft_wrap=True)
+    if size.unconfirmed:
+        screen.print(f"not confirmed: {size.unconfirmed}", soft_wrap=True)
 
 
 def _print_shape(kind: type[Section]) -> None:
@@ -199,6 +213,8 @@ def _stock_json(size: StockSize) -> dict[str, Any]:
         },
         "printed": dict(size.printed) or None,
         "source": size.source,
+        "found_in": size.found_in or None,
+        "unconfirmed": size.unconfirmed or None,
         "file": size.file,
     }
 
