@@ -12,6 +12,8 @@ from rich.text import Text
 
 from linkwright.output.stream import OutputClosed, drop_output, printable
 
+from .narrow import FittingTable
+
 PLAIN_WIDTH = 100
 """Columns where the output is not a terminal."""
 
@@ -36,7 +38,7 @@ def console(*, errors: bool = False) -> Console:
 
 def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = None) -> Table:
     """An empty table; the columns `numbers` (from 0) are set right."""
-    made = Table(box=SIMPLE_HEAD, title=title, title_justify="left", title_style="bold")
+    made = FittingTable(box=SIMPLE_HEAD, title=title, title_justify="left", title_style="bold")
     made.pad_edge = made.show_edge = False
     for index, heading in enumerate(headings):
         made.add_column(heading, justify="right" if index in numbers else "left", overflow="fold")
