@@ -129,6 +129,9 @@ class Arm:
     """The keys of the arm file."""
 
     def __init__(self, chain: Iterable[object] = (), *, catalogue: File | None = None, **keys: object) -> None:
+        if isinstance(chain, str | Path):
+            message = f"is the joints and links; an arm file is read by lw.read_arm({str(chain)!r})"
+            raise InputError("Arm", "chain", message)
         content: dict[str, Any] = plain({**keys, "chain": [_entry(each) for each in chain]})
         self._fill(_read(content, catalogue), content, catalogue, None)
 

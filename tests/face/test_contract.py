@@ -298,3 +298,8 @@ def test_catalogues_are_mappings():
         lw.effects.withdraw("my_payload")
     assert "my_payload" not in lw.effects
     assert importlib.import_module("arm.effects").EFFECTS["clearance"] is lw.effects["clearance"]
+
+
+def test_the_name_of_a_file_is_no_chain():
+    with pytest.raises(lw.InputError, match=r"lw.read_arm\('arm.yaml'\)"):
+        lw.Arm("arm.yaml")

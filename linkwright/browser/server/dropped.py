@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from typing import Any
 
+import numpy as np
+
 import linkwright as lw
 from diagnose.reading.settings import read_settings
-from diagnose.reading.table import Table, read_table
+from diagnose.reading.table import Table, as_number, read_table
 from units.quantities import InputError
 
 from .folder import staged
@@ -20,6 +23,8 @@ SETTINGS = "recording.yaml"
 LAYOUT = ("skip_rows", "separator", "decimal", "encoding")
 _LONGEST_NAME = 80
 """Bytes of a file's name that are kept, its end."""
+_LOOKED_AT = 50
+"""Rows that show how numbers are written."""
 MOST = 12
 """Recordings that can be diagnosed at once here."""
 
@@ -52,6 +57,9 @@ class Dropped:
         self.meanings = []
         try:
             table = self._table()
+            if "decimal" not in self.told and _has_decimal_commas(table):
+                self.told = {**self.told, "decimal": ","}
+                table = self._table()
         except InputError as error:
             self.problem = self._said(error)
             return
@@ -89,6 +97,14 @@ class Dropped:
         layout = {name: self.told.get(name, "") for name in LAYOUT}
         with staged({self.name: self.content, SETTINGS: settings_text((), layout).encode()}) as root:
             return read_table(root / self.name, read_settings(root / SETTINGS).layout)
+
+
+def _has_decimal_commas(table: Table) -> bool:
+    """Whether more cells are numbers with a comma for a decimal point than with a point, or without either."""
+    texts = [column for column in table.columns.values() if not isinstance(column, np.ndarray)]
+    cells = [cell for column in texts for cell in column[:_LOOKED_AT]]
+    by_point, by_comma = (sum(math.isfinite(as_number(cell, sign)) for cell in cells) for sign in ".,")
+    return by_comma > by_point
 
 
 def plain_name(name: str) -> str:

@@ -117,7 +117,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         lines.append(f"Look whether {diagnosis.labels.said}; put that right in the recording, and diagnose again.")
     logged = _to_log(diagnosis)
     if logged:
-        lines.append(f"Log {listed(logged)}: that tells apart what this recording cannot.")
+        named = listed([_with_meaning(each) for each in logged])
+        lines.append(f"Log {named}: that tells apart what this recording cannot.")
     if diagnosis.noise_floor is None:
         lines.append("Read some poses twice in a row: repeats say how much of the mismatch is noise.")
     if diagnosis.unknown is not None and diagnosis.unknown.decide:
@@ -142,6 +143,15 @@ def _to_log(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.unknown is not None and "time" in diagnosis.unknown.depends_on:
         found.update(dict.fromkeys(_lacking(diagnosis.recording, "warming", ())))
     return list(found)
+
+
+def _with_meaning(column: str) -> str:
+    """A column by its name; one of a joint with what it holds, which a letter alone does not say."""
+    joint = column[1:].partition("_")[0]
+    if not joint.isdigit() or column[0] not in "cj":
+        return column
+    what = f"what joint {joint} was told to reach" if column[0] == "c" else f"an encoder on joint {joint} itself"
+    return f"{column} ({what})"
 
 
 def _telling(

@@ -5,6 +5,7 @@ import pytest
 
 import linkwright as lw
 from diagnose.reading.table import table_of
+from linkwright.browser.server.dropped import Dropped
 from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, proposed, settings_text
 from units.reading import parse_yaml
 
@@ -87,3 +88,16 @@ def test_lines_above_the_header_are_a_number():
     """As a field of the page tells them; what is no number is left for the reader to refuse."""
     assert settings_text((), {"skip_rows": "3", "sigma": "15 um"}) == "skip_rows: 3\nsigma: 15 um\n"
     assert settings_text((), {"skip_rows": "three"}) == "skip_rows: three\n"
+
+
+@pytest.mark.parametrize(("told", "decimal"), [({}, ","), ({"decimal": ""}, "")])
+def test_decimal_commas_are_seen_in_the_numbers(told, decimal):
+    """Of a file with semicolons as other programs write it; who says that it has points is believed."""
+    rows = "".join(f"{10.5 + k};{20.25 - k};0,0;{400.5 + k}\n" for k in range(20)).replace(".", ",")
+    content = f"A1 [deg];A2 [deg];A3 [deg];TCP X [mm]\n{rows}".encode()
+    dropped = Dropped("foreign.csv", content, dict(told))
+    dropped.propose(lw.read_arm(ARM))
+    assert (dropped.problem, dropped.told.get("decimal")) == ("", decimal)
+    pointed = Dropped("own.csv", content.replace(b",", b"."))
+    pointed.propose(lw.read_arm(ARM))
+    assert "decimal" not in pointed.told
