@@ -23,6 +23,8 @@ MOST_SOLVED = 100
 """So many are solved to the end."""
 _MOST_TRIED = 300
 """So many are solved for the binding poses alone, to see whether they come near."""
+_IN_VAIN = 30
+"""After so many in a row that have no solution no more of millions are tried."""
 _TOGETHER = 40
 """So many of the most promising are solved in the order of their shapes, for one program serves all of a kind."""
 
@@ -79,7 +81,7 @@ class _Search:
         self.chooser, self.among = chooser, among
         self.found: dict[Combination, tuple[float, Arm]] = {}
         self.failed = False
-        self.tried = self._waiting = 0
+        self.tried = self._waiting = self._in_vain = 0
         self._promising = self._most_promising()
 
     @property
@@ -100,6 +102,8 @@ class _Search:
                 return
             self._waiting = len(together)
             for pick, _ in sorted(together, key=lambda each: [str(shape) for shape in each[0].shapes]):
+                if self._in_vain >= _IN_VAIN:
+                    return
                 self._solve(pick, together[-1][1])
                 self._waiting -= 1
 
@@ -116,7 +120,9 @@ class _Search:
             learn_from(self.among.bounds, pick, solved)
         if solved.objective is None or solved.solution is None:
             self.failed = self.failed or chooser.candidates[pick].outcome == "unsolved"
+            self._in_vain += self.among is not None and self.among.branching is not None
             return
+        self._in_vain = 0
         if solved.objective > self.limit:
             chooser.note(pick, solved.objective, "bounded out")
             return

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from optimize.choice import combinations as chooser
-from optimize.choice import many
+from optimize.choice import many, near_ties
 from optimize.choice.at_once.branching import Branching
 from optimize.choice.chooser import Chooser
 from optimize.choice.picks import count
@@ -47,6 +47,27 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
     for each in result.near_ties:
         one, other = (int(str(name)[1:]) for name in each.materials)
         assert each.objective == pytest.approx(every[one, other], rel=1e-3)
+
+
+def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where one combination after another keeps no limit the search for near ties ends; what it leaves is said."""
+    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
+    rows = materials(12, 3)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"choose: {{section: [circle], material: {named(rows)}}}\n"
+        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
+    )
+    problem = problem_of(tmp_path, arm, text)
+    every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    near = int((every < every.min() * 1.0299).sum()) - 1
+    monkeypatch.setattr(near_ties, "_IN_VAIN", 0)
+    result = optimise(problem)
+    assert near > 0
+    assert not result.near_ties
+    assert result.near_ties_left >= near
+    assert result.objective == pytest.approx(every.min(), rel=1e-2)
 
 
 def test_thirteen_millions_are_bounded_at_once(tmp_path: Path) -> None:
