@@ -88,7 +88,7 @@ def journal(path: Path | str) -> tuple[JournalEntry, ...]:
         try:
             content = cast(dict[str, Any], json.loads((folder / f"{number:08d}.json").read_text(encoding="utf-8")))
             entries.append(JournalEntry(number, content["what"], content["before"], content["after"]))
-        except (ValueError, KeyError, TypeError, OSError):
+        except (ValueError, KeyError, TypeError, OSError, RecursionError):
             continue
     return tuple(entries)
 

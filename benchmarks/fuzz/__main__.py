@@ -25,7 +25,10 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     asked = parser.parse_args()
-    names = asked.kinds or list(kinds())
+    every = list(kinds())  # made once, for all processes
+    names = asked.kinds or every
+    if strangers := set(names) - set(every):
+        parser.error(f"no kind is called {min(strangers)}; they are {', '.join(every)}")
     each = -(-asked.inputs // len(names))
     parts = [(name, min(SHARE, each - at), asked.seed + at) for at in range(0, each, SHARE) for name in names]
     counted = dict.fromkeys(names, 0)
