@@ -53,7 +53,7 @@ def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: py
     """Where one combination after another keeps no limit the search for near ties ends; what it leaves is said."""
     monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
     monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
-    rows = materials(12, 3)
+    rows = materials(20, 6)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     text = (
         f"choose: {{section: [circle], material: {named(rows)}}}\n"
