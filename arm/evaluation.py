@@ -181,9 +181,11 @@ def evaluate(
         sideways = least_sideways(arm, cases, poses, search) if model.planar else None
     except MissingProperty as error:
         unknown["sideways_stiffness"] = str(error)
-    frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
+    frequency = None if unweighed or arm.branches else least_frequency(arm, search, beams, p, cases)
     if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
+    if arm.branches:
+        unknown["first_frequency"] = "the other arms on the torso would swing along, which is not in the model of modes"
     of_drives = None if frequency is None else frequency_of_drives(arm, search, beams, p, cases)
     drives = None
     if not unweighed and any(joint.actuator is not None for joint in arm.joints):
@@ -214,7 +216,7 @@ def evaluate(
         mass=None if unweighed else sum(masses),
         total_mass=None if unweighed else sum(masses) + carried,
         cost=cost,
-        reach=sum(arm.lengths),
+        reach=sum(arm.lengths[index] for index in arm.to_tip),
         strength=strength,
         walls=walls,
         frequency=frequency,

@@ -9,7 +9,7 @@ import numpy as np
 
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
-from diagnose.answer.sentences import put_right
+from diagnose.answer.sentences import of_branches, put_right
 from diagnose.fitting.prepare import prepare
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
@@ -94,6 +94,7 @@ def diagnose(
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
     conclusion = Conclusion(namer, named, noise, asked, whole=whole, progress=tell, floors=floors)
     found = conclusion.result(arm, recording, began)
+    found = replace(found, sentence=found.sentence + of_branches(arm, found.findings))
     if not isinstance(searched, Several):
         return _with_labels(found, arm, searched, asked, known, tell)
     if searched.units or found.unknown is None:
@@ -113,6 +114,7 @@ def cleaned_of(
         again = together(parts, arm, units=recording.units, names=recording.names, first_row=recording.first_row)
         floors = tuple(noise for _, noise, _, _ in found)
         return again, floor_of_all(floors, again), again, floors
+    arm = arm.on(recording.branch)
     recording = with_sound_orientation(arm, recording, rules=rules.residual)
     noise = noise_floor(recording, arm, rules=rules.residual)
     return recording, noise, _once_each(_without(recording, noise), arm, noise, rules), ()

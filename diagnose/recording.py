@@ -37,7 +37,8 @@ class Recording:
     `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
     for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
-    number), `date` when it was made (`2026-05-16`), empty where nobody said.
+    number), `date` when it was made (`2026-05-16`), `branch` whose tip was measured of several arms on one torso, empty
+    where nobody said.
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
@@ -77,6 +78,7 @@ class Recording:
     touches: Slots | None = None
     bar_at: Array | None = None
     instrument: Instrument = field(default_factory=Instrument)
+    branch: str = ""
 
     @property
     def observed_as(self) -> Slots | None:

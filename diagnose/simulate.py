@@ -260,6 +260,7 @@ def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
         sides=np.repeat(np.array(sides), plan.repeats, axis=0),
         payload_mass=np.repeat(np.array(mass), plan.repeats) if plan.payloads else None,
         temperature=None if plan.temperature is None else _temperature(time, plan.temperature, random),
+        branch=arm.tip,
     )
 
 

@@ -17,7 +17,7 @@ from units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import Counterbalance, PointMass
 from .following import Following, coordinates
-from .vectors import IDENTITY, ZERO, Rotation
+from .vectors import IDENTITY, ZERO, Rotation, Scalar
 
 if TYPE_CHECKING:
     from arm.actuators import Actuator
@@ -178,8 +178,26 @@ class Machining:
 
 
 @dataclass(frozen=True)
+class Branch:
+    """One of the arms on a torso: its joints and links are those from `first` to before `end` (from 0), `tool` (m) and
+    `payload` its own. `away` is 0 where the tip asked for is its own, 1 where that is another's: its joints then move
+    nothing, and its weight loads the torso. Of readings of several tips it is a column of 0 and 1.
+    """
+
+    name: str
+    first: int
+    end: int
+    tool: FloatVector = ZERO
+    payload: LoadCase = LoadCase()
+    away: Scalar = 0.0
+
+
+@dataclass(frozen=True)
 class Arm:
     """A serial arm with the loads it carries and the physics its model holds.
+
+    Several arms on one torso are one `Arm` too: the torso's joints, then those of each of its `branches`. It is a
+    serial arm to one tip, `tip`; `on` another makes it that to another.
 
     `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
     count. `leave_out` names physics that the model does without; `effects` adds some. `machining` is what work on the
@@ -199,6 +217,7 @@ class Arm:
     effects: tuple[EffectEntry, ...] = ()
     tool: FloatVector = ZERO
     machining: Machining = Machining()
+    branches: tuple[Branch, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.links) or not self.joints:
@@ -238,9 +257,46 @@ class Arm:
 
     @property
     def carried_mass(self) -> float:
-        """The masses beside links and payload, kg: joints, motors wherever they stand, and what hangs on links."""
+        """The masses beside links and payload, kg: joints, motors wherever they stand, what hangs on links, and the
+        payloads of other branches than the tip's."""
         hung = sum(each.mass for link in self.links for each in link.masses)
+        hung += sum(each.payload.mass for each in self.branches if each.name != self.tip)
         return hung + sum(joint.mass + joint.motor_on_base for joint in self.joints)
+
+    @property
+    def tip(self) -> str:
+        """The branch whose tip counts; empty for an arm without branches."""
+        return next((each.name for each in self.branches if isinstance(each.away, float) and each.away == 0.0), "")
+
+    def on(self, tip: str) -> Arm:
+        """The same as an arm to the tip of a branch, with that branch's payload and tool; as it is where it is that
+        already, or has no branches."""
+        own = next((each for each in self.branches if each.name == tip), None)
+        if own is None or self.tip == tip:
+            return self
+        seen = tuple(replace(each, away=0.0 if each is own else 1.0) for each in self.branches)
+        return replace(self, branches=seen, tool=own.tool, payload=own.payload)
+
+    def away(self, index: int) -> Scalar:
+        """Whether a joint (from 0) is of another branch than the tip: 0, 1 or a column of both."""
+        return next((each.away for each in self.branches if each.first <= index < each.end), 0.0)
+
+    def column(self, base: str, index: int) -> str:
+        """What a column of a joint (from 0) is called in a recording: `q2`, of a branch `left_q1`."""
+        own = next((each for each in self.branches if each.first <= index < each.end), None)
+        return f"{base}{index + 1}" if own is None else f"{own.name}_{base}{index - own.first + 1}"
+
+    @property
+    def to_tip(self) -> tuple[int, ...]:
+        """The joints (from 0) on the way from the base to the tip."""
+        if not self.branches:
+            return tuple(range(self.size))
+        return tuple(index for index in range(self.size) if not self.away_wholly(index))
+
+    def away_wholly(self, index: int) -> bool:
+        """Whether a joint (from 0) moves nothing of what counts at any reading."""
+        away = self.away(index)
+        return isinstance(away, float) and away == 1.0
 
     def whole_pose(self, q: Sequence[float]) -> tuple[float, ...]:
         """A pose with the coordinates of joints that only follow others as they are."""

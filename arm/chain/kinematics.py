@@ -131,7 +131,12 @@ def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None
     state = Orientation(IDENTITY, (0.0, 0.0, 1.0), 0.0)
     joints: list[JointFrame] = []
     links: list[LinkFrame] = []
-    for joint, link, coordinate, span in zip(arm.joints, arm.links, turns(arm, q), spans, strict=True):
+    each = zip(arm.joints, arm.links, turns(arm, q), spans, strict=True)
+    for index, (joint, link, coordinate, span) in enumerate(each):
+        if arm.branches and arm.away_wholly(index):
+            joints.append(JointFrame(ZERO, ZERO, state))
+            links.append(LinkFrame(ZERO, ZERO, ZERO, ZERO))
+            continue
         lead = rotate(state.matrix(), joint.origin_translation) if any(joint.origin_translation) else ZERO
         state = state.turned(joint.origin_rotation)
         moved = plus(coordinate, joint.zero)

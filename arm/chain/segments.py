@@ -73,7 +73,9 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
             for number, each in enumerate(parts)
         ]
     effects = tuple(_at_first_pieces(entry, first) for entry in arm.effects)
-    whole = replace(arm, joints=tuple(joints), links=tuple(links), effects=effects)
+    ends = [*first, len(owner)]
+    branches = tuple(replace(each, first=ends[each.first], end=ends[each.end]) for each in arm.branches)
+    whole = replace(arm, joints=tuple(joints), links=tuple(links), effects=effects, branches=branches)
     return Pieces(whole, tuple(owner), tuple(first))
 
 

@@ -14,11 +14,25 @@ from units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import End, PointMass
 from .beam import Beam
-from .chain import Arm, LoadCase, Zones
+from .chain import Arm, Branch, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, ties_to, turns
-from .kinematics import Frames, LinkFrame, place
-from .vectors import Scalar, Vector, add, cross, dot, is_zero, plus, scale, subtract, times
+from .kinematics import Frames, LinkFrame, place, section_directions
+from .vectors import (
+    Scalar,
+    Vector,
+    add,
+    cross,
+    dot,
+    is_zero,
+    minus,
+    plus,
+    rotate,
+    scale,
+    subtract,
+    times,
+    transpose,
+)
 
 
 @dataclass(frozen=True)
@@ -130,6 +144,12 @@ def solve(
     couplings, own_turns, own_coordinates = _Couplings(arm, placed), turns(arm, q), coordinates(arm, q)
     for index in range(arm.size - 1, -1, -1):
         beam, frame, joint = beams[index], placed.links[index], arm.joints[index]
+        away: Scalar = 0.0
+        if arm.branches:
+            away = arm.away(index)
+            if index == arm.branches[0].first - 1:
+                force, moment = _with_branches(arm, frame, q, beams, pull, force, moment)
+        beyond = force, moment
         moment = couplings.taken_on(index, moment)
         if point_forces is not None:
             force = add(force, point_forces[index])
@@ -200,6 +220,11 @@ def solve(
         force = add(base_force, scale(joint.mass, pull))
         lead = placed.joints[index].lead
         moment = past if is_zero(lead) else add(past, cross(lead, force))
+        if not (isinstance(away, float) and away == 0.0):
+            here = minus(1.0, away)
+            links[-1], joints[-1] = _only(here, links[-1]), _only_drive(here, joints[-1])
+            force = add(scale(away, beyond[0]), scale(here, force))
+            moment = add(scale(away, beyond[1]), scale(here, moment))
     return PoseState(
         tuple(reversed(joints)),
         tuple(reversed(links)),
@@ -215,6 +240,62 @@ def solve(
         carried,
         pushed,
     )
+
+
+def _with_branches(
+    arm: Arm, frame: LinkFrame, q: Sequence[Scalar], beams: Sequence[Beam], pull: Vector, force: Vector, moment: Vector
+) -> tuple[Vector, Vector]:
+    """Force and moment at the far end of a torso's last link with the weights of the branches that the tip is not of,
+    each as its own joints have it."""
+    link, joint = arm.links[arm.branches[0].first - 1], arm.joints[arm.branches[0].first - 1]
+    own = (link.direction, *section_directions(link, joint))
+    placed = (frame.along, frame.height, frame.width)
+
+    def to_base(vector: Vector) -> Vector:
+        turned = rotate(link.end_rotation, vector)
+        parts = [scale(dot(axis, turned), there) for axis, there in zip(own, placed, strict=True)]
+        return add(add(parts[0], parts[1]), parts[2])
+
+    def from_base(vector: Vector) -> Vector:
+        parts = [scale(dot(there, vector), axis) for axis, there in zip(own, placed, strict=True)]
+        return rotate(transpose(link.end_rotation), add(add(parts[0], parts[1]), parts[2]))
+
+    down = from_base(pull)
+    for branch in arm.branches:
+        if isinstance(branch.away, float) and branch.away == 0.0:
+            continue
+        rows = slice(branch.first, branch.end)
+        alone = _alone(arm, branch)
+        state = solve(alone, list(q)[rows], beams[rows], LoadCase(branch.payload.mass), gravity=down)
+        first = state.joints[0]
+        weight = add(first.force, scale(first.mass, down))
+        turning = add(first.moment, cross(state.leads[0], weight))
+        force = add(force, scale(branch.away, to_base(weight)))
+        moment = add(moment, scale(branch.away, to_base(turning)))
+    return force, moment
+
+
+def _alone(arm: Arm, branch: Branch) -> Arm:
+    """A branch as an arm of its own, on a torso that stands still."""
+    rows = slice(branch.first, branch.end)
+    return replace(arm, joints=arm.joints[rows], links=arm.links[rows], effects=(), tool=branch.tool, branches=())
+
+
+def _only(here: Scalar, link: LinkState) -> LinkState:
+    """A link that is on the way to the tip at some readings only (`here` 1, else 0): elsewhere it carries nothing."""
+    names = ("force", "moment", "weight", "base_moment")
+    carried: dict[str, Any] = {name: scale(here, getattr(link, name)) for name in names}
+    return replace(link, **carried)
+
+
+def _only_drive(here: Scalar, joint: JointState) -> JointState:
+    force, moment, load = scale(here, joint.force), scale(here, joint.moment), times(here, joint.drive_load)
+    return replace(joint, force=force, moment=moment, drive_load=load)
+
+
+def unladen(arm: Arm) -> Arm:
+    """The arm without the payloads of branches that the tip is not of."""
+    return replace(arm, branches=tuple(replace(each, payload=LoadCase()) for each in arm.branches))
 
 
 class _Couplings:

@@ -28,7 +28,7 @@ from arm.effects import Twist
 from arm.effects.effect import NO_LOAD
 from sections.numeric import Array
 
-from .tip import ActiveEffect
+from .tip import ActiveEffect, on_the_way
 
 Node = tuple[str, int]
 
@@ -137,11 +137,11 @@ class _Chain:
             effect, settings = active.effect, active.settings
             if effect.along_the_link:
                 at = tuple(k for link in settings.at for k in self.pieces.of(link))
-                for twist in effect.twists(cut_state, replace(settings, at=at)):
+                for twist in on_the_way(cut_state.arm, effect.twists(cut_state, replace(settings, at=at))):
                     strain[twist.index] = strain[twist.index] + columns(twist.translation, self.rows)
                     bend[twist.index] = bend[twist.index] + columns(twist.rotation, self.rows)
                 continue
-            twists = [*effect.twists(now, settings), *effect.seated(seating, settings)]
+            twists = [*on_the_way(now.arm, [*effect.twists(now, settings), *effect.seated(seating, settings)])]
             if effect.of_instrument and effect.place in ("base", "tip"):
                 seen_tip += twists
                 continue

@@ -12,7 +12,7 @@ from typing import cast
 
 from arm.chain.chain import Arm, Zones
 from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, plus, scale, times
+from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, minus, plus, scale, times
 from arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
 
 
@@ -102,7 +102,7 @@ def motions(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vec
     at_joint: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.joints)
     at_link: list[tuple[Vector, Vector]] = [(ZERO, ZERO)] * len(state.links)
     at_tip: tuple[Vector, Vector] = (ZERO, ZERO)
-    for twist in twists:
+    for twist in on_the_way(state.arm, twists):
         if twist.node == "tip":
             at_tip = (add(at_tip[0], twist.translation), add(at_tip[1], twist.rotation))
             continue
@@ -126,6 +126,18 @@ def motions(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vec
     shift = add(shift, cross(turn, state.tool))
     walked.append((add(shift, at_tip[0]), add(turn, at_tip[1])))
     return walked
+
+
+def on_the_way(arm: Arm, twists: Iterable[Twist]) -> Iterable[Twist]:
+    """Twists of an arm's joints and links, but for those of branches that the tip is not of."""
+    if not arm.branches:
+        return twists
+    return (_on_the_way(arm, twist) if twist.node in ("joint", "link") else twist for twist in twists)
+
+
+def _on_the_way(arm: Arm, twist: Twist) -> Twist:
+    here = minus(1.0, arm.away(twist.index))
+    return Twist(twist.node, twist.index, scale(here, twist.translation), scale(here, twist.rotation))
 
 
 def _followed(
@@ -162,7 +174,7 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:
             if isinstance(play, Interval):
                 vector = carried_to_tip(state, play.twists)
                 intervals.append(TipInterval(active.effect.id, play.twists[0].index, vector, play.seating))
-            else:
+            elif not state.arm.away_wholly(play.index):
                 discs.append(_disc(active.effect.id, play))
     kinks = tuple(
         TipKink(carried_to_tip(state, kink.twists), kink.load, kink.zones)

@@ -70,11 +70,16 @@ def read_entry(mapping: Mapping, catalogue: Catalogue, size: int) -> Entry:
         if mapping.has("origin"):
             if modified:
                 raise mapping.error("origin", "is given by dh already, which says where the joint stands; leave it out")
-            with mapping.mapping("origin").reading() as frame:
-                xyz = read_vector(frame, "xyz", "length", ZERO)
-                rpy = read_vector(frame, "rpy", "angle", ZERO)
-            origin = (from_roll_pitch_yaw(*rpy), xyz)
+            origin = read_origin(mapping)
     return Entry(joint, link, given, origin, has_link, modified, motor)
+
+
+def read_origin(mapping: Mapping) -> tuple[Rotation, FloatVector]:
+    """The rotation and the step (m) that `origin` gives."""
+    with mapping.mapping("origin").reading() as frame:
+        xyz = read_vector(frame, "xyz", "length", ZERO)
+        rpy = read_vector(frame, "rpy", "angle", ZERO)
+    return from_roll_pitch_yaw(*rpy), xyz
 
 
 def _length(body: Mapping) -> float:

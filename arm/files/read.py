@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import cast
@@ -14,18 +15,22 @@ from units.quantities import format_quantity, shown
 from units.reading import Mapping, load_yaml, nearest
 from units.temperature import REFERENCE_TEMPERATURE
 
+from .branches import read_branches, tip_named
 from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
 from .following import tied
 from .prices import read_machining
 
 
-def read_arm(path: Path | str, catalogue: Catalogue | None = None) -> Arm:
-    """The arm that a YAML file describes (see docs/formats). Raises `InputError`, one line, for anything wrong."""
-    return arm_from(load_yaml(path), catalogue or load_catalogue())
+def read_arm(path: Path | str, catalogue: Catalogue | None = None, *, tip: str | None = None) -> Arm:
+    """The arm that a YAML file describes (see docs/formats). Raises `InputError`, one line, for anything wrong.
+
+    Of several arms on one torso `tip` names the one that counts (empty: the first).
+    """
+    return arm_from(load_yaml(path), catalogue or load_catalogue(), tip=tip)
 
 
-def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
-    """The arm that a mapping describes; every key of it is accounted for."""
+def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) -> Arm:
+    """The arm that a mapping describes, to a `tip` where it has several; every key of it is accounted for."""
     with mapping.reading():
         name = mapping.text("name", "arm")
         gravity = read_vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
@@ -40,6 +45,9 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
         else:
             tool = ZERO
         joints, links = joined(mapping, entries)
+        branches = read_branches(mapping, catalogue, len(joints))
+        joints, links = (*joints, *branches.joints), (*links, *branches.links)
+        tip = tip_named(mapping, branches.each, tip)
         if mapping.has("tool"):
             with mapping.mapping("tool").reading() as offset:
                 tool = read_vector(offset, "xyz", "length", ZERO)
@@ -63,7 +71,14 @@ def arm_from(mapping: Mapping, catalogue: Catalogue) -> Arm:
             effects=read_effects(mapping, joints, left_out),
             tool=tool,
             machining=read_machining(mapping),
+            branches=branches.each,
         )
+        if branches.each:
+            for number, entry in enumerate(arm.effects, start=1):
+                if EFFECTS[entry.effect].place == "tip":
+                    message = f"{entry.effect} is of one tip, and there are several; write the branch's payload or tool"
+                    raise mapping.error(f"effects[{number}].effect", message)
+            arm = replace(arm, tool=branches.each[0].tool, payload=branches.each[0].payload).on(tip)
     _check_absolute(mapping, arm)
     return tied(mapping, arm)
 
@@ -188,6 +203,8 @@ def _places(entry: Mapping, size: int) -> tuple[int, ...]:
 def _check_absolute(mapping: Mapping, arm: Arm) -> None:
     if arm.angles == "relative":
         return
+    if arm.branches:
+        raise mapping.error("angles", "can be absolute only without branches; write relative")
     parallel = all(joint.axis == (0.0, 0.0, 1.0) for joint in arm.joints if joint.revolute)
     straight = all(link.end_rotation == IDENTITY for link in arm.links) and all(
         joint.origin_rotation == IDENTITY for joint in arm.joints

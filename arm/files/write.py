@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
@@ -43,22 +44,22 @@ def arm_to_yaml(arm: Arm) -> str:
     lines.append(f"temperature: {format_quantity(arm.temperature, 'temperature')}")
     lines.append("chain:")
     motors = {each.motor_of: (each.mass, number) for number, link in enumerate(arm.links, 1) for each in link.masses}
-    for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True), start=1):
-        own = _joint(joint)
-        if (follows := following_text(number - 1, joint)) is not None:
-            own["follows"] = follows
-        mass, on = motors.get(number, (joint.motor_on_base, "base"))
-        if mass:
-            own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
-        lines.append(f"  - joint: {_flow(own)}")
-        if joint.origin_rotation != IDENTITY or any(joint.origin_translation):
-            lines.append(f"    origin: {_flow(_origin(joint))}")
-        lines.append(f"    link: {_flow(_link(link))}")
-    if any(arm.tool):
+    torso = arm.branches[0].first if arm.branches else arm.size
+    lines += _entries(arm, range(torso), motors)
+    if arm.branches:
+        lines.append("branches:")
+    for branch in arm.branches:
+        lines += [f"  - name: {_flow(branch.name)}", "    chain:"]
+        lines += [f"    {line}" for line in _entries(arm, range(branch.first, branch.end), motors)]
+        if any(branch.tool):
+            lines.append(f"    tool: {_flow({'xyz': _vector(branch.tool, 'length')})}")
+        lines.append(f"    payload: {_flow({'mass': format_quantity(branch.payload.mass, 'mass')})}")
+    if any(arm.tool) and not arm.branches:
         lines.append(f"tool: {_flow({'xyz': _vector(arm.tool, 'length')})}")
     if work := machining_to_mapping(arm.machining):
         lines.append(f"machining: {_flow(work)}")
-    lines.append(f"payload: {_flow(load_to_mapping(arm.payload))}")
+    if not arm.branches:
+        lines.append(f"payload: {_flow(load_to_mapping(arm.payload))}")
     if arm.play == "statistical":
         statistics = arm.statistics
         play: object = {
@@ -76,6 +77,24 @@ def arm_to_yaml(arm: Arm) -> str:
         lines.append("effects:")
         lines += [f"  - {_flow(_effect(arm, entry))}" for entry in arm.effects]
     return "\n".join(lines) + "\n"
+
+
+def _entries(arm: Arm, indices: Iterable[int], motors: Mapping[int | None, tuple[float, int]]) -> list[str]:
+    """The entries of a chain with these joints (from 0) and their links."""
+    lines: list[str] = []
+    for index in indices:
+        number, joint, link = index + 1, arm.joints[index], arm.links[index]
+        own = _joint(joint)
+        if (follows := following_text(number - 1, joint)) is not None:
+            own["follows"] = follows
+        mass, on = motors.get(number, (joint.motor_on_base, "base"))
+        if mass:
+            own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
+        lines.append(f"  - joint: {_flow(own)}")
+        if joint.origin_rotation != IDENTITY or any(joint.origin_translation):
+            lines.append(f"    origin: {_flow(_origin(joint))}")
+        lines.append(f"    link: {_flow(_link(link))}")
+    return lines
 
 
 def write_arm(arm: Arm, path: Path | str) -> None:

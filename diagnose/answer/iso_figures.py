@@ -8,7 +8,7 @@ rests on, and none is given on fewer than a least number.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,12 @@ from scipy.spatial import KDTree
 
 from arm.chain.chain import Arm
 from arm.chain.jacobian import motion_directions
-from arm.chain.kinematics import tip_position
 from diagnose.recording import Recording
 from diagnose.residual.observed import blocks_of, same_pose
 from diagnose.result import Covered
 from diagnose.rules.answer_rules import AnswerRules
 from diagnose.rules.rules import RULES, Rules
+from diagnose.several.recordings import nominal_tips
 from sections.numeric import Array
 
 Rows = NDArray[np.int64]
@@ -88,7 +88,7 @@ def poses_of(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tuple[P
     """
     asked = recording.q if recording.commanded is None else recording.commanded
     labels = clusters(asked / same_pose(arm, rules.residual))
-    nominal = tip_position(arm, asked)[:, : recording.tip.shape[1]]
+    nominal = nominal_tips(arm, replace(recording, q=asked))[:, : recording.tip.shape[1]]
     time = np.arange(recording.size, dtype=float) if recording.time is None else recording.time
     loads = _loads(recording, rules.answer.same_load)
     found: list[Pose] = []

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.library import Candidate
@@ -46,6 +47,18 @@ def name_of(effect: str, at: Sequence[int], recording: str = "") -> str:
     """An effect and where it acts, in words; of several recordings, in which alone."""
     title = EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
     return f"{title}{place_of(effect, at)}{f' in {recording} alone' if recording else ''}"
+
+
+def of_branches(arm: Arm, findings: Sequence[Finding]) -> str:
+    """Which of a branch's joints or links the numbers of findings are, as sentences; nothing for a serial arm."""
+    numbers = sorted({number for each in findings for number in each.at})
+    told = [
+        f" Number {number} is {branch.name}'s {number - branch.first}."
+        for number in numbers
+        for branch in arm.branches
+        if branch.first < number <= branch.end
+    ]
+    return "".join(told)
 
 
 def label_of(candidate: Candidate, recording: Recording) -> str:

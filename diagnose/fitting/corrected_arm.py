@@ -39,6 +39,9 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
         candidate = term.candidate
         if candidate.outside or candidate.only is not None:
             continue
+        if arm.branches and EFFECTS[candidate.effect].place == "tip":
+            notes.append(f"The corrected arm lacks {candidate.effect}: it is of one tip, and its file has several.")
+            continue
         if candidate.share:
             share = float(term.sizes[0])
             if abs(share - 1.0) <= rules.whole:

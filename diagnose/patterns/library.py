@@ -105,6 +105,9 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
                 # In the plane a shift out of it, say, moves nothing: no size of this candidate.
                 sizes = tuple(name for name, moves in zip(candidate.sizes, moving.tolist(), strict=True) if moves)
                 candidate, columns = replace(candidate, sizes=sizes), columns[:, :, moving]
+            if effect.place == "tip" and _of_several_tips(observed):
+                yield from _in_each(observed, candidate, columns)
+                continue
             yield candidate, columns
             yield from _in_one(observed, candidate, columns)
 
@@ -116,6 +119,22 @@ def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterato
     if not isinstance(recording, Several) or not plain or (effect.lasts == "the arm" and not recording.units):
         return
     for index in range(1, len(recording.each)):
+        own = of_one(observed, columns, index)
+        # What a branch has may show in one recording alone, which is no difference between them.
+        if own.any() and not (observed.arm.branches and np.array_equal(own, columns)):
+            yield replace(candidate, only=index), own
+
+
+def _of_several_tips(observed: Observed) -> bool:
+    """Whether the recordings are of several arms on one torso."""
+    recording = observed.recording
+    return isinstance(recording, Several) and len({each.branch for each in recording.each}) > 1
+
+
+def _in_each(observed: Observed, candidate: Candidate, columns: Array) -> Iterator[tuple[Candidate, Array]]:
+    """What a tip has of its own, in each of several recordings alone."""
+    recording = observed.recording
+    for index in range(len(recording.each) if isinstance(recording, Several) else 0):
         own = of_one(observed, columns, index)
         if own.any():
             yield replace(candidate, only=index), own

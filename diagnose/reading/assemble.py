@@ -49,7 +49,10 @@ def assembled(
         if not there:
             return None
         if len(there) < len(names):
-            lacking = ", ".join(name for name in names if name not in columns)
+            lacking = ", ".join(f"{base}{k + 1}" for k in arm.to_tip if f"{base}{k + 1}" not in columns)
+            if base in ("v", "a") and not lacking:
+                return _stacked(columns, names, np.zeros(total))
+            lacking = lacking or ", ".join(name for name in names if name not in columns)
             if base in ("v", "a"):
                 warnings.append(f"There is no {lacking}: these joints are taken to stand still.")
                 return _stacked(columns, names, np.zeros(total))
@@ -62,6 +65,7 @@ def assembled(
     lacking = [name for name in directions if name not in columns]
     if len(lacking) < arm.size:
         sides = _stacked(columns, directions, np.zeros(total))
+        lacking = [f"dir{k + 1}" for k in arm.to_tip if f"dir{k + 1}" in lacking]
         if lacking:
             warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
     elif held.sides == "from_order":
@@ -72,6 +76,10 @@ def assembled(
         header = columns["z"].header
         warnings.append(f"{header} is {height} throughout, and the arm does not leave its plane: it is not used.")
         spatial = ("x", "y")
+    torque = each_joint("tau")
+    if torque is not None and arm.branches:
+        warnings.append("Torques are not used: what they say of weights is worked out for arms without branches alone.")
+        torque = None
     orientation = _orientation(columns)
     if sights is not None and orientation is not None:
         warnings.append("Orientations are not used: they go with the whole place of the tip.")
@@ -92,7 +100,7 @@ def assembled(
         commanded=each_joint("c"),
         last_moves=since_the_reading_before(q),
         joint_side=each_joint("j"),
-        torque=each_joint("tau"),
+        torque=torque,
         force=_in_space(columns, ("fx", "fy", "fz"), total),
         base_target=_in_space(columns, ("basex", "basey", "basez"), total),
         sigma=held.sigma,
@@ -103,6 +111,7 @@ def assembled(
         other=MappingProxyType(strangers),
         settings=held.file,
         unit=held.unit,
+        branch=arm.tip,
         date=held.date,
         slots=None if sights is None else sights.slots,
         touches=None if sights is None else sights.touches,

@@ -94,7 +94,7 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
 
     Raises `InputError` for a joint that the arm does not have, `UnitMissing` for a known name with no or a wrong unit.
     """
-    found = _JOINT.fullmatch(header)
+    found = _JOINT.fullmatch(numbered_through(header, arm))
     if found is not None:
         base, number, suffix = found[1], int(found[2]), found[3]
         if not 1 <= number <= arm.size:
@@ -115,6 +115,17 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
     if base in ("qw", "qx", "qy", "qz"):
         return _bare(header, base, None, suffix, file)
     return _with_unit(header, base, None, _KINDS[base], suffix, file)
+
+
+def numbered_through(header: str, arm: Arm) -> str:
+    """A header of a branch's joint (`left_q1_deg`) with its number in the whole arm (`q3_deg`); others as they are."""
+    for branch in arm.branches:
+        found = _JOINT.fullmatch(header.removeprefix(f"{branch.name}_"))
+        if found is not None and header.startswith(f"{branch.name}_"):
+            number = int(found[2])
+            whole = branch.first + number if 1 <= number <= branch.end - branch.first else 1000 + number
+            return f"{found[1]}{whole}" + ("" if found[3] is None else f"_{found[3]}")
+    return header
 
 
 def of_kind(header: str) -> str | None:
@@ -155,7 +166,7 @@ def units_for(base: str, arm: Arm, index: int | None = None) -> tuple[str, ...]:
 
 def example_headers(base: str, arm: Arm, index: int | None = None) -> str:
     """The headers that would do for a column, such as `q2_deg or q2_rad`."""
-    name = base if index is None else f"{base}{index + 1}"
+    name = base if index is None else arm.column(base, index)
     return " or ".join(f"{name}_{suffix}" for suffix in units_for(base, arm, index)[:2])
 
 

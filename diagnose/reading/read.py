@@ -27,6 +27,7 @@ from units.quantities import InputError, shown
 from units.reading import nearest
 
 from .assemble import assembled
+from .branches import to_its_tip, with_others_at_rest
 from .columns import ColumnMeaning, UnitMissing, example_headers, meaning_of, of_kind, otherwise_spelled
 from .followers import with_followers
 from .formula import Formula, read_condition, read_formula
@@ -59,10 +60,13 @@ def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, 
 def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RULES) -> Recording:
     """The recording that a table holds, under settings; see `read_recording`."""
     path = Path(table.file)
+    arm = to_its_tip(arm, held, table.file)
     warnings = [*table.notes]
     table, sentence = _chosen_rows(table, held)
     warnings += sentence
     columns, strangers, said = _columns(table, held, arm)
+    warnings += said
+    columns, said = with_others_at_rest(columns, table, arm)
     warnings += said
     columns = with_followers(columns, table, arm, rules.residual)
     partly = in_part(columns, table, held, rules.reading.some_blank)

@@ -36,7 +36,7 @@ class ReadingSettings:
     row to row. `seat` is
     the key `orientation`: free uses orientations, how the target is turned on the tool being free. `unit` says which
     arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`). `instrument` is what is observed, None where
-    nobody said: the tip's place.
+    nobody said: the tip's place. `tip` is which of several arms on one torso it is of.
     """
 
     file: str = ""
@@ -53,6 +53,7 @@ class ReadingSettings:
     unit: str = ""
     date: str = ""
     instrument: Instrument | None = None
+    tip: str = ""
 
 
 def find_settings(recording: Path) -> Path | None:
@@ -99,6 +100,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             unit=_name(mapping, "unit"),
             date=_date(mapping),
             instrument=instrument,
+            tip=_name(mapping, "tip"),
         )
 
 

@@ -37,7 +37,7 @@ def settings_text(recording: Recording) -> str:
         lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
     lines += [
         f"{key}: {json.dumps(value, ensure_ascii=False)}\n"
-        for key, value in (("unit", recording.unit), ("date", recording.date))
+        for key, value in (("tip", recording.branch), ("unit", recording.unit), ("date", recording.date))
         if value
     ]
     return "".join([*lines, *_instrument(recording)])
@@ -106,7 +106,7 @@ def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Arr
     yield from _joints("q", recording.q, arm)
     if recording.sides is not None:
         for index in range(arm.size):
-            yield f"dir{index + 1}", recording.sides[:, index], 0
+            yield arm.column("dir", index), recording.sides[:, index], 0
     for base, values in (("c", recording.commanded), ("j", recording.joint_side)):
         if values is not None:
             yield from _joints(base, values, arm)
@@ -115,7 +115,7 @@ def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Arr
             yield from _joints(base, values, arm, suffix)
     if recording.torque is not None:
         for index, joint in enumerate(arm.joints):
-            yield f"tau{index + 1}_{'Nm' if joint.revolute else 'N'}", recording.torque[:, index], 6
+            yield f"{arm.column('tau', index)}_{'Nm' if joint.revolute else 'N'}", recording.torque[:, index], 6
     if recording.payload_mass is not None:
         yield "payload_kg", recording.payload_mass, 6
     if recording.force is not None:
@@ -125,7 +125,8 @@ def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Arr
         yield "temperature_degC", recording.temperature - ZERO_CELSIUS, 4
     if recording.link_temperature is not None:
         for index in range(arm.size):
-            yield f"temperature_link{index + 1}_degC", recording.link_temperature[:, index] - ZERO_CELSIUS, 4
+            name = arm.column("temperature_link", index)
+            yield f"{name}_degC", recording.link_temperature[:, index] - ZERO_CELSIUS, 4
     if recording.slots is not None:
         yield from _read_in_part(recording, recording.slots)
     for axis in range(recording.tip.shape[1] if recording.slots is None else 0):
@@ -144,6 +145,6 @@ def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Arr
 def _joints(base: str, values: Array, arm: Arm, suffix: str = "") -> Iterator[tuple[str, Array, int]]:
     for index, joint in enumerate(arm.joints):
         if joint.revolute:
-            yield f"{base}{index + 1}_deg{suffix}", np.degrees(values[:, index]), 6
+            yield f"{arm.column(base, index)}_deg{suffix}", np.degrees(values[:, index]), 6
         else:
-            yield f"{base}{index + 1}_mm{suffix}", 1e3 * values[:, index], 5
+            yield f"{arm.column(base, index)}_mm{suffix}", 1e3 * values[:, index], 5

@@ -259,6 +259,7 @@ def observe(
     if isinstance(recording, Several):
         parts = [observe(arm, each, about=about, rules=rules, softening=softening) for each in recording.parts()]
         return replace(_of_several(parts, recording, scale, correlation), loud=loud)
+    arm = arm.on(recording.branch)
     unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
     known = arm.with_links(
         tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))

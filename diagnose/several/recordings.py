@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
+from arm.chain.kinematics import tip_position
 from diagnose.instruments.split import as_scalars
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
@@ -104,7 +105,7 @@ def together(
     are called.
     """
     names = tuple(names) if names is not None else names_of(recordings)
-    recordings = _alike(recordings)
+    recordings = _alike([_with_own_payload(each, arm, recordings) for each in recordings])
     width = min(each.tip.shape[1] for each in recordings)
     notes: list[str] = []
     counts = [each.size for each in recordings]
@@ -184,6 +185,21 @@ def together(
         began=began,
         units=units,
     )
+
+
+def nominal_tips(arm: Arm, recording: Recording) -> Array:
+    """Where the tip that each reading is of nominally is (N, 3), m."""
+    if not isinstance(recording, Several) or not arm.branches:
+        return tip_position(arm.on(recording.branch), recording.q)
+    tips = [tip_position(arm.on(each.branch), recording.q) for each in recording.each]
+    return np.stack(tips)[recording.which, np.arange(recording.size)]
+
+
+def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Recording]) -> Recording:
+    """A recording of one of several arms on a torso with that arm's payload in a column, where others have one."""
+    if not arm.branches or recording.payload_mass is not None or all(each.payload_mass is None for each in all_of_them):
+        return recording
+    return replace(recording, payload_mass=np.full(recording.size, arm.on(recording.branch).payload.mass))
 
 
 def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:

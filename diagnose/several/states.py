@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from arm.chain.conditions import Conditions
+from arm.chain.kinematics import Orientation
 from arm.chain.vectors import Scalar
 
 Held = TypeVar("Held")
@@ -30,17 +31,21 @@ class ConditionsOfSeveral(Conditions):
 
 
 def joined(held: Sequence[Held], counts: Sequence[int]) -> Held:
-    """What is held of several recordings with so many readings each, as one: arms are the first's, numbers that agree
-    stay numbers, others become columns."""
+    """What is held of several recordings with so many readings each, as one: arms are the first's (but for which
+    branch the tip is of), numbers
+    that agree stay numbers, others become columns."""
     return _joined(list(held), tuple(counts))
 
 
 def _joined(held: list[Any], counts: tuple[int, ...]) -> Any:
     first = held[0]
     if isinstance(first, Arm):
-        return first
+        return replace(first, branches=_joined([each.branches for each in held], counts)) if first.branches else first
     if isinstance(first, Conditions):
         return _conditions(held, counts)
+    if isinstance(first, Orientation) and any(each.axis != first.axis for each in held):
+        # A joint of a branch is at rest where the tip is another's: the last turn is no common one.
+        return Orientation(_joined([each.matrix() for each in held], counts), (0.0, 0.0, 1.0), 0.0)
     if is_dataclass(first) and not isinstance(first, type):
         changed = {each.name: _joined([getattr(h, each.name) for h in held], counts) for each in fields(first)}
         return replace(first, **changed)

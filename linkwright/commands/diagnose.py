@@ -97,7 +97,7 @@ def diagnose(
     check_pdf(pdf)
     known_effects(without_effect or ())
     with waiting("reading"):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip="")
         read = recordings_of(recording, given, recording_yaml, units=units)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
     with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:

@@ -20,6 +20,7 @@ from .options import (
     MarkdownFile,
     OutFolder,
     PdfFile,
+    Tip,
     asked_of,
     check_pdf,
     files_of,
@@ -49,6 +50,7 @@ def evaluate(
         str | None,
         typer.Option("--pose", metavar="Q", help="Where mm/N is asked for: degrees (mm for slides), in quotes."),
     ] = None,
+    tip: Tip = None,
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
@@ -65,7 +67,7 @@ def evaluate(
         check_target(target, arm, problem, catalogue)
     check_pdf(pdf)
     with waiting("evaluating"):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         at = None if pose is None else read_pose(pose, given.model)
         claim_folder(out, "evaluate")
         with asked_of(arm):

@@ -37,6 +37,10 @@ OutFolder = Annotated[
 Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
+Tip = Annotated[
+    str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")
+]
+
 Workers = Annotated[
     int | None,
     typer.Option("--workers", metavar="N", min=1, help="Processes for what takes long; one for each core by default."),

@@ -34,7 +34,7 @@ def predict(
     for target in (json, markdown):
         check_target(target, arm, recording, recording_yaml, catalogue)
     with waiting("predicting"), asked_of(arm):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip="")
         found = lw.predict(given, lw.read_recording(recording, given, settings=recording_yaml))
     write_result(json, found.to_json())
     tell(describe(found.found), markdown, json)

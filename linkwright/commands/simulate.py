@@ -14,7 +14,7 @@ from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, parse_yaml
 
-from .options import CatalogueFile, JsonFile, as_options, asked_of
+from .options import CatalogueFile, JsonFile, Tip, as_options, asked_of
 
 HELP = """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
@@ -23,7 +23,7 @@ compliance: 21 urad/(N*m)}'
 """
 
 
-_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor", "tilt_link"})
+_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor", "tilt_link", "tip"})
 
 
 def simulate(
@@ -85,6 +85,7 @@ def simulate(
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
     ] = False,
+    tip: Tip = None,
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
@@ -104,7 +105,7 @@ def simulate(
     check_target(settings, arm, catalogue, json)
     _refuse_others_settings(settings, out)
     with waiting("simulating"):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         with asked_of(arm), as_options():
             entries = read_entries(effects or [])
             with_effects(given, entries, as_in_files=True)

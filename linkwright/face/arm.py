@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
 from arm.chain.chain import Arm as Model
+from arm.files.branches import tip_named
 from arm.files.read import arm_from
 from arm.files.write import arm_to_yaml, write_arm
 from linkwright.results.figures_in_words import mm, section_words
@@ -194,7 +195,7 @@ class Arm:
         knows, with the nearest known one.
         """
         content = edited(self.content, key, value, "Arm")
-        model = _read(content, self.catalogue)
+        model = _read(content, self.catalogue, self.model.tip)
         return Arm.of(model, content, self.catalogue)
 
     def to_yaml(self) -> str:
@@ -209,7 +210,9 @@ class Arm:
         """One line."""
         size = self.model.size
         joints = f"{size} joint{'s' if size > 1 else ''}"
-        return f"<Arm: {' '.join(self.name.split())}, {joints}, reach {mm(sum(self.model.lengths))}>"
+        reach = f"reach {mm(sum(self.model.lengths[index] for index in self.model.to_tip))}"
+        reach += f" to {self.model.tip}" if self.model.branches else ""
+        return f"<Arm: {' '.join(self.name.split())}, {joints}, {reach}>"
 
     def _repr_html_(self) -> str:
         """The line and the chain, for a notebook."""
@@ -218,7 +221,7 @@ class Arm:
         return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.to_html(index=False, border=0)}"
 
 
-def _read(content: dict[str, Any], catalogue: File | None) -> Model:
+def _read(content: dict[str, Any], catalogue: File | None, tip: str = "") -> Model:
     """The arm that content describes, its materials in place given their units in it."""
     chain: object = content.get("chain")
     for each in cast(list[object], chain) if isinstance(chain, list) else []:
@@ -227,7 +230,7 @@ def _read(content: dict[str, Any], catalogue: File | None) -> Model:
             held = cast(dict[str, Any], link)
             if isinstance(held.get("material"), dict):
                 held["material"] = _with_units(held["material"])
-    return arm_from(Reader(content, file="Arm"), catalogue_of(catalogue))
+    return arm_from(Reader(content, file="Arm"), catalogue_of(catalogue), tip=tip)
 
 
 def _entry(given: object) -> object:
@@ -248,10 +251,11 @@ def catalogue_of(path: File | None) -> Catalogue:
     return load_catalogue([] if path is None else [Path(path)])
 
 
-def read_arm(path: File, *, catalogue: File | None = None) -> Arm:
+def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = None) -> Arm:
     """The arm that an arm file describes; `catalogue` is a file of materials laid over the shipped ones.
 
-    Raises `InputError`, one line with the file, the key and what would do, for anything wrong.
+    Of several arms on one torso (`branches`) `tip` names the one that counts; empty: the first, which will do where
+    recordings name theirs. Raises `InputError`, one line with the file, the key and what would do, for anything wrong.
 
     >>> import linkwright as lw
     >>> arm = lw.read_arm("examples/welding-arm/arm.yaml")
@@ -261,7 +265,7 @@ def read_arm(path: File, *, catalogue: File | None = None) -> Arm:
     <Arm: cathode-bus welding arm, 3 joints, reach 1270 mm>
     """
     mapping = load_yaml(path)
-    model = arm_from(mapping, catalogue_of(catalogue))
+    model = arm_from(mapping, catalogue_of(catalogue), tip=tip)
     return Arm.of(model, mapping.content, catalogue, _learned(Path(path), model))
 
 
@@ -274,6 +278,11 @@ def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None
     return learned_from(path, model)
 
 
-def arm_of(given: Arm | File) -> Arm:
-    """An arm as given, or read from the file that is named."""
-    return given if isinstance(given, Arm) else read_arm(given)
+def arm_of(given: Arm | File, *, tip: str | None = None) -> Arm:
+    """An arm as given, or read from the file that is named. With a `tip` it may be of several arms on one torso, which
+    are refused otherwise."""
+    if not isinstance(given, Arm):
+        return read_arm(given, tip=tip)
+    if tip is None and given.model.branches:
+        tip_named(Reader(dict(given.content), file="Arm"), given.model.branches, None)
+    return given

@@ -105,7 +105,7 @@ def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings:
     >>> lw.read_recording(rec.table, arm).found.size
     192
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tip="")
     if isinstance(recording, str) or not hasattr(recording, "columns"):
         place = Path(str(recording))
         return Recording(given, read_file(place, given.model, None if settings is None else Path(settings)))
@@ -126,7 +126,7 @@ def read_recordings(
     >>> [each.found.size for each in lw.read_recordings(files, f"{folder}/arm.yaml")]
     [192, 192]
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tip="")
     return tuple(read_recording(each, given, settings=settings) for each in recordings)
 
 
@@ -190,7 +190,7 @@ def simulate(
     ... )
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
-    given = with_effects(arm_of(arm), with_)
+    given = with_effects(arm if isinstance(arm, Arm) else arm_of(arm), with_)
     if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)
@@ -232,7 +232,8 @@ def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files:
         return arm
     # The entries are read in the place of the arm's own, so that a mistake names them.
     content = {**arm.content, "effects": [each if as_in_files else plain(each) for each in entries]}
-    added: tuple[EffectEntry, ...] = arm_from(Reader(content, file="with_"), catalogue_of(arm.catalogue)).effects
+    reader = Reader(content, file="with_")
+    added: tuple[EffectEntry, ...] = arm_from(reader, catalogue_of(arm.catalogue), tip=arm.model.tip).effects
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
 
 

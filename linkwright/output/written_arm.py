@@ -20,7 +20,8 @@ from .files import DESIGN
 def with_written(found: Diagnosis, catalogue: Catalogue) -> Diagnosis:
     """The diagnosis with what its `arm.yaml` is worth on its own recording, as `linkwright predict` says it: frame and
     tool as the recording declares them, nothing else fitted."""
-    back = arm_from(Mapping(parse_yaml(arm_to_yaml(found.corrected), file=DESIGN), file=DESIGN), catalogue)
+    text = Mapping(parse_yaml(arm_to_yaml(found.corrected), file=DESIGN), file=DESIGN)
+    back = arm_from(text, catalogue, tip=found.corrected.tip)
     rms = rms_length(residual_under(back, found.recording))
     return replace(found, written=WrittenArm(rms, found.rms_promised, _lacks(found)))
 

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from arm.chain.beam import Beam
 from arm.chain.chain import LoadCase
-from arm.chain.statics import PoseState, solve
+from arm.chain.statics import PoseState, solve, unladen
 from arm.chain.vectors import ZERO, Scalar, Vector
 from arm.effects.effect import Settings, Twist
 from arm.effects.loads.unknown_weight import without_unit_weights
@@ -60,7 +60,7 @@ def under_other_loads(
         carried = 0.0 if payload_mass is None else payload_mass
         pushed = ZERO if tip_force is None else tip_force
         arm = replace(arm, joints=tuple(replace(joint, mass=0.0) for joint in arm.joints))
-        arm = arm.with_links(tuple(replace(link, masses=()) for link in arm.links))
+        arm = unladen(arm.with_links(tuple(replace(link, masses=()) for link in arm.links)))
         link_masses = link_masses or (0.0,) * len(beams)
     if tip_moment is not None:
         case = replace(case, moment=tip_moment)

@@ -13,7 +13,17 @@ from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:
     """Unit vectors along the last link, across it in the plane in which its joint turns it, and out of that plane."""
-    link, joint, last = state.arm.links[-1], state.arm.joints[-1], state.links[-1]
+    ends = [each.end - 1 for each in state.arm.branches] or [len(state.links) - 1]
+    # Of the last links of several branches those that the tip is not of have no directions.
+    along, across, out = _axes(state, ends[0])
+    for end in ends[1:]:
+        more = _axes(state, end)
+        along, across, out = add(along, more[0]), add(across, more[1]), add(out, more[2])
+    return along, across, out
+
+
+def _axes(state: PoseState, index: int) -> tuple[Vector, Vector, Vector]:
+    link, joint, last = state.arm.links[index], state.arm.joints[index], state.links[index]
     if link.height_direction is None:
         return last.along, last.height, last.width
     across, out = section_directions(replace(link, height_direction=None), joint)

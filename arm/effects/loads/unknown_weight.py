@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm, EffectEntry, LoadCase
-from arm.chain.statics import PoseState, solve
+from arm.chain.statics import PoseState, solve, unladen
 from arm.chain.vectors import ZERO, scale
 from arm.effects.effect import Effect, Parameter, given
 
@@ -52,6 +52,7 @@ def under_unit_weights(state: PoseState) -> PoseState | None:
     ]
     joints = tuple(replace(joint, mass=0.0, counterbalance=None) for joint in state.arm.joints)
     bare = replace(state.arm, joints=joints).with_links(tuple(replace(link, masses=()) for link in state.arm.links))
+    bare = unladen(bare)
     return solve(
         bare,
         [joint.coordinate for joint in state.joints],

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.kinematics import tip_position
 from diagnose.residual.observed import rms_length
 from diagnose.result import Diagnosis
+from diagnose.several.recordings import nominal_tips as tips_of
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.results.diagnoses.words import row_words
 from linkwright.results.figures_in_words import figure, mm, pose
@@ -34,7 +34,7 @@ def states(diagnosis: Diagnosis) -> tuple[tuple[str, Array], ...]:
 def nominal_tips(diagnosis: Diagnosis) -> Array:
     """Where the tip nominally is at each reading (N, D), mm: measured positions may stand in a frame of their own."""
     width = diagnosis.recording.tip.shape[1] if diagnosis.shown is None else diagnosis.shown.shape[2]
-    return 1e3 * tip_position(diagnosis.arm, diagnosis.recording.q)[:, :width]
+    return 1e3 * tips_of(diagnosis.arm, diagnosis.recording)[:, :width]
 
 
 def chosen_rows(count: int, most: int) -> NDArray[np.int64]:

@@ -1,0 +1,113 @@
+"""`branches:` several arms on one torso, read and written: the file's chain is the torso, each branch has its own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from arm.chain.chain import Branch, FloatVector, Joint, Link, LoadCase
+from arm.chain.vectors import ZERO
+from materials.catalogue import Catalogue
+from units.quantities import shown
+from units.reading import Mapping, nearest
+
+from .chain_entries import Entry, joined, read_entry, read_origin, read_vector
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_FEWEST = 2
+
+
+@dataclass(frozen=True)
+class Branches:
+    """What an arm file's `branches` hold: the joints and links of all, one branch after the other, and where each is
+    in the whole arm."""
+
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    each: tuple[Branch, ...]
+
+
+def read_branches(mapping: Mapping, catalogue: Catalogue, torso: int) -> Branches:
+    """The branches of a file whose torso has so many joints; none where it has none. The tip is the first branch's."""
+    if not mapping.has("branches"):
+        return Branches((), (), ())
+    for name in ("payload", "tool", "product_of_exponentials"):
+        if name in mapping.content:
+            raise mapping.error(name, "is each branch's own in a file with branches; write it there")
+    given = mapping.mappings("branches")
+    if len(given) < _FEWEST:
+        raise mapping.error("branches", "needs two arms or more on the torso; one alone goes on in the chain")
+    joints: list[Joint] = []
+    links: list[Link] = []
+    found: list[Branch] = []
+    for body in given:
+        with body.reading():
+            name = body.text("name")
+            if _NAME.fullmatch(name) is None:
+                raise body.error("name", f"begins columns such as left_q1_deg: letters and digits, not {shown(name)}")
+            if name in (each.name for each in found):
+                raise body.error("name", f"{shown(name)} is there twice")
+            if body.has("at") and body.integer("at") != torso:
+                raise body.error("at", f"can be {torso} only: branches stand on the last link of the torso (chain)")
+            entries = _entries(body, catalogue)
+            own_joints, own_links = joined(body, entries)
+            first = torso + len(joints)
+            tool = _tool(body)
+            payload = _payload(body)
+            found.append(Branch(name, first, first + len(own_joints), tool, payload, 1.0 if found else 0.0))
+        joints += own_joints
+        links += own_links
+    return Branches(tuple(joints), tuple(links), tuple(found))
+
+
+def _entries(body: Mapping, catalogue: Catalogue) -> list[Entry]:
+    chain = body.mappings("chain")
+    if not chain:
+        raise body.error("chain", "is empty; a branch has at least one joint with its link")
+    entries = [read_entry(each, catalogue, len(chain)) for each in chain]
+    for number, entry in enumerate(entries, start=1):
+        for name, there in (("follows", entry.joint.follows), ("motor", entry.motor)):
+            if there is not None:
+                raise body.error(
+                    f"chain[{number}].joint.{name}", "is not read in a branch, but in the torso; leave it out"
+                )
+    if body.has("origin"):
+        if entries[0].origin is not None:
+            raise body.error("origin", "is given by the branch's first joint already; leave one of them out")
+        entries[0] = replace(entries[0], origin=read_origin(body))
+    return entries
+
+
+def _tool(body: Mapping) -> FloatVector:
+    if not body.has("tool"):
+        return ZERO
+    with body.mapping("tool").reading() as offset:
+        return read_vector(offset, "xyz", "length", ZERO)
+
+
+def _payload(body: Mapping) -> LoadCase:
+    if not body.has("payload"):
+        return LoadCase()
+    with body.mapping("payload").reading() as load:
+        mass = load.quantity("mass", "mass", 0.0)
+        if mass < 0.0:
+            raise load.error("mass", f"cannot be negative, not {shown(load.content['mass'])}")
+        return LoadCase(mass)
+
+
+def tip_named(mapping: Mapping, branches: Sequence[Branch], tip: str | None) -> str:
+    """The branch asked for: the first for an empty name, none where there are no branches. Raises `InputError` where a
+    branch must be named (None) or there is no such."""
+    names = [each.name for each in branches]
+    if not names:
+        if tip:
+            raise mapping.error("branches", f"are not in the file, so it has no tip {shown(tip)}; leave it out")
+        return ""
+    if tip is None:
+        listed = ", ".join(names)
+        reason = f"end in several tips ({listed}): evaluate and simulate take one by --tip, predict and diagnose"
+        raise mapping.error("branches", f"{reason} recordings that name theirs; nothing else takes such arms")
+    if tip and tip not in names:
+        raise mapping.error("branches", f"have no tip {shown(tip)}, but {', '.join(names)}{nearest(tip, names)}")
+    return tip or names[0]

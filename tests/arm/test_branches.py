@@ -1,0 +1,175 @@
+"""Several arms on one torso: kinematics, the weights that the torso carries, the file, the worst case over both."""
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from arm.chain.statics import solve
+from arm.chain.vectors import ZERO
+from arm.effects import EFFECTS, Settings
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, seen
+from arm.errors.tip import active_effects, tip_error
+from arm.files.read import read_arm
+from arm.files.write import arm_to_yaml, write_arm
+from tests import two_arms
+from units.quantities import InputError
+
+LOW, HIGH = np.radians(np.array(two_arms.RANGES)).T
+SOFT = 50e-6
+"""rad/(N*m), the pitch axis."""
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "arm.yaml"
+    path.write_text(two_arms.arm_text())
+    return path
+
+
+@pytest.fixture
+def soft(tmp_path):
+    path = tmp_path / "soft.yaml"
+    path.write_text(
+        two_arms.arm_text() + "effects:\n  - {effect: joint_compliance, at: 2, compliance: 50 urad/(N*m)}\n"
+    )
+    return path
+
+
+def poses(count: int, seed: int = 1):
+    return np.random.default_rng(seed).uniform(LOW, HIGH, (count, len(LOW)))
+
+
+@pytest.mark.parametrize(("tip", "which"), [("left", 0), ("right", 1)])
+def test_tips_and_what_weighs_on_the_torso(file, tip, which):
+    arm = read_arm(file, tip=tip)
+    for q in poses(20):
+        state = solve(arm, q.tolist(), beams_of(arm))
+        assert np.asarray(state.tip()) == pytest.approx(two_arms.tips(q)[which], abs=1e-12)
+        assert state.joints[1].drive_load == pytest.approx(two_arms.pitch_torque(q), abs=1e-10)
+
+
+@pytest.mark.parametrize(("tip", "which"), [("left", 0), ("right", 1)])
+def test_a_torso_that_gives_is_where_the_equilibrium_of_all_weights_is(soft, tip, which):
+    made = lw.simulate(lw.read_arm(soft, tip=tip), poses=8, repeats=1, noise=0.0, sides="one", seed=3)
+    found = made.found
+    due = np.array([two_arms.tips(q, compliance=SOFT)[which] for q in found.q])
+    assert np.abs(found.tip - due).max() < 5e-9
+
+
+def test_the_weight_on_the_torso_against_mujoco(file):
+    mujoco = pytest.importorskip("mujoco")
+
+    def bodies(chain, at, payload):
+        text, close = "", ""
+        for number, (axis, vector, mass) in enumerate(chain):
+            x, y, z = (float(part) for part in two_arms.AXES[axis])
+            middle = " ".join(str(0.5 * part) for part in vector)
+            geoms = f'<geom type="sphere" size="0.001" pos="{middle}" mass="{mass}"/>'
+            if number == len(chain) - 1 and payload:
+                geoms += f'<geom type="sphere" size="0.001" pos="{" ".join(map(str, vector))}" mass="{payload}"/>'
+            text += f'<body pos="{" ".join(map(str, at))}"><joint axis="{x} {y} {z}"/>{geoms}'
+            close, at = close + "</body>", vector
+        return text, close
+
+    torso, close = bodies(two_arms.TORSO, (0, 0, 0), 0.0)
+    end = np.array(two_arms.TORSO[-1][1])
+    arms = ["".join(bodies(chain, end + np.array(at), mass)) for at, chain, mass in (two_arms.LEFT, two_arms.RIGHT)]
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="radian"/><worldbody>{torso}{"".join(arms)}{close}</worldbody></mujoco>'
+    )
+    data, arm = mujoco.MjData(model), read_arm(file, tip="right")
+    for q in poses(5, seed=7):
+        data.qpos[:] = q
+        mujoco.mj_forward(model, data)
+        state = solve(arm, q.tolist(), beams_of(arm))
+        # MuJoCo's bias force is what a drive holds, ours what weighs on it.
+        assert state.joints[1].drive_load == pytest.approx(-data.qfrc_bias[1], abs=1e-9)
+        assert state.joints[6].drive_load == pytest.approx(-data.qfrc_bias[6], abs=1e-9)
+
+
+def test_no_effect_of_another_branch_moves_the_tip(file):
+    arm = read_arm(file, tip="left")
+    q = poses(6)
+    state = solve(arm, list(q.T), beams_of(arm))
+    tried = 0
+    for effect in EFFECTS.values():
+        if effect.place not in ("joint", "link"):
+            continue
+        values = {
+            each.name: 0.5 * (each.typical[0] + each.typical[1]) for each in effect.parameters if any(each.typical)
+        }
+        values |= {"expansion": 12e-6} if "expansion" in values else {}
+        for index in (5, 6):
+            moved = seen(state, effect, Settings((index,), values), Asked(len(q))).tip
+            assert not np.any(moved), effect.id
+            tried += 1
+    assert tried > 40
+    assert state.joints[5].axis == ZERO
+    assert {each.effect.id for each in active_effects(arm)}
+
+
+def test_play_of_another_branch_does_not_count(tmp_path):
+    path = tmp_path / "arm.yaml"
+    loose = "joint: {clearance: 0.1 mm, backlash: 1 mrad,"
+    path.write_text(two_arms.arm_text().replace("joint: {type: revolute,", loose))
+    arm = read_arm(path, tip="right")
+    found = tip_error(solve(arm, poses(1)[0].tolist(), beams_of(arm)), active_effects(arm))
+    assert [each.joint for each in found.discs] == [0, 1, 5, 6]
+    moving = [each.joint for each in found.intervals if np.linalg.norm(np.array(each.vector, dtype=float)) > 0.0]
+    assert moving == [0, 1, 5, 6]
+
+
+def test_the_file_comes_back_as_it_was(soft, tmp_path):
+    arm = read_arm(soft, tip="right")
+    assert [(each.name, each.first, each.end) for each in arm.branches] == [("left", 2, 5), ("right", 5, 7)]
+    write_arm(arm, tmp_path / "back.yaml")
+    assert read_arm(tmp_path / "back.yaml", tip="right") == arm
+    assert arm_to_yaml(arm.on("left")) == arm_to_yaml(arm)
+    assert arm.on("left").payload.mass == 1.0
+    assert arm.payload.mass == 2.0
+
+
+def test_the_worst_case_is_over_the_other_arm_too(soft):
+    found = lw.evaluate(lw.read_arm(soft, tip="left"))
+    # To first order: what the pitch axis turns by, on its lever.
+    q = np.array(found.found.worst.poses[0].q)
+    assert found.upper_bound_mm is not None
+
+    def error(q):
+        tips, _, (at, axis) = two_arms.posture(q)
+        return 1e3 * SOFT * abs(two_arms.pitch_torque(q)) * np.linalg.norm(np.cross(axis, tips[0] - at))
+
+    assert error(q) == pytest.approx(1e3 * found.found.worst.error, rel=1e-9)
+    # Whatever the other arm does: 2,000 poses, and the worst with the other arm at rest, are below.
+    assert max(error(each) for each in poses(2000)) < 1e3 * found.found.worst.error
+    assert error(np.array([*q[:5], 0.0, 0.0])) < 0.97 * 1e3 * found.found.worst.error
+    assert found.upper_bound_mm > 1e3 * found.found.worst.error
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("name: right", "name: left", "'left' is there twice"),
+        ("name: right", "name: 2nd", "letters and digits"),
+        ("name: right\n", "name: right\n    at: 1\n", "can be 2 only"),
+        ("chain:\n", "payload: {mass: 1 kg}\nchain:\n", "is each branch's own"),
+        ("chain:\n", "angles: absolute\nchain:\n", "only without branches"),
+        ("payload: {mass: 2.0 kg}", "payload: {mass: 2 kg, force: [1 N, 0 N]}", "unknown key 'force'"),
+        ("payload: {mass: 2.0 kg}", "payload: {mass: -2 kg}", "cannot be negative"),
+    ],
+)
+def test_files_that_cannot_be(tmp_path, old, new, said):
+    path = tmp_path / "arm.yaml"
+    path.write_text(two_arms.arm_text().replace(old, new, 1))
+    with pytest.raises(InputError, match=said):
+        read_arm(path, tip="left")
+
+
+def test_what_takes_no_several_tips_says_so(file):
+    with pytest.raises(InputError, match=r"end in several tips \(left, right\)"):
+        read_arm(file)
+    with pytest.raises(InputError, match="no tip 'lefd', but left, right; did you mean 'left'"):
+        read_arm(file, tip="lefd")
+    with pytest.raises(InputError, match="nothing else takes such arms"):
+        lw.inverse(lw.read_arm(file, tip="left"), 0.3, 0.2, 0.9)
