@@ -283,11 +283,13 @@ def _require(
     if missing:
         names = ", ".join(table.names)
         there = names if len(names) <= 300 else names[:300] + " ..."
-        first, would_do = missing[0]
-        also = f" (and {', '.join(name for name, _ in missing[1:])})" if len(missing) > 1 else ""
+        called = {f"q{k + 1}": arm.column("q", k) for k in range(arm.size)}
+        (first, would_do), others = missing[0], [called.get(name, name) for name, _ in missing[1:]]
+        also = f" (and {', '.join(others)})" if others else ""
         where = "" if held.columns else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
         part = "; `observes: position` in recording.yaml if it was not measured" if first in ("x", "y", "z") else ""
-        raise InputError(table.file, first, f"is missing{also}; the file has {there}; write {would_do}{where}{part}")
+        said = called.get(first, first)
+        raise InputError(table.file, said, f"is missing{also}; the file has {there}; write {would_do}{where}{part}")
     given = [name for name in _QUATERNION if name in columns]
     if 0 < len(given) < len(_QUATERNION):
         lacking = ", ".join(name for name in _QUATERNION if name not in given)

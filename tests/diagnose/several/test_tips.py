@@ -90,7 +90,7 @@ def test_a_simulated_recording_is_read_again(folder):
     [
         ("", (), "write `tip: left` or `tip: right` in recording.yaml"),
         ("tip: lift\n", (), "is lift, but 'two arms' has left and right; did you mean 'left'"),
-        ("tip: left\n", ("left",), "left_q1.*is missing"),
+        ("tip: left\n", ("left",), "left_q1: is missing .and left_q2, left_q3.;"),
     ],
 )
 def test_recordings_that_cannot_be(folder, settings, hide, said):
