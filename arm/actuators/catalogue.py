@@ -23,7 +23,9 @@ prices:                                # of actuators of other files (or this on
   RV-20E: {value: 900 EUR, date: 2026-03, source: Offer 12}
 ```
 
-`unconfirmed: what was looked for`, of the file or an entry, marks what nobody could find in its source.
+`unconfirmed: what was looked for`, of the file or an entry, marks figures that nobody could find in their source: all
+of them, or with `unconfirmed: {mass: what was looked for}` those named. That of an entry stands in place of the file's.
+`found_in: where` says in which text, beside the source itself, the others were found.
 A file of prices alone needs neither `maker` nor `references`. An entry may have a `maker` of its own.
 """
 
@@ -51,6 +53,9 @@ FORMAT_VERSION = 1
 ACTUATORS_VARIABLE = "LINKWRIGHT_ACTUATORS"
 """The environment variable that names the user's own actuators in place of the default file."""
 
+CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass")
+"""The figures that can be marked as not confirmed; `stiffness` with the torques of its zones."""
+
 GEARS = ("strain wave", "cycloidal", "planetary")
 
 
@@ -60,8 +65,8 @@ class Actuator:
 
     `stiffnesses` are those of its zones of torque, which end at `zone_torques` (one fewer). `backlash` is the total
     lost motion. `cost` is indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None
-    where unknown. `file` is where the entry stands. `unconfirmed` says what was looked for in vain where nobody could
-    find the figures in their source.
+    where unknown. `file` is where the entry stands. `unconfirmed` are the figures (of `CONFIRMABLE`) that nobody could
+    find in their source, each with what was looked for; `found_in` is the text that the others were found in.
     """
 
     name: str
@@ -80,7 +85,12 @@ class Actuator:
     cost_spread: tuple[float, float] | None = None
     cost_date: str | None = None
     note: str = ""
-    unconfirmed: str = ""
+    unconfirmed: tuple[tuple[str, str], ...] = ()
+    found_in: str = ""
+
+    def is_unconfirmed(self, name: str) -> bool:
+        """Whether nobody could find this figure in its source."""
+        return any(name == each for each, _ in self.unconfirmed)
 
     @property
     def stiffness(self) -> float:
@@ -179,11 +189,30 @@ def read_actuators(keys: Keys) -> dict[str, Actuator]:
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}
         entries = keys.mapping("actuators")
-        mark = keys.text("unconfirmed", "") if keys.has("unconfirmed") else ""
-        return {name: _read(entries.mapping(name), name, maker, sources, mark) for name in entries.content}
+        told = _Told(maker, _marks(keys), keys.text("found_in", "") if keys.has("found_in") else "")
+        return {name: _read(entries.mapping(name), name, sources, told) for name in entries.content}
 
 
-def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str], unconfirmed: str) -> Actuator:
+@dataclass(frozen=True)
+class _Told:
+    """What a file says of all its entries."""
+
+    maker: str
+    unconfirmed: tuple[tuple[str, str], ...]
+    found_in: str
+
+
+def _marks(keys: Keys) -> tuple[tuple[str, str], ...]:
+    """The figures that a file or an entry marks as not confirmed, with what was looked for."""
+    if not keys.has("unconfirmed"):
+        return ()
+    if not isinstance(keys.content["unconfirmed"], dict):
+        return tuple((name, keys.text("unconfirmed")) for name in CONFIRMABLE)
+    with keys.mapping("unconfirmed").reading() as marks:
+        return tuple((name, marks.text(name)) for name in CONFIRMABLE if marks.has(name))
+
+
+def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Actuator:
     with keys.reading():
         if not name.strip() or name != name.strip():
             raise keys.error("", f"{name!r} cannot be an actuator's name")
@@ -205,7 +234,7 @@ def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str], unconfi
         cost, spread, date = _cost(keys)
         return Actuator(
             name=name,
-            maker=keys.text("maker", maker) if maker else keys.text("maker"),
+            maker=keys.text("maker", told.maker) if told.maker else keys.text("maker"),
             gear=keys.choice("gear", GEARS),
             rated_torque=rated,
             stiffnesses=stiffnesses,
@@ -220,7 +249,8 @@ def _read(keys: Keys, name: str, maker: str, sources: Mapping[str, str], unconfi
             cost_spread=spread,
             cost_date=date,
             note=keys.text("note", "") if keys.has("note") else "",
-            unconfirmed=keys.text("unconfirmed", unconfirmed) if keys.has("unconfirmed") else unconfirmed,
+            unconfirmed=_marks(keys) if keys.has("unconfirmed") else told.unconfirmed,
+            found_in=keys.text("found_in", told.found_in) if keys.has("found_in") else told.found_in,
         )
 
 

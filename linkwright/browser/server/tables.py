@@ -200,6 +200,7 @@ class ActuatorsTable(CatalogueTable):
             ratio = "" if each.ratio is None else f"{each.ratio:.12g}"
             figures = {name: _drive_figure(each, name) for name in _DRIVE}
             row = {"maker": each.maker, "gear": each.gear, "ratio": ratio, **figures, "note": each.note}
+            row["unconfirmed"] = "; ".join(f"{key.replace('_', ' ')}: {text}" for key, text in each.unconfirmed)
             found.append({"name": each.name, "own": "yes" if each.name in own else "", **row})
         return found
 

@@ -56,11 +56,16 @@ def list_actuators(
     shown = table("actuator", "gear", *units, numbers=(2, 3, 4, 5, 6, 7))
     shown.columns[0].no_wrap = True
     for each in found:
-        torques = (each.rated_torque, each.peak_torque)
-        figures = (*torques, each.stiffness / 1e3, _arcmin(each.backlash), each.mass, each.cost)
-        shown.add_row(
-            each.name + (" ?" if each.unconfirmed else ""), each.gear, *(figure(value, 5) for value in figures)
-        )
+        figures = {
+            "rated_torque": each.rated_torque,
+            "peak_torque": each.peak_torque,
+            "stiffness": each.stiffness / 1e3,
+            "backlash": _arcmin(each.backlash),
+            "mass": each.mass,
+            "cost": each.cost,
+        }
+        marked = (figure(value, 5) + _mark(each, name) for name, value in figures.items())
+        shown.add_row(each.name, each.gear, *marked)
     console().print(shown)
     makers = ", ".join(dict.fromkeys(each.maker for each in found))
     told = "stiffness: of the softest zone; a dash: not known"
@@ -85,20 +90,28 @@ def show_actuator(
     shown = table("what", "value", numbers=(1,))
     if found.ratio is not None:
         shown.add_row("ratio", figure(found.ratio, 5))
-    shown.add_row("rated torque", with_unit(found.rated_torque, "N·m", 5))
-    shown.add_row("peak torque", with_unit(found.peak_torque, "N·m", 5))
+    shown.add_row("rated torque", with_unit(found.rated_torque, "N·m", 5) + _mark(found, "rated_torque"))
+    shown.add_row("peak torque", with_unit(found.peak_torque, "N·m", 5) + _mark(found, "peak_torque"))
     for label, stiffness in zip(_zones(found), found.stiffnesses, strict=True):
-        shown.add_row(f"stiffness{label}", with_unit(stiffness / 1e3, "kN·m/rad", 5))
+        shown.add_row(f"stiffness{label}", with_unit(stiffness / 1e3, "kN·m/rad", 5) + _mark(found, "stiffness"))
     wound = 1e3 * found.wind_up(found.rated_torque)
     shown.add_row("gives under its rated torque", with_unit(wound, "mrad", 3))
-    shown.add_row("backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3))
-    shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5))
+    shown.add_row(
+        "backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3) + _mark(found, "backlash")
+    )
+    shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5) + _mark(found, "mass"))
     shown.add_row("cost", _cost_words(found))
     screen.print(shown)
     note = f"{found.note}; " if found.note else ""
     screen.print(f"{note}{found.source}; from {found.file}", soft_wrap=True)
-    if found.unconfirmed:
-        screen.print(f"not confirmed: {found.unconfirmed}", soft_wrap=True)
+    if found.found_in:
+        screen.print(f"found in: {found.found_in}", soft_wrap=True)
+    for key, text in found.unconfirmed:
+        screen.print(f"? {key.replace('_', ' ')}, not confirmed: {text}", soft_wrap=True)
+
+
+def _mark(each: Actuator, name: str) -> str:
+    return " ?" if each.is_unconfirmed(name) else ""
 
 
 def _arcmin(radians: float) -> float:
@@ -144,7 +157,8 @@ def _as_json(each: Actuator) -> dict[str, Any]:
         "cost_date": each.cost_date,
         "source": each.source,
         "note": each.note,
-        "unconfirmed": each.unconfirmed or None,
+        "found_in": each.found_in or None,
+        "unconfirmed": dict(each.unconfirmed) or None,
         "file": each.file,
     }
 

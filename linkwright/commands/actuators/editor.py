@@ -69,6 +69,7 @@ class ActuatorsEditor(Editor[Entry]):
             copied = self.copy_shipped(document, path, name)
             for key, value in values.items():
                 document.set(["actuators", name, *key.split(".")], value)
+                _confirm(document, name, key)
             if source:
                 known = (document.get(["references"]) or {}).get(document.get(["actuators", name, "source"]), "")
                 told = f"{known}; {', '.join(values)}: {source}" if known and known != source else source
@@ -121,8 +122,18 @@ def _entry(data: Mapping[str, Any], name: str) -> Entry | None:
     found = entry_in(data, name, under="actuators")
     if found is None:
         return None
-    whole = {key: data[key] for key in ("maker", "unconfirmed") if data.get(key) and key not in found.content}
+    whole = {
+        key: data[key] for key in ("maker", "unconfirmed", "found_in") if data.get(key) and key not in found.content
+    }
     return Entry(name, {**whole, **found.content}, found.references)
+
+
+def _confirm(document: YamlText, name: str, key: str) -> None:
+    """Take away that a figure could not be confirmed: its new value has a source of its own."""
+    marks = document.get(["actuators", name, "unconfirmed"])
+    if isinstance(marks, dict) and key in marks:
+        last = len(cast(dict[str, Any], marks)) == 1
+        document.remove(["actuators", name, "unconfirmed", *([] if last else [key])])
 
 
 @cache

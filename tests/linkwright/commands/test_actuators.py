@@ -56,6 +56,45 @@ def test_show_gives_every_figure_with_its_source(linkwright, bench):
     assert found["backlash_arcmin"] == pytest.approx(1.0, rel=1e-12)
 
 
+def test_each_figure_that_nobody_could_find_is_marked(linkwright, bench):
+    _, out, _ = linkwright("actuators", "list", "--json", "all.json")
+    marks = {each["name"]: each["unconfirmed"] for each in json.loads((bench / "all.json").read_text())["actuators"]}
+    assert set(marks["RV-20E"]) == {"stiffness"}
+    assert set(marks["RV-6E"]) == {"rated_torque", "peak_torque", "stiffness", "backlash", "mass"}
+    (row,) = (line for line in out.splitlines() if line.startswith("RV-20E"))
+    assert row.count("?") == 1
+    assert "could not be found" in out
+    _, out, _ = linkwright("actuators", "show", "CSG-20-100-2UH", "--json", "one.json")
+    assert "0.98 kg ?" not in out
+    assert "16 kN·m/rad ?" in out
+    assert "? stiffness, not confirmed: in no text" in out
+    assert "harmonicdrive.net" in json.loads((bench / "one.json").read_text())["found_in"]
+
+
+def test_a_figure_of_ones_own_is_confirmed(linkwright, bench):
+    edit = ("--source", "Weighed", "--catalogue", "own.yaml")
+    assert linkwright("actuators", "edit", "CSG-25-100-2UH", "mass", "1.6 kg", *edit)[0] == 0
+    assert dict(load_actuators([bench / "own.yaml"]).find("CSG-25-100-2UH").unconfirmed).keys() == {"stiffness"}
+    assert linkwright("actuators", "edit", "RV-20E", "stiffness", "50 N*m/arcmin", *edit)[0] == 0
+    assert load_actuators([bench / "own.yaml"]).find("RV-20E").unconfirmed == ()
+
+
+@pytest.mark.parametrize(
+    ("mark", "found", "words"),
+    [
+        ("unconfirmed: nothing found", 5, ""),
+        ("unconfirmed: {mass: nothing found}", 1, ""),
+        ("unconfirmed: {weight: nothing found}", 0, "unknown key 'weight'"),
+    ],
+)
+def test_marks_of_a_file(linkwright, bench, mark, found, words):
+    (bench / "own.yaml").write_text(OWN.replace("actuators:", f"{mark}\nactuators:"))
+    status, out, error = linkwright("actuators", "show", "TURNER 1", "--catalogue", "own.yaml")
+    assert status == (2 if words else 0)
+    assert out.count("not confirmed: nothing found") == found
+    assert words in error
+
+
 def test_a_file_of_ones_own_adds_to_the_list(linkwright, bench):
     (bench / "own.yaml").write_text(OWN)
     assert "TURNER 1" not in linkwright("actuators", "list")[1]
