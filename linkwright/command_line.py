@@ -63,7 +63,7 @@ commands imports every one of these modules."""
 
 STATUSES = (
     "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which), "
-    "130 interrupted (the best so far is kept), 141 nobody reads the output."
+    "130 interrupted (standard error says what is kept), 141 nobody reads the output."
 )
 HELP = """Design robot arms for the least worst-case position error.
 

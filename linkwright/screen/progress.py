@@ -58,6 +58,11 @@ class Steps:
                 total = 1.0 if share > 0.0 else self._bar.tasks[0].total
                 self._bar.update(self._task, completed=share, total=total, description=self._text)
 
+    @property
+    def doing(self) -> str:
+        """What was heard last."""
+        return self._text
+
     @contextmanager
     def aside(self) -> Generator[None]:
         """The bar taken away for as long as something else is printed."""
@@ -107,9 +112,16 @@ class _Left(ProgressColumn):
 
 @contextmanager
 def waiting(text: str) -> Generator[Steps]:
-    """A sign of life while something is computed, which may tell of its steps."""
-    steps = Steps(text)
+    """A sign of life while something is computed, which may tell of its steps. An interrupt after a second
+    says at which it came."""
+    steps, began = Steps(text), time.monotonic()
     try:
         yield steps
+    except KeyboardInterrupt:
+        steps.close()
+        if time.monotonic() - began >= _PATIENCE:
+            said = f"stopped at: {steps.doing}; no answer was finished yet, so there is none to keep"
+            console(errors=True).print(said, soft_wrap=True)
+        raise
     finally:
         steps.close()

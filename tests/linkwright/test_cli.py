@@ -145,7 +145,7 @@ def test_limits_that_no_design_keeps_have_no_answer(linkwright, bench):
 
 
 def test_ctrl_c_is_quiet(linkwright, monkeypatch):
-    """130, and no word."""
+    """130, and no word, for what was at work for less than a second."""
 
     def interrupted(*_, **__):
         raise KeyboardInterrupt

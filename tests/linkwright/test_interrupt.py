@@ -91,3 +91,28 @@ def test_before_any_design_there_is_nothing_to_keep(bench, linkwright, monkeypat
     assert status == 130
     assert error == "stopped: no design was finished yet, so there is none to keep\n"
     assert list((bench / "out").iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("diagnose", ("arm.yaml", "recording.csv", "--out", "out")),
+        ("plan", ("arm.yaml", "--poses", "4", "--for", "backlash", "--out", "out.csv")),
+    ],
+)
+def test_what_has_no_best_so_far_says_where_it_was_stopped(bench, linkwright, monkeypatch, name, arguments):
+    def interrupted(*_, progress=None, **__):
+        if progress is not None:
+            progress("choosing", 0.5)
+        raise KeyboardInterrupt
+
+    status, _, _ = linkwright("simulate", "arm.yaml", "--poses", "4", "--out", "recording.csv")
+    assert status == 0
+    monkeypatch.setattr("linkwright.screen.progress._PATIENCE", 0.0)
+    for face in ("diagnose", "plan"):
+        monkeypatch.setattr(lw, face, interrupted)
+    status, out, error = linkwright(name, *arguments)
+    assert (status, out) == (130, "")
+    assert error == "stopped at: choosing; no answer was finished yet, so there is none to keep\n"
+    assert not (bench / "out.csv").exists()
+    assert not (bench / "out" / "result.json").exists()
