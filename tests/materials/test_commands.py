@@ -295,6 +295,9 @@ def test_what_could_not_be_found_in_its_source_is_marked(materials, tmp_path):
     assert rows["aluminium-7075-t6"]["yield_strength"]["unconfirmed"] is None
     assert "could not be found in its source" in out
     assert "?" not in ok(materials("list", "--family", "composite"))
+    compared = ok(materials("compare", "aluminium-7075-t6", "aluminium-2024-t3"))
+    assert next(line for line in compared.splitlines() if line.startswith("density")).count("?") == 1
+    assert "could not be found in its source" in compared
     ok(materials("edit", "aluminium-7075-t6", "density", "2800 kg/m^3", "--source", "weighed"))
     own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
     edited = load_layer(own).materials["aluminium-7075-t6"].properties

@@ -143,13 +143,15 @@ def compare_materials(
     shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
     for name in property_kinds():
         if any(material.has(name) for material in found):
-            shown.add_row(name.replace("_", " "), *(value_of(material, name) for material in found))
+            shown.add_row(name.replace("_", " "), *(marked(material, name) for material in found))
     if any(material.magnetic is not None for material in found):
         shown.add_row("magnetic", *(value_of(material, "magnetic") for material in found))
     if all(material.has("elastic_modulus") and material.has("density") for material in found):
         ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in found)
         shown.add_row("E / density", *(f"{ratio:.4g} MN*m/kg" for ratio in ratios))
     console().print(shown)
+    if any(is_unconfirmed(material, name) for material in found for name in property_kinds()):
+        console().print(_UNCONFIRMED, soft_wrap=True)
 
 
 def _varies(item: Property) -> bool:
