@@ -7,13 +7,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Link
 from arm.chain.vectors import Vector
 from materials.material import MaterialValues
 from sections.numeric import Array
+from sections.section import Section
+from sections.taper import Tapered
 
+_NODES = 12
+"""Gauss points along a taper, whose second moments are smooth."""
 _STEEL = 7850.0
 """kg/m^3, of the balls that stand for masses of unknown shape."""
 
@@ -67,23 +72,24 @@ def rod(link: Link, beam: Beam, axes: Array, material: MaterialValues | None) ->
         solid = ball(mass, center * along).inertia
         return Mass(mass, center * along, solid + spread * (np.eye(3) - np.outer(along, along)))
     mass = float(beam.mass)
-    stations = beam.taper.stations
-    balance, second = beam.taper.balance, 1.0 / 3.0
-    if stations:
-        # The mass beyond a cut, added up over all cuts times twice their distance, is the second moment.
-        shares, beyond = (
-            np.array([each.share for each in stations]),
-            np.array([each.weight_beyond for each in stations]),
-        )
-        second = float(2.0 * np.trapezoid(shares * beyond, shares))
-    modulus, density = material.need("elastic_modulus"), material.need("density")
-    about = (
-        density
-        / modulus
-        * length
-        * np.array([float(beam.flexural_rigidity_height or 0.0), float(beam.flexural_rigidity_width or 0.0)])
-    )
-    slender = mass * length**2 * (second - balance**2)
+    assert link.section is not None  # an elastic link has one
+    balance = beam.taper.balance
+    spread, (about_width, about_height) = _along(link.section)
+    about = material.need("density") * length * np.array([about_width, about_height])
+    slender = mass * length**2 * (spread - balance**2)
     # Second moments about the width (which resists bending along the height) and about the height.
     own = np.diag([about[0] + about[1], slender + about[1], slender + about[0]])
     return Mass(mass, balance * length * along, axes @ own @ axes.T)
+
+
+def _along(section: Section) -> tuple[float, Array]:
+    """The mean square of the share of the length at which a link's mass stands, and its mean second moments of area
+    (m^4): that about the width and that about the height."""
+    points, weights = leggauss(_NODES)
+    share, weights = 0.5 * (points + 1.0), 0.5 * weights
+    cuts = section.along(share, 0.3) if isinstance(section, Tapered) else section.properties(0.3)
+    area, *second = (
+        np.broadcast_to(np.asarray(each, dtype=float), share.shape)
+        for each in (cuts.area, cuts.second_moment_y, cuts.second_moment_z)
+    )
+    return float(weights @ (area * share**2) / (weights @ area)), np.array([weights @ each for each in second])

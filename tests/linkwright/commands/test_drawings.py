@@ -86,6 +86,9 @@ def test_parts_have_the_masses_and_inertias_of_bodies(arm):
     assert block["price_EUR"] == pytest.approx(mass * arm.links[0].material.need("cost"))
     tube = links.iloc[1]
     assert tube["I_along_along_kg_m2"] == pytest.approx(tube["mass_kg"] * (0.04**2 + 0.035**2) / 2)
+    cone = links.iloc[3]  # a hollow one: the mean of pi (d^4 - e^4)/32 over linear d, e is that of their fifth powers
+    fifths = [(near**5 - far**5) / (5 * (near - far)) for near, far in ((0.12, 0.06), (0.112, 0.052))]
+    assert cone["I_along_along_kg_m2"] == pytest.approx(density * 0.2 * math.pi / 32 * (fifths[0] - fifths[1]))
     drives = table[table["part"].str.startswith("drive")]
     assert drives["mass_kg"].tolist() == [2.0] * 4
     assert links["mass_kg"].sum() == pytest.approx(lw.evaluate(lw.Arm.of(arm)).mass_kg)
