@@ -49,6 +49,13 @@ class Tapered(Section):
         columns = {name: value + share * (ends[1][name] - value) for name, value in ends[0].items()}
         return type(self.near)(**columns).properties(poisson_ratio)
 
+    def cut(self, share: float) -> Section:
+        """The section at a share of the link's length from its joint."""
+        far = self.far.given()
+        return type(self.near)(
+            **{name: value + share * (far[name] - value) for name, value in self.near.given().items()}
+        )
+
     def outline(self) -> Outline:
         """The outline at the joint."""
         return self.near.outline()

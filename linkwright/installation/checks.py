@@ -23,6 +23,7 @@ _MODULES = MappingProxyType({"PyYAML": "yaml"})
 _PARTS = (
     ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
     ("reports as PDF (--pdf)", ("typst",), "pip install 'linkwright[pdf]'"),
+    ("solids (export --to step)", ("build123d",), "pip install 'linkwright[step]'"),
     ("clusters (--dask)", ("dask", "distributed"), "pip install 'linkwright[cluster]'"),
 )
 OLDEST_PYTHON = (3, 11)

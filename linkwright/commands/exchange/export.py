@@ -12,18 +12,21 @@ from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, a
 from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 
-HELP = """The arm for other programs: URDF, MJCF (with all that gives), SDF, DXF (links and sections to scale), parts.
+HELP = """The arm for other programs: URDF, MJCF (with all that gives), SDF, DXF (to scale), STEP (solid bodies), parts.
 
 What the format cannot hold is told.
 
 Example: linkwright export arm.yaml --to mjcf --out arm.xml
 Example: linkwright export arm.yaml --to dxf
+Example: linkwright export arm.yaml --to step --out arm.step
 """
 
 
 def export(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file; a corrected one, say.")],
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="urdf, mjcf, sdf, dxf, or bom: a list of parts.")],
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT", help="urdf, mjcf, sdf, dxf, step, or bom: a list of parts.")
+    ],
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", help="The file to write; a new one called as the arm file by default."),

@@ -13,6 +13,7 @@ from arm.descriptions.formats import export_arm as exported
 from linkwright.drawings.parts import listed
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
+from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result
 from linkwright.json.exchange import export_json
 from linkwright.output.files import write_file
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 SUFFIXES: Mapping[str, str] = MappingProxyType(
-    {"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf", "dxf": ".dxf", "bom": "-parts.csv"}
+    {"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf", "dxf": ".dxf", "step": ".step", "bom": "-parts.csv"}
 )
 """How the files of each format are called."""
 
@@ -72,12 +73,13 @@ class Export(Result):
         return {"Carried": self.table}
 
 
-def export_arm(arm: Arm | File, *, to: str) -> Export:
+def export_arm(arm: Arm | File, *, to: str, progress: Progress | None = None) -> Export:
     """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `sdf`, `dxf` (links and sections
-    drawn to scale, with dimensions) or `bom` (its parts as CSV: sizes, masses, centres, inertias, prices).
+    drawn to scale, with dimensions), `step` (links as solid bodies, with the extra `step`) or `bom` (its parts as CSV:
+    sizes, masses, centres, inertias, prices). `progress` hears of the bodies as they are made.
 
-    Raises `InputError` for another format and for an arm with absolute angles, which no simulator's format knows;
-    `MissingProperty` for parts of unknown mass.
+    Raises `InputError` for another format, for an arm with absolute angles, which no simulator's format knows, and
+    for `step` without build123d; `MissingProperty` for parts of unknown mass.
 
     >>> import linkwright as lw
     >>> found = lw.export_arm("examples/welding-arm/arm.yaml", to="mjcf")
@@ -91,4 +93,9 @@ def export_arm(arm: Arm | File, *, to: str) -> Export:
         from linkwright.drawings.dxf import drawn
 
         return Export(given, drawn(given.model))
+    if to == "step":
+        from linkwright.drawings.step import stepped
+
+        with told(progress) as tell:
+            return Export(given, stepped(given.model, tell))
     return Export(given, listed(given.model) if to == "bom" else exported(given.model, to))

@@ -29,7 +29,7 @@ def test_each_format_is_written(linkwright, bench):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("arm.yaml", "--to", "collada"), "--to: 'collada' is no format; write urdf, mjcf, sdf, dxf, bom"),
+        (("arm.yaml", "--to", "collada"), "--to: 'collada' is no format; write urdf, mjcf, sdf, dxf, step, bom"),
         (("arm.yaml",), "Missing option '--to'"),
         (("arm.yaml", "--to", "urdf", "--out", "arm.yaml"), "is the input"),
     ],
