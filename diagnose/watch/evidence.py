@@ -24,6 +24,7 @@ from sections.numeric import Array
 _MEDIAN = float(stats.chi2.median(1))
 """The median of a squared standard normal."""
 _LEAST_SCALE = 1e-200
+"""What estimates scatter by is never nothing: floats divide by it."""
 _NOTHING = 1e-9
 """A column that others describe to this share of its square is none."""
 
