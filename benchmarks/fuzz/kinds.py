@@ -26,7 +26,7 @@ from .kind import EXAMPLES, ROOT, Kind, each_of, example
 from .planning import planning_kinds
 from .served import served_kinds
 
-ENTRY = re.compile(r"\n  [^ ]")
+ENTRY, ROW = re.compile(r"\n  [^ ]"), re.compile(r"\n      - \[")
 
 
 @cache
@@ -91,8 +91,13 @@ def kinds() -> dict[str, Kind]:
 
 def _shipped(pattern: str) -> tuple[str, ...]:
     """The first entries of the shipped files: what odd files cost grows with their size."""
-    texts = (path.read_text(encoding="utf-8") for path in sorted(ROOT.glob(pattern)))
-    return tuple(text[: ENTRY.search(text, 2500).start() + 1] if len(text) > 5000 else text for text in texts)
+    return tuple(_begun(path.read_text(encoding="utf-8")) for path in sorted(ROOT.glob(pattern)))
+
+
+def _begun(text: str) -> str:
+    """The text as far as an entry, or in one long table a row, ends beyond 2500 letters."""
+    ends = ENTRY.search(text, 2500) or ROW.search(text, 2500)
+    return text if len(text) <= 5000 or ends is None else text[: ends.start() + 1]
 
 
 def _sheet(rows: Sequence[str]) -> str:

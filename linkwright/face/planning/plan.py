@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from arm.effects import EFFECTS
-from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place
+from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place, seen_axes
 from diagnose.plan.planned import Planned
 from diagnose.plan.planning import NothingToSee
 from diagnose.plan.planning import plan as planned
 from diagnose.plan.written import plan_text
+from diagnose.recording import Recording as Readings
 from diagnose.result import Diagnosis as Found
 from diagnose.rules.rules import RULES
 from linkwright.face.arm import Arm, arm_of
-from linkwright.face.diagnosis import Diagnosis, diagnose
+from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
 from linkwright.face.given import File, Quantity, in_si
 from linkwright.face.progress import Progress, told
 from linkwright.face.recording import Recording, recording_columns
@@ -153,6 +154,11 @@ def plan(
     if noise is not None and noise <= 0.0:
         raise InputError("", "sigma", "must be positive")
     boxes = tuple(_box(each) for each in avoid)
+    masses = _payloads(payloads, given)
+    try:
+        seen_axes(instrument, given.model)
+    except ValueError as error:
+        raise InputError("", "instrument", str(error)) from None
     before = _diagnosed(after, given, progress)
     apart = () if before is None or effects else _undecided(before)
     if before is not None:
@@ -162,7 +168,7 @@ def plan(
     if noise is None:
         noise = _NOISE if before is None else _scatter(before)
     asked = Asked(
-        poses, effects or apart, instrument, noise, repeats, _payloads(payloads, given), frame, tool, boxes, seed,
+        poses, effects or apart, instrument, noise, repeats, masses, frame, tool, boxes, seed,
         pairs_only=bool(apart),
     )  # fmt: skip
     with told(progress) as hear:
@@ -171,7 +177,7 @@ def plan(
         except NothingToSee:
             raise NoAnswer("nothing of what is asked for moves anything that this instrument sees") from None
         except ValueError as error:
-            raise InputError("", "instrument" if "plane" in str(error) else "avoid", str(error)) from None
+            raise InputError("", "avoid", str(error)) from None
     return Plan(given, found)
 
 
@@ -207,12 +213,17 @@ def _diagnosed(
 ) -> Found | None:
     if after is None:
         return None
-    found = (after if isinstance(after, Diagnosis) else diagnose(arm, after, progress=progress)).found
-    if found.recording.slots is not None:
-        raise InputError(
-            "", "after", f"{found.recording.file} does not hold the tip's whole place, which a plan goes on from"
-        )
-    return found
+    if isinstance(after, Diagnosis):
+        _check_whole(after.found.recording)
+        return after.found
+    read = recordings_of(after, arm)
+    _check_whole(read.found)
+    return diagnose(arm, read, progress=progress).found
+
+
+def _check_whole(read: Readings) -> None:
+    if read.slots is not None:
+        raise InputError("", "after", f"{read.file} does not hold the tip's whole place, which a plan goes on from")
 
 
 def _undecided(before: Found) -> tuple[Place, ...]:

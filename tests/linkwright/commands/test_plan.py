@@ -118,3 +118,20 @@ def test_simulate_takes_poses_or_a_plan(linkwright, tmp_path):
     status, _, err = linkwright("simulate", str(ARM), "--out", str(tmp_path / "r.csv"))
     assert status == 2
     assert "--poses" in err
+
+
+@pytest.mark.parametrize(
+    ("option", "named"),
+    [
+        (("--payload", "heavy"), "--payload"),
+        (("--instrument", "z"), "--instrument"),
+        (("--avoid", "here"), "--avoid"),
+        (("--sigma", "0 mm"), "--sigma"),
+    ],
+)
+def test_wrong_input_is_told_before_what_was_recorded_is_diagnosed(linkwright, bench, monkeypatch, option, named):
+    monkeypatch.setattr("linkwright.face.planning.plan.diagnose", lambda *_, **__: pytest.fail("diagnosed"))
+    (bench / "r.csv").write_text("q1_deg,q2_deg,x_mm,y_mm\n0,0,700,0\n10,0,690,100\n")
+    status, out, err = linkwright("plan", "arm.yaml", "--poses", "20", "--after", "r.csv", *option)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(named)
