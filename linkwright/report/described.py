@@ -25,6 +25,8 @@ from linkwright.results.document import (
 
 MOST_ROWS = 40
 """A longer table shows its brief rows; the others are folded."""
+MOST_FOLDED = 150
+"""Rows that are folded at most: a page stays below two megabytes, whatever a result has."""
 
 
 def text(content: str) -> str:
@@ -84,13 +86,15 @@ def _tiles(facts: Sequence[Fact]) -> str:
 
 
 def table_html(given: Table) -> str:
-    """A table; of one with many rows the brief ones (or the first), the others folded."""
+    """A table; of one with many rows the brief ones (or the first), the others folded, while there is room."""
     if len(given.rows) <= MOST_ROWS:
         return _rows_html(given, None)
     first = given.brief or tuple(range(MOST_ROWS))
     others = sorted(set(range(len(given.rows))) - set(first))
-    summary = element("summary", text(f"{len(others)} more"))
-    return _rows_html(given, first) + element("details", summary, _rows_html(given, others))
+    folded, left = others[:MOST_FOLDED], len(others[MOST_FOLDED:])
+    summary = element("summary", text(f"{len(folded)} more"))
+    beyond = element("p", text(f"and {left} more, in the result's JSON"), class_="lead") if left else ""
+    return _rows_html(given, first) + element("details", summary, _rows_html(given, folded), beyond)
 
 
 def _rows_html(given: Table, chosen: Iterable[int] | None) -> str:

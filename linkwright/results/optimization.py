@@ -160,7 +160,7 @@ def _candidates(result: OptimizationResult) -> Table | None:
         for each in ranked
     ]
     title = f"{len(ranked)} combinations of shape and material{some}"
-    rest = f"and {len(ranked) - MOST_CANDIDATES} more, in result.json and the report"
+    rest = f"and {len(ranked) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
     headings = ("shapes", "materials", "objective", "outcome")
     return table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
 
@@ -185,7 +185,7 @@ def _near_ties(result: OptimizationResult) -> list[Section]:
     ]
     drives = ("actuators",) if result.drives else ()
     headings = ("shapes", "materials", *drives, "objective", "worse by", "error", "mass", "cost", "first frequency")
-    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
+    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
     found = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
     told = None
     if result.near_ties_left:
@@ -226,7 +226,7 @@ def _motors(result: OptimizationResult) -> list[Section]:
     if not result.motor_places:
         return []
     rows = [(", ".join(each.places), _objective(result, each.objective), each.outcome) for each in result.motor_places]
-    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
+    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
     found = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
     return [section("Where motors stand", found)]
 
@@ -242,7 +242,7 @@ def _drives(result: OptimizationResult) -> list[Section]:
             (names_words(each.actuators), _objective(result, each.objective), each.outcome) for each in result.drives
         ]
         title = f"{len(rows)} choices of actuators{some}"
-        rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json and the report"
+        rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
         headings = ("actuators", "objective", "outcome")
         choices = table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
     held = design.drives(result.after, detail=True)

@@ -11,7 +11,7 @@ import pytest
 from arm.chain.chain import Joint, LoadCase
 from arm.evaluation import evaluate
 from arm.limits.joint_loads import JointLoad, joint_loads
-from linkwright.report.described import table_html
+from linkwright.report.described import MOST_FOLDED, MOST_ROWS, table_html
 from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
@@ -135,3 +135,12 @@ def test_rows_with_bars_tell_their_headings():
 )
 def test_small_changes_are_no_one_times_smaller(before, after, said):
     assert factor_words(before, after) == said
+
+
+def test_a_table_of_thousands_leaves_the_page_small():
+    """What is left out is counted, and said to be in the JSON."""
+    made = table_html(table(["n", "what"], [(count(k), "x" * 100) for k in range(5000)]))
+    assert len(made) < 50_000
+    assert f"<summary>{MOST_FOLDED} more</summary>" in made
+    assert f"and {5000 - MOST_ROWS - MOST_FOLDED} more, in the result's JSON" in made
+    assert made.count("<tr>") == 2 + MOST_ROWS + MOST_FOLDED
