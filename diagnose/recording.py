@@ -43,7 +43,8 @@ class Recording:
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
     touched, -1 none, and `bar_at` (N,) m how far along its bar (nought elsewhere). Where rows
-    hold different things, each number is a reading of its own (W = 1) of the same `row`.
+    hold different things, each number is a reading of its own (W = 1) of the same `row`. A camera's `orientation` is
+    that of the target in its frame; `sigma_axes` (m) and `sigma_angle` (rad) are what was declared of its axes.
     """
 
     file: str
@@ -77,6 +78,8 @@ class Recording:
     slots: Slots | None = None
     touches: Slots | None = None
     bar_at: Array | None = None
+    sigma_axes: tuple[float, ...] | None = None
+    sigma_angle: float | None = None
     instrument: Instrument = field(default_factory=Instrument)
     branch: str = ""
 

@@ -25,7 +25,7 @@ from diagnose.residual.recorded_conditions import conditions_of
 from sections.numeric import Array
 from units.temperature import ZERO_CELSIUS
 
-from .instruments.instrument import ALONG, DISTANCE, PLANE, TILT_X, TILT_Y, Instrument
+from .instruments.instrument import ALONG, CAMERA, DISTANCE, PLANE, TILT_X, TILT_Y, Instrument
 from .instruments.level import stand_of
 from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
@@ -39,6 +39,12 @@ _OUTLIERS = (10.0, 50.0)
 _BASE_TARGET = (0.1, 0.0, 0.0)
 _ASKEW = 5e-3
 """rad; how far from straight a level sits, about each axis."""
+_DEEP, _TARGET = 5.0, 0.1
+"""How many times worse a camera reads depth than what lies across, and how far apart (m) the marks of a target are by
+which it reads turns; where nobody says."""
+_AWAY, _ON_TOOL = (1.5, 2.0), 0.08
+"""How far a camera that stands still is from the middle of the places reached, times how far these reach; and how far
+off the tip (m) sits what is on the tool."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +56,13 @@ class Plan:
     joint the second time from the other side; one: all joints upwards; random. `temperature` (K, from and to) wanders
     between the two; `hours` is how long it all takes. `free_frame` measures in a frame that stands anywhere.
     `outliers` is the share of readings that are off by 10 to 50 standard deviations. `joint_side` and `commands` add
-    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool is
-    turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place) and
-    `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the recording
-    does not say where the anchor is, and `bar` is where along bars the tip touches (m). A tilt's noise is in rad. `at`
-    are readings
-    that name what to record in its place: poses, sides, payloads, temperatures and times are theirs.
+    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool
+    is turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place)
+    and `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the
+    recording does not say where the anchor is, and `bar` is where along bars the tip touches (m). A tilt's noise is
+    in rad. `camera_noise` is that of a camera's depths (m) and of its turns about each axis (rad), by default five
+    times `noise` and what `noise` makes of a target of 0.1 m. `at` are readings that name what to record in its
+    place: poses, sides, payloads, temperatures and times are theirs.
     """
 
     poses: int
@@ -79,6 +86,23 @@ class Plan:
     anchor_free: bool = False
     bar: tuple[float, ...] = ()
     at: Recording | None = None
+    camera_noise: tuple[float, float] | None = None
+
+    @property
+    def of_camera(self) -> tuple[float, float]:
+        """The noise of a camera's depths (m) and turns (rad)."""
+        return self.camera_noise or (_DEEP * self.noise, self.noise / _TARGET)
+
+    def declared_in(self, recording: Recording) -> Recording:
+        """A recording that says how large its noise is."""
+        if self.noise <= 0.0:
+            return recording
+        if CAMERA not in self.slots:
+            return replace(recording, sigma=self.noise)
+        deep, turns = self.of_camera
+        axes = (self.noise, self.noise, deep)
+        mean = math.sqrt(sum(each * each for each in axes) / 3.0)
+        return replace(recording, sigma=mean, sigma_axes=axes, sigma_angle=turns)
 
 
 @dataclass(frozen=True)
@@ -103,7 +127,8 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     random = np.random.default_rng(plan.seed)
     bare = _visited(arm, plan, random) if plan.at is None else plan.at
     levelled = TILT_X in plan.slots
-    if plan.slots and min(plan.slots) > DISTANCE and not levelled:
+    camera = CAMERA in plan.slots
+    if plan.slots and min(plan.slots) > DISTANCE and not levelled and not camera:
         bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
     asked = Asked(
@@ -111,7 +136,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         joint_side=plan.joint_side,
         base_target=_BASE_TARGET if plan.base_target else None,
         command=plan.commands,
-        turn=plan.orientation,
+        turn=plan.orientation or camera,
         levels=np.full(bare.size, plan.instrument.tilt_link) if levelled else None,
     )
     moved = seen_of_model(state, active_effects(arm), asked)
@@ -119,6 +144,10 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     nominal = columns(state.tip(), bare.size)
     if moved.level is not None:
         return _levelled(bare, arm, moved.level, plan, random, _idle(state, arm, asked), moved.tip)
+    if moved.turn is not None and camera:
+        tip = nominal + moved.tip
+        turned = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
+        return Simulation(_by_camera(bare, tip, turned, plan, random), moved.tip, _idle(state, arm, asked))
     if plan.slots:
         return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, asked), moved.tip)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
@@ -170,6 +199,40 @@ def _levelled(
     read = np.stack([rises[slot] for slot in plan.slots], axis=1)
     read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
     return Simulation(replace(recording, tip=read), error, idle)
+
+
+def _by_camera(bare: Recording, tip: Array, turned: Array, plan: Plan, random: np.random.Generator) -> Recording:
+    """Where a camera sees a target of which one is on the tool, the other anywhere and turned anyhow; a camera that
+    stands still looks at the middle of the places reached (whether the target can be seen is not asked)."""
+    on_tool = plan.instrument.camera == "on_tool"
+    middle = tip.mean(axis=0)
+    reach = float(np.linalg.norm(tip - middle, axis=1).max())
+    way = random.standard_normal(3)
+    way /= np.linalg.norm(way)
+    stands = middle + random.uniform(*_AWAY) * reach * way
+    fixed: Array = Rotation.from_quat(random.standard_normal(4)).as_matrix()
+    if not on_tool:
+        fixed = np.asarray(Rotation.align_vectors(-way[None], [[0.0, 0.0, 1.0]])[0].as_matrix())
+    seat: Array = Rotation.from_quat(random.standard_normal(4)).as_matrix()
+    carried, at = turned @ seat, tip + turned @ random.uniform(-_ON_TOOL, _ON_TOOL, 3)
+    if on_tool:
+        place, seen = np.einsum("nab,na->nb", carried, stands - at), np.transpose(carried, (0, 2, 1)) @ fixed
+    else:
+        place, seen = (at - stands) @ fixed, fixed.T @ carried
+    deep, turns = plan.of_camera
+    across = np.array([1.0, 1.0, deep / plan.noise if plan.noise > 0.0 else 1.0])
+    noise = np.array([plan.noise, plan.noise, deep]) * random.standard_normal(place.shape)
+    shaken = Rotation.from_rotvec(turns * random.standard_normal(place.shape)).as_matrix() @ seen
+    return replace(
+        bare,
+        tip=place + noise + across * _outliers(plan, random, place.shape),
+        orientation=shaken,
+        seat="free",
+        frame="free",
+        tool="free",
+        slots=np.tile(plan.slots, (bare.size, 1)),
+        instrument=plan.instrument,
+    )
 
 
 def _in_part(

@@ -57,6 +57,8 @@ INSTRUMENTS = {
     "plates": replace(PLAN, slots=KINDS["plane"], instrument=Instrument(("plane",))),
     "bar of 0.5 m": replace(PLAN, slots=KINDS["bar"], instrument=Instrument(("bar",)), bar=(0.0, 0.5)),
     "level on link 3": replace(PLAN, slots=KINDS["tilt"], instrument=Instrument(("tilt",), tilt_link=3)),
+    "camera, target on the tool": replace(PLAN, slots=KINDS["camera"], instrument=Instrument(("camera",))),
+    "camera on the tool": replace(PLAN, slots=KINDS["camera"], instrument=Instrument(("camera",), camera="on_tool")),
 }
 EFFECTS = (
     ("zero of joint 1", "encoder_offset", (1,)),
@@ -89,10 +91,7 @@ def main() -> None:
         file = Path(folder) / "arm.yaml"
         file.write_text(ARM, encoding="utf-8")
         arm = read_arm(file)
-    results: list[Diagnosis] = []
-    for plan in INSTRUMENTS.values():
-        made = simulate(arm, plan).recording
-        results.append(diagnose(arm, replace(made, sigma=NOISE)))
+    results = [diagnose(arm, plan.declared_in(simulate(arm, plan).recording)) for plan in INSTRUMENTS.values()]
     print(f"| effect | {' | '.join(INSTRUMENTS)} |")
     print(f"|---|{'---|' * len(INSTRUMENTS)}")
     for name, effect, at in EFFECTS:

@@ -35,6 +35,7 @@ from diagnose.several.each import from_others, of_recordings, told_without
 from diagnose.several.recordings import Several
 from sections.numeric import Array
 
+from .cameras import of_camera
 from .confirmation import Confirmed
 from .detectable import detectable
 from .iso_figures import iso_figures
@@ -127,6 +128,7 @@ class Conclusion(Confirmed):
             residual_after=after,
             corrected=corrected,
             notes=(
+                *of_camera(self.prepared, self.refit.terms, self.noise),
                 *unseen(self.prepared),
                 *weights_by_torque(self.observed),
                 *self.observed.alignment.undetermined,

@@ -145,8 +145,8 @@ def _tried(observed: Observed, seed: int) -> Observed:
         joint_side=None if recording.joint_side is None else q.copy(),
         commanded=None if recording.commanded is None else q.copy(),
         base_target=None if recording.base_target is None else np.tile(recording.base_target.mean(axis=0), (count, 1)),
-        orientation=np.tile(np.eye(3), (count, 1, 1)) if observed.asked.turn else None,
-        seat="free" if observed.asked.turn else "unused",
+        orientation=np.tile(np.eye(3), (count, 1, 1)) if observed.has_turns else None,
+        seat="free" if observed.has_turns else "unused",
         slots=None if recording.slots is None else np.tile(recording.slots[:1], (count, 1)),
         instrument=recording.instrument,
     )

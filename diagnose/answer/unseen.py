@@ -61,6 +61,8 @@ def _left(prepared: Prepared, moved: Array, turned: Array) -> Array:
     observed = prepared.observed
     columns = np.zeros(observed.residual.shape)
     columns[:, : observed.components] = observed.of_tip(moved, turned)
+    if observed.sight is not None and observed.has_turns:
+        columns[:, observed.turn_columns] = observed.turns(turned)
     return beyond_nuisances(prepared, columns).reshape(-1)
 
 

@@ -106,7 +106,10 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
         turns = tool_turns(observed.recording, observed.state, width)
         for k in range(turns.shape[2]):
             column = np.zeros(observed.residual.shape)
-            column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
+            if observed.has_turns:
+                column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
+            if observed.sight is not None:
+                column[:, : observed.components] = observed.of_tip(np.zeros((observed.rows, 3)), turns[:, :, k])
             parts.append(column)
             names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
     shape = (*observed.residual.shape, 0)
@@ -403,6 +406,8 @@ def _scatter(left: Array, observed: Observed) -> Array:
     common = float(np.exp(np.mean(np.log(spread[:width]))))
     trust = len(left) / (len(left) + observed.rules.fitting.own_scatter)
     spread[:width] = np.exp(trust * np.log(spread[:width]) + (1.0 - trust) * np.log(common))
+    if observed.recording.sigma_angle is not None:
+        spread[observed.turn_columns] = np.maximum(spread[observed.turn_columns], observed.recording.sigma_angle)
     return spread
 
 

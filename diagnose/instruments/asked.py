@@ -12,7 +12,7 @@ from units.quantities import InputError, shown
 
 from .instrument import KINDS, TILT_X, Instrument
 
-_READ = ("position", "along", "distance", "same_point", "plane", "tilt", "bar")
+_READ = ("position", "along", "distance", "same_point", "plane", "tilt", "bar", "camera")
 
 
 def observed_by(
@@ -24,11 +24,12 @@ def observed_by(
     anchor_free: bool,
     tilt_link: str | int | None = None,
     bar: Sequence[float] | None = None,
+    camera: str | None = None,
 ) -> dict[str, Any]:
     """The part of a plan that says what is read; `anchor` and `bar`, the places along it, in m. Raises `InputError`."""
     for name, given, kind in (
         ("direction", direction, "along"), ("anchor", anchor, "distance"), ("tilt_link", tilt_link, "tilt"),
-        ("bar", bar, "bar"),
+        ("bar", bar, "bar"), ("camera", camera, "camera"),
     ):  # fmt: skip
         if given is not None and observe != kind:
             raise InputError("", name, f"goes with observe {kind}, not {shown(observe)}")
@@ -60,6 +61,12 @@ def observed_by(
     if observe == "tilt":
         slots = (TILT_X,) if arm.planar() else KINDS["tilt"]
         return {"slots": slots, "instrument": Instrument(("tilt",), tilt_link=_link(tilt_link, arm))}
+    if observe == "camera":
+        if arm.planar():
+            raise InputError("", "observe", "camera needs an arm in space; of one in the plane, take position")
+        if camera not in ("fixed", "on_tool"):
+            raise InputError("", "camera", "needs fixed (the target is on the tool) or on_tool (the target is fixed)")
+        return {"slots": KINDS["camera"], "instrument": Instrument(("camera",), camera=camera)}
     if observe == "bar":
         if bar is None or len(set(bar)) < 2:
             raise InputError("", "bar", "needs two places along the bar or more, e.g. 0 mm, 500 mm")

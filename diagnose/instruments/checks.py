@@ -16,7 +16,7 @@ from diagnose.rules.rules import RULES, Rules
 from sections.numeric import Array
 from units.quantities import InputError, format_quantity
 
-from .instrument import ALONG, BAR, DISTANCE, NAMES, PLANE, Slots
+from .instrument import ALONG, BAR, CAMERA, DISTANCE, NAMES, PLANE, Slots
 from .level import stand_of, tilts
 from .view import View, touched_planes, viewed
 
@@ -41,8 +41,9 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
         return viewed(tried, tips, axes, stand, flat=arm.planar(), rules=rules.residual)
 
     found = view(recording)
+    _refuse_other_camera(recording, found, view, rules)
     off, extent = np.abs(found.residual), float(np.linalg.norm(np.ptp(tips, axis=0)))
-    numbers = slots <= DISTANCE
+    numbers = (slots <= DISTANCE) | (slots >= CAMERA)
     misfit = float(np.median(off[numbers])) if numbers.any() else 0.0
     if misfit > rules.reading.elsewhere * extent:
         _say_why(recording, view, numbers, misfit, extent, rules)
@@ -61,6 +62,25 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     return recording.without(bad)
 
 
+def _refuse_other_camera(
+    recording: Recording, found: View, view: Callable[[Recording], View], rules: Rules
+) -> None:
+    """A camera that is where its target is said to be."""
+    if found.sight is None:
+        return
+    said = recording.instrument.camera
+    other = "fixed" if said == "on_tool" else "on_tool"
+    tried = view(replace(recording, instrument=replace(recording.instrument, camera=other)))
+    off, instead = (float(np.median(np.linalg.norm(each.residual, axis=1))) for each in (found, tried))
+    if instead < rules.mistakes.better * off:
+        far, near = (format_quantity(each, "length", digits=2) for each in (off, instead))
+        raise InputError(
+            recording.file,
+            "camera",
+            f"is {said}, which leaves {far} in the middle reading; {other} leaves {near}: write `camera: {other}`",
+        )
+
+
 def _refuse_other_tilts(recording: Recording, off: Array, rules: Rules) -> None:
     """Tilts that are not what the joints say, wherever the level sits."""
     own = tilts(recording)
@@ -75,7 +95,7 @@ def _refuse_other_tilts(recording: Recording, off: Array, rules: Rules) -> None:
 def _refuse_other_bars(recording: Recording, view: Callable[[Recording], View], off: Array, rules: Rules) -> None:
     """Bars of another length than the tips' places have."""
     assert recording.slots is not None
-    own = recording.slots >= BAR
+    own = (recording.slots >= BAR) & (recording.slots < CAMERA)
     if recording.bar_at is None or not own.any():
         return
     there = own.any(axis=1)
@@ -101,7 +121,7 @@ def _say_why(
 ) -> None:
     """Raise the error that says what is wrong with all of a recording."""
     slots = np.unique(np.asarray(recording.slots)).tolist()
-    read = ", ".join(NAMES[slot] for slot in slots if slot <= DISTANCE)
+    read = ", ".join(NAMES[slot] for slot in slots if slot <= DISTANCE or slot >= CAMERA)
     for scale, words in _SCALES:
         other = float(np.median(np.abs(view(replace(recording, tip=recording.tip * scale)).residual[numbers])))
         if other < rules.mistakes.better * misfit and other < rules.reading.elsewhere * extent:

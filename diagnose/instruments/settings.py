@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import cast
+from typing import Literal, cast
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from units.reading import Mapping, nearest
 from .instrument import KINDS, Instrument, Kind
 
 _GO_WITH: MappingProxyType[str, Kind] = MappingProxyType(
-    {"direction": "along", "anchor": "distance", "tilt_link": "tilt"}
+    {"direction": "along", "anchor": "distance", "tilt_link": "tilt", "camera": "camera"}
 )
 """Settings, and the kind of observation that each is of."""
 
@@ -45,6 +45,10 @@ def read_instrument(mapping: Mapping) -> Instrument | None:
     if not kinds:
         raise mapping.error("observes", f"names nothing; it is one or more of {', '.join(KINDS)}")
     direction, anchor, link = None, None, 0
+    camera: Literal["fixed", "on_tool"] = "fixed"
+    if "camera" in kinds and len(kinds) > 1:
+        others = ", ".join(kind for kind in kinds if kind != "camera")
+        raise mapping.error("observes", f"has {others} beside camera; give the camera a recording of its own")
     for kind in kinds:
         own = of_kind.get(kind, mapping)
         if kind == "along":
@@ -53,12 +57,24 @@ def read_instrument(mapping: Mapping) -> Instrument | None:
             anchor = _anchor(own)
         if kind == "tilt":
             link = _link(own)
+        if kind == "camera":
+            camera = _camera(own)
         if kind in of_kind:
             of_kind[kind].close()
     for name, kind in _GO_WITH.items():
         if mapping.has(name) and kind not in kinds:
             raise mapping.error(name, f"goes with `observes: {kind}`; add {kind} or take it out")
-    return Instrument(tuple(kinds), direction, anchor, tilt_link=link)
+    return Instrument(tuple(kinds), direction, anchor, tilt_link=link, camera=camera)
+
+
+def _camera(mapping: Mapping) -> Literal["fixed", "on_tool"]:
+    would_do = "`camera: fixed` (the target is on the tool) or `camera: on_tool` (the target is fixed)"
+    if not mapping.has("camera"):
+        raise mapping.error("camera", f"is missing; write where the camera is: {would_do}")
+    raw = mapping.raw("camera")
+    if raw not in ("fixed", "on_tool"):
+        raise mapping.error("camera", f"{shown(raw)} is no place of a camera; write {would_do}")
+    return raw
 
 
 def _link(mapping: Mapping) -> int:

@@ -21,6 +21,7 @@ from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
+from .camera import DEPTHS, Sight, is_camera, sighted
 from .instrument import ALONG, BAR, COUNT, DISTANCE, PLANE, POINT, TILT_X, TILT_Y, X
 from .level import Stand, tilts
 
@@ -40,7 +41,7 @@ class View:
     `settled` (N, 3) the same but on what was touched: how far off it is told is what was measured, and nothing may be
     made of that to explain it. `framed` and `distances` (N, W) mark places and heights in the measuring frame, and
     distances. `rises` (N, W, 3) is the axis of a level of which a number tells how far it rises towards `up` (3,), in
-    the base frame; nought for all other numbers.
+    the base frame; nought for all other numbers. `sight` is what else there is of a camera.
     """
 
     residual: Array
@@ -57,22 +58,27 @@ class View:
     settled: Array
     rises: Array
     up: Array
+    sight: Sight | None = None
     undetermined: tuple[str, ...] = ()
 
     @property
     def turned(self) -> Array:
-        """What a turn about each axis of the base of what a level stands on shows, (N, W, 3)."""
+        """What a turn about each axis of the base of what a level stands on or a camera is on shows, (N, W, 3)."""
+        if self.sight is not None:
+            return self.sight.turning
         return np.cross(self.rises, self.up)
 
     def of_tip(self, moved: Array, turned: Array | None = None) -> Array:
-        """What displacements of the tip (N, 3), m, and turns of what a level stands on (N, 3), rad, show to first
-        order, (N, W)."""
+        """What displacements of the tip (N, 3), m, and turns of what a level stands on or a camera is on (N, 3), rad,
+        show to first order, (N, W)."""
         found = np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
         return found if turned is None else found + np.einsum("nwa,na->nw", self.turned, turned)
 
     def change(self, moved: Array, turned: Array | None = None) -> Array:
         """What displacements of the tip (N, 3), m, and turns of what a level stands on (N, 3), rad, show, (N, W): of
         distances and tilts exactly."""
+        if self.sight is not None:
+            return self.sight.change(moved, np.zeros(moved.shape) if turned is None else turned)
         found = self.of_tip(moved)
         if turned is not None:
             now = np.einsum("nab,nwb->nwa", Rotation.from_rotvec(turned).as_matrix(), self.rises)
@@ -127,7 +133,34 @@ def viewed(
     `directions` (N, 3, 3) are how an offset of the tool displaces the tip, `stand` is what a level stands on. An arm
     that stays in its plane is `flat`.
     """
+    if is_camera(recording):
+        return _of_camera(sighted(recording, tips, directions, rules=rules))
     return _Viewing(recording, tips, directions, stand, flat, rules).view()
+
+
+def _of_camera(sight: Sight) -> View:
+    """The view of a camera, whose depths may be off in proportion besides."""
+    nowhere, none = np.zeros(sight.shown.shape), np.zeros(sight.residual.shape, dtype=bool)
+    deep = np.zeros((*sight.residual.shape, 1))
+    deep[:, 2, 0] = sight.depths
+    return View(
+        residual=sight.residual,
+        shown=sight.shown,
+        beside=deep,
+        names=(DEPTHS,),
+        rotation=sight.rotation,
+        translation=sight.translation,
+        tool=sight.tool,
+        anchor=None,
+        at=sight.at,
+        distances=none,
+        framed=none,
+        settled=sight.at,
+        rises=nowhere,
+        up=np.zeros(3),
+        sight=sight,
+        undetermined=sight.undetermined,
+    )
 
 
 def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: bool) -> tuple[Array, Array, Array]:

@@ -81,7 +81,13 @@ def assembled(
         warnings.append("Torques are not used: what they say of weights is worked out for arms without branches alone.")
         torque = None
     orientation = _orientation(columns)
-    if sights is not None and orientation is not None:
+    camera = sights is not None and "camera" in sights.instrument.kinds
+    if camera and orientation is None:
+        warnings.append(
+            "There are no orientations (qw, qx, qy, qz): only where the target is in the camera's frame counts; what "
+            "turns the tool more than it shifts it hardly shows."
+        )
+    if sights is not None and orientation is not None and not camera:
         warnings.append("Orientations are not used: they go with the whole place of the tip.")
         orientation = None
     return Recording(
@@ -106,7 +112,9 @@ def assembled(
         sigma=held.sigma,
         frame=held.frame,
         tool=held.tool,
-        seat=held.seat if sights is None else "unused",
+        seat=held.seat if sights is None or (camera and orientation is not None) else "unused",
+        sigma_axes=held.sigma_axes,
+        sigma_angle=held.sigma_angle,
         warnings=tuple(warnings),
         other=MappingProxyType(strangers),
         settings=held.file,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import math
 import os
 import re
 from collections.abc import Mapping as MappingOf
@@ -31,12 +32,13 @@ class ReadingSettings:
     `columns` maps our headers (`q1_deg`) to formulas of the file's own columns; where it is given, further columns are
     taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
-    `sigma` (m, of tilts alone rad) is the standard deviation of each component of the tip. `sides` tells whence the
-    sides of approach are known: from columns `dirN`, or from the order of the rows where each joint went straight from
-    row to row. `seat` is
-    the key `orientation`: free uses orientations, how the target is turned on the tool being free. `unit` says which
-    arm of a type was recorded, `date` when (ISO 8601: `2026-05-16`). `instrument` is what is observed, None where
-    nobody said: the tip's place. `tip` is which of several arms on one torso it is of.
+    `sigma` (m, of tilts alone rad) is the standard deviation of each component of the tip, `sigma_axes` those of a
+    camera's three axes where they differ (`sigma` is their root mean square then), `sigma_angle` (rad) that of its
+    turns about each. `sides` tells whence the sides of approach are known: from columns `dirN`, or from the order of
+    the rows where each joint went straight from row to row. `seat` is the key `orientation`: free uses orientations,
+    how the target is turned on the tool being free. `unit` says which arm of a type was recorded, `date` when (ISO
+    8601: `2026-05-16`). `instrument` is what is observed, None where nobody said: the tip's place. `tip` is
+    which of several arms on one torso it is of.
     """
 
     file: str = ""
@@ -48,6 +50,8 @@ class ReadingSettings:
     frame: Literal["known", "free"] = "known"
     tool: Literal["known", "free"] = "known"
     seat: Literal["unused", "free"] = "unused"
+    sigma_angle: float | None = None
+    sigma_axes: tuple[float, ...] | None = None
     sides: Sides = "columns"
     layout: Layout = field(default_factory=Layout)
     unit: str = ""
@@ -81,10 +85,22 @@ def read_settings(path: Path | None) -> ReadingSettings:
             for name in body.content:
                 columns[name] = _formula(body, name)
         instrument = read_instrument(mapping)
-        sigma = mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
-        if sigma is not None and sigma <= 0.0:
-            raise mapping.error("sigma", "must be positive; leave it out where nobody knows it")
+        camera = instrument is not None and "camera" in instrument.kinds
+        axes = _sigma_axes(mapping)
+        if axes is not None and not camera:
+            raise mapping.error("sigma", "of each axis goes with `observes: camera`; write one length, or that as well")
+        sigma = None if axes else mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
+        if axes is not None:
+            sigma = math.sqrt(sum(each * each for each in axes) / len(axes))
+        if mapping.has("sigma_angle") and not camera:
+            raise mapping.error("sigma_angle", "goes with `observes: camera`; write that as well")
+        angle = mapping.optional_quantity("sigma_angle", "angle")
+        for name, each in (("sigma", sigma), ("sigma_angle", angle)):
+            if each is not None and (each <= 0.0 or (axes is not None and name == "sigma" and min(axes) <= 0.0)):
+                raise mapping.error(name, "must be positive; leave it out where nobody knows it")
         free = ("known", "free")
+        # Where a camera and its target are nobody knows as a rule: that is what the arm tells.
+        usual = "free" if camera else "known"
         return ReadingSettings(
             file=str(path),
             columns=MappingProxyType(columns),
@@ -92,9 +108,14 @@ def read_settings(path: Path | None) -> ReadingSettings:
             rows=_texts(mapping, "rows"),
             time_format=_time_format(mapping),
             sigma=sigma,
-            frame=cast(Literal["known", "free"], mapping.choice("frame", free, "known")),
-            tool=cast(Literal["known", "free"], mapping.choice("tool", free, "known")),
-            seat=cast(Literal["unused", "free"], mapping.choice("orientation", ("unused", "free"), "unused")),
+            sigma_angle=angle,
+            sigma_axes=axes,
+            frame=cast(Literal["known", "free"], mapping.choice("frame", free, usual)),
+            tool=cast(Literal["known", "free"], mapping.choice("tool", free, usual)),
+            seat=cast(
+                Literal["unused", "free"],
+                mapping.choice("orientation", ("unused", "free"), "free" if camera else "unused"),
+            ),
             sides=cast(Sides, mapping.choice("sides", ("columns", "from_order"), "columns")),
             layout=_layout(mapping),
             unit=_name(mapping, "unit"),
@@ -110,6 +131,13 @@ def _kind_of_sigma(mapping: Mapping, instrument: Instrument | None) -> str:
     text = mapping.content.get("sigma")
     unit = text.split()[-1].lower() if isinstance(text, str) and text.split() else ""
     return "angle" if tilts and not unit.endswith(("m", "inch")) else "length"
+
+
+def _sigma_axes(mapping: Mapping) -> tuple[float, ...] | None:
+    """The standard deviations along a camera's axes (x, y, depth), m, where a list gives them."""
+    if not mapping.has("sigma") or not isinstance(mapping.raw("sigma"), list):
+        return None
+    return tuple(mapping.vector("sigma", "length", 3))
 
 
 def _of_another(path: Path) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from arm.chain.chain import Arm
 from diagnose.instruments.instrument import (
     BAR,
+    CAMERA,
     KINDS,
     LABELS,
     NAMES,
@@ -73,6 +74,8 @@ def sights_of(
     where every row holds the whole place of the tip."""
     instrument = held.instrument or Instrument()
     flat, total = arm.planar(), len(table.row)
+    if "camera" in instrument.kinds:
+        return _of_camera(columns, table, held, arm)
     rest = {name: column for name, column in columns.items() if name not in (*dict(_NUMBERS), _ALONG_BAR)}
     said: list[str] = []
     numbers: list[tuple[int, Array]] = []
@@ -125,6 +128,30 @@ def sights_of(
         said.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
     sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(labels)))
     return sights, rest, rejected, said
+
+
+def _of_camera(
+    columns: dict[str, ReadColumn], table: Table, held: ReadingSettings, arm: Arm
+) -> tuple[Sights, dict[str, ReadColumn], list[RejectedRow], list[str]]:
+    """Where a target is in a camera's frame: whole rows."""
+    if arm.planar():
+        would_do = "`observes: position`, `frame: free`, `tool: free`, `orientation: free`"
+        raise InputError(held.file, "observes", f"camera needs an arm in space; of one in the plane, write {would_do}")
+    for name in ("x", "y", "z"):
+        if name not in columns:
+            would_do = f"of a camera, z is how deep; write {example_headers(name, arm)}"
+            raise InputError(table.file, name, f"is missing: {would_do}")
+    reasons: dict[int, list[str]] = {}
+    for name in ("x", "y", "z"):
+        for index in np.flatnonzero(~np.isfinite(columns[name].values)).tolist():
+            reasons.setdefault(index, []).append(columns[name].fault(index))
+    values = np.stack([columns[name].values for name in ("x", "y", "z")], axis=1)
+    total, instrument = len(values), held.instrument or Instrument()
+    slots = np.tile(np.arange(CAMERA, CAMERA + 3), (total, 1))
+    rest = {name: column for name, column in columns.items() if name not in ("x", "y", "z")}
+    rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
+    sights = Sights(np.nan_to_num(values), slots, np.full(total, -1), None, instrument)
+    return sights, rest, rejected, []
 
 
 def _labelled(

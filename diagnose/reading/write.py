@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from arm.chain.chain import Arm
-from diagnose.instruments.instrument import BAR, DISTANCE, KINDS, LABELS, NAMES, TILT_X, TILT_Y, Slots
+from diagnose.instruments.instrument import BAR, CAMERA, DISTANCE, KINDS, LABELS, NAMES, TILT_X, TILT_Y, Slots
 from diagnose.recording import Recording
 from sections.numeric import Array
 from units.quantities import format_quantity
@@ -33,7 +33,12 @@ def settings_text(recording: Recording) -> str:
     lines = [f"frame: {recording.frame}\n", f"tool: {recording.tool}\n"]
     if recording.orientation is not None:
         lines.append(f"orientation: {recording.seat}\n")
-    if recording.sigma is not None:
+    if recording.sigma_angle is not None:
+        lines.insert(0, f"sigma_angle: {format_quantity(recording.sigma_angle, 'angle')}\n")
+    if recording.sigma_axes is not None:
+        each = ", ".join(format_quantity(value, "length") for value in recording.sigma_axes)
+        lines.insert(0, f"sigma: [{each}]\n")
+    elif recording.sigma is not None:
         lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
     lines += [
         f"{key}: {json.dumps(value, ensure_ascii=False)}\n"
@@ -55,6 +60,8 @@ def _instrument(recording: Recording) -> list[str]:
     if "distance" in own.kinds:
         at = "free" if own.anchor is None else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in own.anchor)}]"
         lines.append(f"anchor: {at}\n")
+    if "camera" in own.kinds:
+        lines.append(f"camera: {own.camera}\n")
     if "tilt" in own.kinds:
         lines.append(f"tilt_link: {own.tilt_link or 'base'}\n")
     return lines
@@ -77,6 +84,10 @@ def label_columns(recording: Recording) -> Iterator[tuple[str, tuple[str, ...]]]
 
 def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Array, int]]:
     """The numbers of a recording that does not hold the whole place; nan where a row holds none."""
+    for axis in range(3):
+        if (own := slots == CAMERA + axis).any():
+            values = np.where(own, recording.tip, 0.0).sum(axis=1)
+            yield f"{'xyz'[axis]}_mm", np.where(own.any(axis=1), 1e3 * values, np.nan), 5
     for slot in sorted(set(slots[slots <= DISTANCE].tolist())):
         values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
         yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5
@@ -86,7 +97,7 @@ def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Arr
             tilt = np.degrees(np.arcsin(np.clip(values, -1.0, 1.0)))
             yield f"{NAMES[slot].replace(' ', '_')}_deg", np.where((slots == slot).any(axis=1), tilt, np.nan), 6
     if recording.bar_at is not None:
-        yield "bar_mm", np.where((slots >= BAR).any(axis=1), 1e3 * recording.bar_at, np.nan), 5
+        yield "bar_mm", np.where(((slots >= BAR) & (slots < CAMERA)).any(axis=1), 1e3 * recording.bar_at, np.nan), 5
 
 
 def cell(value: float, digits: int) -> str:

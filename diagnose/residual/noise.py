@@ -100,7 +100,7 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
         measured is not None
         and declared is not None
         and not coarse
-        and _differ(cleaned, declared, width, rules.disagree)
+        and _differ(cleaned, own_of(recording, declared, width), width, rules.disagree)
     )
     if disagree and measured is not None and declared is not None:
         warnings.append(
@@ -110,7 +110,8 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     if measured is not None and (declared is None or disagree or (dof >= rules.enough_freedom and not coarse)):
         sigma, source, rested = tuple(float(each) for each in measured), "repeats", dof
     elif declared is not None:
-        sigma, source, rested = tuple(max(declared, float(each)) for each in least), "declared", 0
+        sigma = tuple(np.maximum(own_of(recording, declared, width), least).tolist())
+        source, rested = "declared", 0
     else:
         sigma, source, rested = None, "none", 0
         again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
@@ -339,9 +340,15 @@ def _contrasts(values: Array) -> Array:
     return np.array(found)
 
 
-def _differ(cleaned: _Cleaned, declared: float, width: int, chance: float) -> bool:
+def own_of(recording: Recording, declared: float, width: int) -> Array:
+    """The declared standard deviation of each component (D,), m."""
+    axes = recording.sigma_axes
+    return np.array(axes) if axes is not None and len(axes) == width else np.full(width, declared)
+
+
+def _differ(cleaned: _Cleaned, declared: Array, width: int, chance: float) -> bool:
     """Whether the repeats' scatter is one that the declared sigma gives more seldom than `chance`."""
-    total = float(np.sum(cleaned.squares)) / declared**2
+    total = float(np.sum(cleaned.squares / declared**2))
     dof = width * cleaned.degrees_of_freedom
     return min(float(chi2.cdf(total, dof)), float(chi2.sf(total, dof))) < chance / 2.0
 

@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from arm.chain.arrays import columns, matrices
 from arm.chain.chain import Arm, EffectEntry, FloatVector
@@ -24,6 +25,7 @@ from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
+from diagnose.instruments.camera import Sight, is_camera
 from diagnose.instruments.level import link_of_levels, stand_of
 from diagnose.instruments.view import View, viewed
 from diagnose.recording import Recording
@@ -127,27 +129,45 @@ class Observed:
 
     def stacked(self, channels: Channels) -> Array:
         """Channels as (N, C), in the order of `residual`."""
-        parts = [self.of_tip(channels.tip, channels.level)]
+        parts = [self.of_tip(channels.tip, channels.level if self.sight is None else channels.turn)]
         parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
-        if channels.turn is not None:
+        if self.has_turns and channels.turn is not None:
             parts.append(self.turns(channels.turn))
         return np.concatenate(parts, axis=1)
+
+    @property
+    def sight(self) -> Sight | None:
+        """What a camera sees; None where none was used."""
+        return None if self.view is None else self.view.sight
+
+    @property
+    def has_turns(self) -> bool:
+        """Whether readings say how the tool is turned."""
+        return self.asked.turn and bool(has_orientation(self.recording).any())
 
     @property
     def turn_columns(self) -> slice:
         """Where in a row the turns of the tool stand; nowhere if there are none."""
         count = self.residual.shape[1]
-        return slice(count - (turns_measured(self.space) if self.asked.turn else 0), count)
+        return slice(count - (turns_measured(self.space) if self.has_turns else 0), count)
 
     def turns(self, turn: Array) -> Array:
-        """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3): nought where a row has none."""
+        """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3), by a camera about its own: nought
+        where a row has none."""
+        if self.sight is not None:
+            turn = np.einsum("nab,na->nb", self.sight.axes, turn)
         shown = turn[:, -turns_measured(self.space) :]
         return shown * has_orientation(self.recording)[:, None]
 
     def signature(self, effect: str, settings: Settings) -> Array:
         """What an effect moves in every column (N, C), m and rad."""
         found = self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
-        if self.view is not None and effect == INSTRUMENT_SCALE.id:
+        if self.sight is not None and effect == INSTRUMENT_SCALE.id:
+            # A target that is not printed to scale: all that is read is too large in proportion.
+            found[:] = 0.0
+            read = self.recording.tip - self.sight.residual
+            found[:, : self.components] = settings.values.get("scale", 0.0) * read
+        elif self.view is not None and effect == INSTRUMENT_SCALE.id:
             # Positions are too far out in proportion; a distance has no origin, and a touch no number.
             found[:, : self.components][~self.view.framed] = 0.0
         stretch = settings.values.get("stretch", 0.0) if effect == LINK_LENGTH.id else 0.0
@@ -270,7 +290,7 @@ def observe(
         joint_side=recording.joint_side is not None,
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
-        turn=bool(has_orientation(recording).any()),
+        turn=bool(has_orientation(recording).any()) or is_camera(recording),
         levels=link_of_levels(recording),
     )
     nominal, state, modelled, alignment, first, view = _placed(
@@ -295,7 +315,10 @@ def observe(
         parts.append(target - target.mean(axis=0) - modelled.base)
     if recording.commanded is not None and modelled.command is not None:
         parts.append(recording.q - recording.commanded - modelled.command)
-    if modelled.turn is not None:
+    if view is not None and view.sight is not None:
+        if (there := has_orientation(recording)).any():
+            parts.append(view.sight.turned + np.einsum("nab,na->nb", view.sight.axes, first) * there[:, None])
+    elif modelled.turn is not None:
         left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
         parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
@@ -423,6 +446,9 @@ def _placed(
     tips = columns(nominal.tip(), recording.size) + shape.tip
     if recording.slots is not None:
         directions = matrices(shape.state.frames.orientation, recording.size)
+        if is_camera(recording):
+            straight = matrices(nominal.frames.orientation, recording.size)
+            directions, level = Rotation.from_rotvec(shape.turn).as_matrix() @ straight, turn
         stand = stand_of(recording, arm)
         stands = None if stand is None else stand.turned(levels_of(shape, whole, asked))
         view = viewed(recording, tips, directions, stands, flat=arm.planar(), rules=rules)
@@ -462,10 +488,12 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
     with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
-    first, _, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
+    first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]
     turned = [None, None]
+    if observed.sight is not None:
+        turned, level = [with_them.turn, without.turn], turn
     if asked.levels is not None:
         turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
     beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])

@@ -43,8 +43,7 @@ def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation:
 def tool_turns(recording: Recording, state: PoseState, width: int) -> Array:
     """How a small turn of the target on the tool shows, (N, 3, k): about the last link's axes, or the one of the
     plane."""
-    columns = matrices(state.frames.orientation, recording.size)[:, :, 2 if width == 2 else 0 :]
-    return columns * has_orientation(recording)[:, None, None]
+    return matrices(state.frames.orientation, recording.size)[:, :, 2 if width == 2 else 0 :]
 
 
 def has_orientation(recording: Recording) -> NDArray[np.bool_]:
@@ -93,4 +92,6 @@ def _measured(recording: Recording) -> Rotation:
     matrices = np.broadcast_to(np.eye(3), (recording.size, 3, 3)).copy()
     if recording.orientation is not None:
         matrices[sound] = recording.orientation[sound]
-    return Rotation.from_matrix(matrices)
+    found = Rotation.from_matrix(matrices)
+    # A camera on the tool reads how a fixed target is turned before it, which is how it is turned the other way round.
+    return found.inv() if recording.instrument.camera == "on_tool" else found

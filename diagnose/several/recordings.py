@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import tip_position
+from diagnose.instruments.camera import is_camera
 from diagnose.instruments.split import as_scalars
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
 from sections.numeric import Array
+from units.quantities import InputError
 
 _PAUSE = 0.05
 """The share of all that was recorded by which the clocks of two recordings are set apart."""
@@ -204,6 +206,10 @@ def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Reco
 
 def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:
     """The recordings as they are where all hold the same; else each number of theirs is a reading of its own."""
+    cameras = [is_camera(each) for each in recordings]
+    if any(cameras) and not all(cameras):
+        file = recordings[cameras.index(True)].file
+        raise InputError(file, "observes", "is of a camera, and other recordings are not; diagnose them apart")
     kinds = {None if each.slots is None else tuple(map(tuple, np.unique(each.slots, axis=0))) for each in recordings}
     if len(kinds) == 1 or all(each.slots is None for each in recordings):
         return recordings

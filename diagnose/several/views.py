@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from diagnose.instruments.camera import joined_sights
 from diagnose.instruments.view import View
 
 
@@ -37,6 +38,7 @@ def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View 
         distances=np.concatenate([view.distances for view in found]),
         framed=np.concatenate([view.framed for view in found]),
         settled=np.concatenate([view.settled for view in found]),
+        sight=joined_sights([view.sight for view in found]),
         rises=np.concatenate([view.rises for view in found]),
         up=next((view.up for view in found if view.up.any()), found[0].up),
     )

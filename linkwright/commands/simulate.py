@@ -23,7 +23,12 @@ compliance: 21 urad/(N*m)}'
 """
 
 
-_SETTINGS = frozenset({"sigma", "frame", "tool", "observes", "direction", "anchor", "tilt_link", "tip"})
+_SETTINGS = frozenset(
+    {
+        "sigma", "sigma_angle", "frame", "tool", "orientation", "observes", "direction", "anchor", "tilt_link",
+        "camera", "tip",
+    }
+)  # fmt: skip
 
 
 def simulate(
@@ -64,7 +69,7 @@ def simulate(
         str,
         typer.Option(
             "--observe",
-            help="position, some of x, y, z (xy), along, distance, same_point, plane, tilt or bar.",
+            help="position, some of x, y, z (xy), along, distance, same_point, plane, tilt, bar or camera.",
         ),
     ] = "position",
     direction: Annotated[
@@ -81,6 +86,9 @@ def simulate(
     ] = None,
     bar: Annotated[
         str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
+    ] = None,
+    camera: Annotated[
+        str | None, typer.Option("--camera", metavar="WHERE", help="Of a camera: fixed, or on_tool.")
     ] = None,
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
@@ -133,6 +141,7 @@ def simulate(
                 anchor_free=anchor_free,
                 tilt_link=tilt_link,
                 bar=_listed(bar),
+                camera=camera,  # pyright: ignore[reportArgumentType] - what it can be is checked there
                 at=at,
             )
         made.save(out)

@@ -28,7 +28,8 @@ NO_RULES = {
     "fitting/refit.py": {"_NEWTON", "_ROUNDING", "_SCAN", "_SETTLED", "_SHARES", "_SWEEPS", "_TOGETHER"},
     "fitting/terms.py": {"DIFFERENCE"},
     "instruments/checks.py": {"_SCALES"},
-    "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, TILT_X, TILT_Y, BAR, COUNT"},
+    "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
+    "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, TILT_X, TILT_Y, BAR, CAMERA, COUNT"},
     "instruments/touching.py": {"_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_FOUND", "_LONGEST"},
@@ -54,7 +55,9 @@ NO_RULES = {
     "watch/course.py": {"FEWEST", "_SWEEPS"},
     "watch/estimates.py": {"_RIDGE"},
     "watch/evidence.py": {"_LEAST_SCALE", "_MEDIAN", "_NOTHING"},
-    "simulate.py": {"_ASKEW", "_BETWEEN_READINGS, _BETWEEN_VISITS", "_OUTLIERS", "_BASE_TARGET"},
+    "simulate.py": {
+        "_ASKEW", "_BETWEEN_READINGS, _BETWEEN_VISITS", "_OUTLIERS", "_BASE_TARGET", "_DEEP, _TARGET", "_AWAY, _ON_TOOL"
+    },
 }
 
 COUNTED = ("readings", "visits", "poses", "observations", "degrees of freedom", "pairs of readings")

@@ -1,0 +1,93 @@
+"""What a camera's readings say of the camera itself: its scatter, its focal length, what its frames take up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diagnose.fitting.prepare import Prepared
+from diagnose.fitting.terms import Term
+from diagnose.instruments.camera import DEPTHS
+from diagnose.residual.noise import NoiseFloor
+from diagnose.residual.observed import Observed
+from sections.numeric import Array
+from units.quantities import format_quantity
+
+
+def of_camera(prepared: Prepared, terms: Sequence[Term], noise: NoiseFloor) -> tuple[str, ...]:
+    """Sentences on a camera; none of another instrument."""
+    observed = prepared.observed
+    if observed.sight is None:
+        return ()
+    frames = [each for each in ("frame", "tool") if getattr(observed.recording, each) == "free"]
+    said: list[str] = []
+    if frames:
+        what = "both the camera and the target are" if len(frames) > 1 else "one of camera and target is"
+        taken = "whatever moves the base or the tool as a whole cannot be told from them"
+        said.append(f"Where {what} nobody knows: six numbers each are fitted along, and {taken}.")
+    said += _scatter(observed, noise)
+    return (*said, *_depths(prepared, terms))
+
+
+def turn_scatter(observed: Observed) -> tuple[float, int]:
+    """By how much turns of one visit differ about each axis (rad, RMS), and the degrees of freedom of that."""
+    turned = observed.residual[:, observed.turn_columns]
+    visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)
+    count = np.bincount(visit)
+    means = np.stack([np.bincount(visit, weights=column) / count for column in turned.T], axis=1)
+    freedom = int(np.sum(count - 1)) * turned.shape[1]
+    return (float(np.sqrt(np.sum((turned - means[visit]) ** 2) / freedom)) if freedom else 0.0), freedom
+
+
+def _scatter(observed: Observed, noise: NoiseFloor) -> list[str]:
+    said: list[str] = []
+    if noise.sigma is not None and len(noise.sigma) == 3:
+        across = format_quantity(float(np.hypot(*noise.sigma[:2])) / np.sqrt(2.0), "length", digits=2)
+        deep = format_quantity(noise.sigma[2], "length", digits=2)
+        said.append(f"The camera scatters by {across} across its view and by {deep} in depth; each weighs by its own.")
+    if not observed.has_turns:
+        return said
+    own, freedom = turn_scatter(observed)
+    declared, rules = observed.recording.sigma_angle, observed.rules.residual
+    if freedom >= rules.enough_freedom and own > 0.0:
+        angle = format_quantity(own, "angle", digits=2)
+        said.append(f"Its turns scatter by {angle} about each axis.")
+        # The standard error of a standard deviation.
+        if declared is not None and abs(own / declared - 1.0) > rules.torque_sure / np.sqrt(2.0 * freedom):
+            given = format_quantity(declared, "angle", digits=2)
+            said[-1] += f" Declared are {given} (sigma_angle): chance does not explain the difference."
+    return said
+
+
+def _depths(prepared: Prepared, terms: Sequence[Term]) -> list[str]:
+    """How much too long depths are read, where that is beyond doubt."""
+    observed, sight = prepared.observed, prepared.observed.sight
+    if sight is None or DEPTHS not in prepared.beside_names:
+        return []  # of several cameras each has depths of its own
+    at = prepared.beside_names.index(DEPTHS)
+    columns = np.concatenate([prepared.beside, *(term.columns for term in terms)], axis=2)
+    design, left = observed.whitened(columns), observed.whitened(observed.residual)
+    value, error = _told(design, left, at)
+    share = value + sight.depth
+    if not error > 0.0 or abs(share) <= observed.rules.residual.torque_sure * error:
+        return []
+    low, high = (100.0 * (abs(share) + times * error) for times in (-1.96, 1.96))
+    way = "long" if share > 0.0 else "short"
+    return [
+        f"Depths are read {100.0 * abs(share):.3g} % too {way} ({low:.3g} to {high:.3g} %): the focal length that "
+        "the camera is taken to have is off by so much. That is fitted along."
+    ]
+
+
+def _told(design: Array, left: Array, at: int) -> tuple[float, float]:
+    """One value of a least-squares fit and its standard error."""
+    size = np.linalg.norm(design, axis=0)
+    scaled = design / np.where(size > 0.0, size, 1.0)
+    u, s, vt = np.linalg.svd(scaled, full_matrices=False)
+    told = s > 1e-9 * s[0]
+    values = vt[told].T @ ((u[:, told].T @ left) / s[told])
+    freedom = max(len(left) - int(told.sum()), 1)
+    variance = float(np.sum((left - scaled @ values) ** 2)) / freedom
+    spread = variance * float(np.sum((vt[told][:, at] / s[told]) ** 2))
+    return float(values[at] / size[at]), float(np.sqrt(spread) / size[at])
