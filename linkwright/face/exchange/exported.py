@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from arm.descriptions.formats import Exported as Found
 from arm.descriptions.formats import export_arm as exported
-from linkwright.drawings.parts import listed
+from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
 from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result
 from linkwright.json.exchange import export_json
 from linkwright.output.files import write_file
+from linkwright.output.table_file import WAYS, write_table
 from units.quantities import InputError, shown
 
 from .imported import skeleton
@@ -61,10 +62,14 @@ class Export(Result):
         return skeleton(self.arm.model)
 
     def save(self, folder: File) -> None:
-        """Write the file; into a folder under the name `arm` with the format's ending."""
+        """Write the file; into a folder under the name `arm` with the format's ending. A list of parts is a table, of
+        the kind that its name says: .csv, .parquet, .md, .tex."""
         place = Path(folder)
         target = place / f"arm{SUFFIXES[self.found.format]}" if place.is_dir() else place
-        write_file(target, self.found.text)
+        if self.found.format == "bom" and target.suffix.lower() in WAYS:
+            write_table(parts(self.arm.model), target)
+        else:
+            write_file(target, self.found.text)
 
     def _content(self) -> Mapping[str, Any]:
         return export_json(self.found)

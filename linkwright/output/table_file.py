@@ -1,0 +1,87 @@
+"""A table as a file of the kind that its name says: CSV, parquet, Markdown or LaTeX."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from units.quantities import InputError
+from units.spreadsheet import defused
+
+from .files import write_file
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_DIGITS = 6
+"""Of numbers in tables that people read."""
+_LATEX = str.maketrans(
+    {
+        "\\": r"\textbackslash{}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+        **{each: f"\\{each}" for each in "&%$#_{}"},
+    }
+)
+_MARKDOWN = str.maketrans({"|": r"\|", "\n": " ", "<": "&lt;"})
+
+
+def write_table(table: pd.DataFrame, file: Path) -> None:
+    """Write a table, its columns' names with their units as its head: .csv, .parquet (.pq), .md or .tex (booktabs).
+    Raises `InputError` for another ending, for parquet without pyarrow, and where the file cannot be written."""
+    way = WAYS.get(file.suffix.lower())
+    if way is None:
+        raise InputError(file, "", f"is of no kind that a table can be written as: {', '.join(WAYS)}")
+    write_file(file, way(table))
+
+
+def _csv(table: pd.DataFrame) -> str:
+    return str(table.map(defused).to_csv(index=False, lineterminator="\n"))
+
+
+def _parquet(table: pd.DataFrame) -> bytes:
+    stream = io.BytesIO()
+    try:
+        table.to_parquet(stream, index=False)
+    except ImportError:
+        message = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]'"
+        raise InputError("", "", message) from None
+    return stream.getvalue()
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return f"{value:.{_DIGITS}g}" if isinstance(value, float) else str(value)
+
+
+def _rows(table: pd.DataFrame, escapes: Mapping[int, str]) -> list[list[str]]:
+    every = [list(table.columns), *table.itertuples(index=False, name=None)]
+    return [[_cell(each).translate(escapes) for each in row] for row in every]
+
+
+def _markdown(table: pd.DataFrame) -> str:
+    head, *rows = _rows(table, _MARKDOWN)
+    marks = ["---:" if each else "---" for each in _numeric(table)]
+    return "".join(f"| {' | '.join(row)} |\n" for row in (head, marks, *rows))
+
+
+def _latex(table: pd.DataFrame) -> str:
+    head, *rows = (" & ".join(row) + r" \\" for row in _rows(table, _LATEX))
+    kinds = "".join("r" if each else "l" for each in _numeric(table))
+    begin = [r"% needs \usepackage{booktabs}", rf"\begin{{tabular}}{{{kinds}}}", r"\toprule"]
+    return "\n".join([*begin, head, r"\midrule", *rows, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def _numeric(table: pd.DataFrame) -> list[bool]:
+    return [kind.kind in "iuf" for kind in table.dtypes]
+
+
+WAYS: Mapping[str, Callable[[Any], str | bytes]] = MappingProxyType(
+    {".csv": _csv, ".parquet": _parquet, ".pq": _parquet, ".md": _markdown, ".tex": _latex}
+)
+"""How a table is written, by the ending of the file."""
