@@ -10,7 +10,9 @@ import numpy as np
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
 from diagnose.answer.sentences import of_branches, put_right
+from diagnose.fitting.origins import located
 from diagnose.fitting.prepare import prepare
+from diagnose.residual.free_origins import turned_by, with_origins_of
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
 from diagnose.residual.orientation import with_sound_orientation
@@ -46,8 +48,24 @@ def diagnose(
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
-    began = time.perf_counter()
     asked, tell = options or Options(), progress or _silent
+    own = asked.rules.fitting
+    if arm.unknown_origins:
+        tell("finding the fixed transforms that are free", 0.0)
+    placed = located(arm, recording, rules=asked.rules)
+    found = _diagnosed(placed, recording, asked, tell, executor)
+    for _ in range(own.origin_passes - 1 if arm.unknown_origins else 0):
+        again = with_origins_of(placed, found.corrected)
+        if turned_by(placed, again) ** 2 * sum(arm.lengths) <= own.origin_beyond * found.rms_after:
+            break
+        placed = again
+        found = _diagnosed(placed, recording, asked, tell, executor)
+    return found
+
+
+def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, executor: Executor | None) -> Diagnosis:
+    """What an arm's model leaves out, its free transforms about where they stand."""
+    began = time.perf_counter()
     tell("noise floor", 0.0)
     rules = asked.rules
     recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)

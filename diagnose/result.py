@@ -35,6 +35,19 @@ class FittedParameter:
 
 
 @dataclass(frozen=True)
+class FoundOrigin:
+    """A fixed transform that the arm file leaves free, as it was found: in front of which joint (from 1), its shift
+    (m, in the frame before it) and fixed-axis roll, pitch and yaw (rad), and the numbers that were free with their
+    intervals. `swallowed` is what cannot be told from it, by effect and place."""
+
+    joint: int
+    shift: tuple[float, float, float]
+    turn: tuple[float, float, float]
+    parameters: tuple[FittedParameter, ...]
+    swallowed: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+
+@dataclass(frozen=True)
 class Alternative:
     """What the data cannot tell from a named effect: where it acts (from 1), and how alike the two patterns are.
 
@@ -285,6 +298,7 @@ class Diagnosis:
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
     or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
     together (none named: one), `differences` what is not the same in all of them.
+    `origins` are fixed transforms that the arm file leaves free, as they were found.
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -324,6 +338,7 @@ class Diagnosis:
     recordings: tuple[OfRecording, ...] = ()
     differences: tuple[Difference, ...] = ()
     shown: Array | None = None
+    origins: tuple[FoundOrigin, ...] = ()
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

@@ -14,6 +14,7 @@ from arm.actuators import Actuator, load_actuators
 from arm.chain.chain import Arm, Calibrated, LoadCase, askew
 from arm.chain.vectors import ZERO
 from arm.errors.parts import Part
+from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import read_arm, read_load
 from arm.worst.workspace import Workspace
 from materials.catalogue import Catalogue, load_catalogue
@@ -101,6 +102,8 @@ def read_problem(
 
 def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingLike[str, Figure] = FIGURES) -> Problem:
     """The problem that a mapping describes, for an arm read already; every key of it but `arm` is accounted for."""
+    if arm.unknown_origins:
+        raise mapping.error("arm", f"chain[{arm.unknown_origins[0] + 1}].origin {UNKNOWN_ORIGIN}")
     with mapping.reading("arm"):
         objectives = [figure.name for figure in figures.values() if figure.minimised]
         minimize = mapping.choice("minimize", objectives, "max_error")
@@ -412,6 +415,11 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if lower > upper * (1.0 + 1e-9):
             low, high = format_quantity(lower, figure.kind), format_quantity(upper, figure.kind)
             raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
+    if problem.link_length is not None and any(link.runs_out for link in problem.arm.links):
+        message = "goes with links whose length stays; what runs out of a sleeve (bends_over) is as long as its slide"
+        raise body.error("link_length", f"{message} goes: leave it out")
+    if problem.taper is not None and any(link.runs_out for link in problem.arm.links):
+        raise body.error("taper", "goes without links that run out of a sleeve (bends_over), which are uniform")
     _check_reach(body, problem)
     driven = any(joint.actuator is not None for joint in problem.arm.joints)
     if problem.limit("torque_use") and problem.actuators is None and not driven:

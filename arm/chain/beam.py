@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from .vectors import ZERO, Scalar, Vector, plus, times
+from .vectors import ZERO, Scalar, Vector, minus, plus, times
 
 if TYPE_CHECKING:
     from materials.material import MaterialValues
@@ -100,6 +100,7 @@ class Beam:
     `log_taper` is the logarithm of the far end's size over that at the joint, where the two are alike.
     Of what an optimiser chooses beside sections, `balancer` is the figure of the joint's counterbalance,
     `counterweight` (kg) the mass on the joint's housing and `counterweight_at` (m) where that is along the link.
+    `housed` (kg) is what of a link that runs out of a sleeve is still in it.
     """
 
     length: Scalar
@@ -122,6 +123,11 @@ class Beam:
     balancer: Scalar = 0.0
     counterweight: Scalar = 0.0
     counterweight_at: Scalar = 0.0
+    housed: Scalar = 0.0
+
+    def run_out(self, length: Scalar) -> Beam:
+        """The beam that has run out of its sleeve so far (m): the rest is housed."""
+        return replace(self, length=length, housed=times(self.mass_per_length, minus(self.length, length)))
 
     @property
     def calibrated(self) -> Beam:

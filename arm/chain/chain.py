@@ -32,6 +32,8 @@ JointType = Literal["revolute", "prismatic"]
 PlayMode = Literal["worst", "loaded", "statistical"]
 AngleConvention = Literal["relative", "absolute"]
 
+OriginPart = Literal["x", "y", "z", "roll", "pitch", "yaw"]
+"""A number of a fixed transform: a shift (m) in the frame before it, or an angle (rad) of its turn about fixed axes."""
 
 Zones = tuple[tuple[float, float], ...]
 """Zones of load, each with the load at which it ends (the last: infinite) and the stiffness within it."""
@@ -52,6 +54,8 @@ class Joint:
     is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
     it. `cost` (EUR) is what the joint costs with its drive, as of `cost_date` (`2026-01`); None: what its drive does.
     `passive` says that it has no drive: it is turned by hand, or by what holds the tip, and an encoder reads it.
+    `origin_free` names what nobody knows of where its frame stands on the link before (see `OriginPart`): a diagnosis
+    finds it, and the figures here are a guess.
     """
 
     type: JointType = "revolute"
@@ -74,6 +78,7 @@ class Joint:
     cost_date: str = ""
     balancer_chosen: str = field(default="", compare=False)
     passive: bool = False
+    origin_free: tuple[OriginPart, ...] = ()
 
     @property
     def driven(self) -> bool:
@@ -95,7 +100,9 @@ class Link:
     link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
     `section_name` is the stock size that the section was named by, `material_given` what the file said of the
     material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
-    machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`).
+    machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`). One that `runs_out` slides along
+    itself out of a sleeve where its joint, a slide, stands at zero: it is a cantilever as long as its joint's
+    coordinate (with its `zero`), and what has not run out stays in the sleeve and weighs there.
     """
 
     length: float
@@ -111,6 +118,7 @@ class Link:
     masses: tuple[PointMass, ...] = ()
     cost: float | None = None
     cost_date: str = ""
+    runs_out: bool = False
 
     @property
     def elastic(self) -> bool:
@@ -254,6 +262,11 @@ class Arm:
             if link.section is not None and askew(link.section):
                 return False
         return self.gravity[2] == 0.0 and self.tool[2] == 0.0
+
+    @property
+    def unknown_origins(self) -> tuple[int, ...]:
+        """The joints (from 0) in front of which stands a fixed transform that nobody knows, or not all of it."""
+        return tuple(index for index, joint in enumerate(self.joints) if joint.origin_free)
 
     @property
     def carried_mass(self) -> float:

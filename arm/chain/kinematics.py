@@ -148,7 +148,10 @@ def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None
         else:
             matrix = state.matrix()
             axis = rotate(matrix, joint.axis)
-            lead = add(lead, scale(moved, axis))
+            if link.runs_out:
+                span = moved
+            else:
+                lead = add(lead, scale(moved, axis))
         height, width = section_directions(link, joint)
         along = rotate(matrix, link.direction)
         joints.append(JointFrame(lead, axis, before))

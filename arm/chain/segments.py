@@ -43,7 +43,14 @@ class Pieces:
     def beams(self, beams: Sequence[Beam], lengths: Sequence[Scalar]) -> list[Beam]:
         """Each link's beam shared out among its pieces, for links of these lengths (m)."""
         counts = [len(self.of(link)) for link in range(len(self.first))]
-        return [replace(beams[o], length=times(1.0 / counts[o], lengths[o])) for o in self.owner]
+        return [
+            replace(
+                beams[o],
+                length=times(1.0 / counts[o], lengths[o]),
+                housed=beams[o].housed if piece == self.first[o] else 0.0,
+            )
+            for piece, o in enumerate(self.owner)
+        ]
 
     def conditions(self, held: Conditions) -> Conditions:
         """The conditions, with a temperature for each piece."""
@@ -66,7 +73,9 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         follows = None if joint.follows is None else joint.follows.moved(dict(enumerate(first)))
         joints += [replace(joint, spans=count, follows=follows), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
-        piece = replace(link, length=link.length / count, end_rotation=IDENTITY, height_direction=height)
+        piece = replace(
+            link, length=link.length / count, end_rotation=IDENTITY, height_direction=height, runs_out=False
+        )
         parts = [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
         links += [
             replace(each, masses=_at_ends(link, first=number == 0, last=number == count - 1))

@@ -132,6 +132,8 @@ def solve(
     case = arm.payload if load is None else load
     rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
+    # On a shape that is given, beams are as long as they have run out to there.
+    beams = beams if frames is not None else run_out(arm, beams, q)
     held = Conditions() if conditions is None else conditions
     pull: Vector = arm.gravity if gravity is None else gravity
     pushed: Vector = case.force if tip_force is None else tip_force
@@ -159,7 +161,7 @@ def solve(
         weight = scale(times(beam.mass_per_length, beam.length), pull)
         half = add(force, scale(beam.taper.balance, weight))
         base_moment = add(moment, cross(frame.vector, half))
-        base_force = add(force, weight)
+        base_force = add(add(force, weight), scale(beam.housed, pull))
         if not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
             lumped = scale(beam.lumped_mass, pull)
             base_moment = add(base_moment, cross(scale(beam.lumped_at, frame.along), lumped))
@@ -296,6 +298,17 @@ def _only_drive(here: Scalar, joint: JointState) -> JointState:
 def unladen(arm: Arm) -> Arm:
     """The arm without the payloads of branches that the tip is not of."""
     return replace(arm, branches=tuple(replace(each, payload=LoadCase()) for each in arm.branches))
+
+
+def run_out(arm: Arm, beams: Sequence[Beam], q: Sequence[Scalar]) -> Sequence[Beam]:
+    """The beams at coordinates q (rad, m): those that run out of a sleeve as long as they have."""
+    if not any(link.runs_out for link in arm.links):
+        return beams
+    own = turns(arm, q)
+    return [
+        beam.run_out(plus(own[k], arm.joints[k].zero)) if arm.links[k].runs_out else beam
+        for k, beam in enumerate(beams)
+    ]
 
 
 class _Couplings:

@@ -89,6 +89,9 @@ def structure(arm: Arm, *, springs: bool) -> Structure:
     if arm.angles == "absolute":
         message = "are absolute: each drive holds its link against the base, which no such format knows"
         raise InputError("", "angles", message)
+    if any(link.runs_out for link in arm.links):
+        message = "runs out of a sleeve (bends_over), and no such format knows parts whose length changes"
+        raise InputError("", f"link {[link.runs_out for link in arm.links].index(True) + 1}", message)
     arm = _found_geometry(arm)
     beams = beams_of(arm)
     pieces: list[Piece] = []

@@ -81,6 +81,19 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
     )
 
 
+def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Channels:
+    """What twists of the arm's body (how its parts are put together) move in every channel: no drive, no command and no
+    base knows of them."""
+    return Channels(
+        columns(carried_to_tip(state, twists), asked.rows),
+        _none(asked, asked.joint_side, len(state.joints)),
+        _base((), asked),
+        _none(asked, asked.command, len(state.joints)),
+        columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
+        None if asked.levels is None else turned_levels(state, twists, asked.levels),
+    )
+
+
 def _levels(
     state: PoseState, effect: Effect, settings: Settings, twists: Sequence[Twist], levels: NDArray[np.int64]
 ) -> Array:

@@ -12,7 +12,8 @@ from materials.catalogue import Catalogue
 from units.quantities import shown
 from units.reading import Mapping, nearest
 
-from .chain_entries import Entry, joined, read_entry, read_origin, read_vector
+from .chain_entries import Entry, joined, read_entry
+from .origin import read_origin, read_vector
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _FEWEST = 2
@@ -65,7 +66,7 @@ def _entries(body: Mapping, catalogue: Catalogue) -> list[Entry]:
     chain = body.mappings("chain")
     if not chain:
         raise body.error("chain", "is empty; a branch has at least one joint with its link")
-    entries = [read_entry(each, catalogue, len(chain)) for each in chain]
+    entries = [read_entry(each, catalogue, number, len(chain)) for number, each in enumerate(chain, start=1)]
     for number, entry in enumerate(entries, start=1):
         for name, there in (("follows", entry.joint.follows), ("motor", entry.motor)):
             if there is not None:
@@ -75,7 +76,8 @@ def _entries(body: Mapping, catalogue: Catalogue) -> list[Entry]:
     if body.has("origin"):
         if entries[0].origin is not None:
             raise body.error("origin", "is given by the branch's first joint already; leave one of them out")
-        entries[0] = replace(entries[0], origin=read_origin(body))
+        origin, free = read_origin(body)
+        entries[0] = replace(entries[0], origin=origin, joint=replace(entries[0].joint, origin_free=free))
     return entries
 
 

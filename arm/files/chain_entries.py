@@ -21,7 +21,9 @@ from units.reading import Mapping
 from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
 from .following import read_following
+from .origin import read_origin, read_vector
 from .prices import read_cost
+from .running_out import running_out
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -34,13 +36,19 @@ class Entry:
     link: Link
     length_given: bool
     origin: tuple[Rotation, FloatVector] | None
+    """The fixed transform in front of the joint."""
     has_link: bool = False
     modified_dh: bool = False
     motor: Motor | None = None
 
+    @property
+    def shift_free(self) -> bool:
+        """Whether nobody knows where the joint stands, so that the link before cannot run to it."""
+        return any(part in ("x", "y", "z") for part in self.joint.origin_free)
 
-def read_entry(mapping: Mapping, catalogue: Catalogue, size: int) -> Entry:
-    """A joint and the link that it carries, of an arm of so many."""
+
+def read_entry(mapping: Mapping, catalogue: Catalogue, number: int, size: int) -> Entry:
+    """A joint (its number from 1) and the link that it carries, of an arm of so many."""
     with mapping.reading():
         joint, motor = _joint(mapping.mapping("joint"), size)
         has_link = mapping.has("link")
@@ -67,19 +75,14 @@ def read_entry(mapping: Mapping, catalogue: Catalogue, size: int) -> Entry:
         else:
             link = Link(_length(body) if body is not None and given else 0.0)
         link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
+        if body is not None and body.has("bends_over"):
+            link = running_out(body, joint, link, number)
         if mapping.has("origin"):
             if modified:
                 raise mapping.error("origin", "is given by dh already, which says where the joint stands; leave it out")
-            origin = read_origin(mapping)
+            origin, free = read_origin(mapping)
+            joint = replace(joint, origin_free=free)
     return Entry(joint, link, given, origin, has_link, modified, motor)
-
-
-def read_origin(mapping: Mapping) -> tuple[Rotation, FloatVector]:
-    """The rotation and the step (m) that `origin` gives."""
-    with mapping.mapping("origin").reading() as frame:
-        xyz = read_vector(frame, "xyz", "length", ZERO)
-        rpy = read_vector(frame, "rpy", "angle", ZERO)
-    return from_roll_pitch_yaw(*rpy), xyz
 
 
 def _length(body: Mapping) -> float:
@@ -175,7 +178,7 @@ def _axis(mapping: Mapping, default: str) -> FloatVector:
 
 
 def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
-    with mapping.reading("length"):
+    with mapping.reading("length", "bends_over"):
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
         cost, cost_date = read_cost(mapping)
@@ -293,16 +296,19 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
     links: list[Link] = []
     for index, entry in enumerate(entries):
         joint = entry.joint
-        runs_on = index + 1 < len(entries) and entries[index + 1].origin is not None
+        after = entries[index + 1] if index + 1 < len(entries) else None
+        runs_on = after is not None and after.origin is not None and not after.shift_free
         if entry.modified_dh and index and entries[index - 1].length_given:
             raise mapping.error(f"chain[{index + 1}].dh", "is modified, but the entry before gives a length of its own")
         if entry.has_link and not entry.length_given and not runs_on and not entry.modified_dh:
             would_do = "write length: 400 mm, say (0 mm for none)"
+            if after is not None and after.shift_free:
+                would_do = f"the next joint's origin is free and does not say it; {would_do}"
             raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(joint, origin_rotation=compose(rotation, joint.origin_rotation))
-            if index > 0 and not entries[index - 1].length_given:
+            if index > 0 and not entries[index - 1].length_given and not entry.shift_free:
                 links[-1] = along(xyz, links[-1])
             else:
                 joint = replace(joint, origin_translation=snap_vector(xyz))
@@ -314,21 +320,6 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
             motor = PointMass(entry.motor.mass, motor_of=number)
             links[entry.motor.on - 1] = replace(link, masses=(*link.masses, motor))
     return tuple(joints), tuple(links)
-
-
-def read_vector(mapping: Mapping, name: str, kind: str, default: FloatVector) -> FloatVector:
-    """Two or three quantities (SI; the third is 0 where it is left out), or the default where there are none."""
-    if not mapping.has(name):
-        return default
-    values = mapping.items(name)
-    if len(values) not in (2, 3):
-        raise mapping.error(name, f"needs two components (x, y) or three, not {len(values)}")
-    path = mapping.path_of(name)
-    found = [
-        read_quantity(value, kind, file=mapping.file, key=f"{path}[{number}]")
-        for number, value in enumerate(values, start=1)
-    ]
-    return (found[0], found[1], found[2] if len(found) == 3 else 0.0)
 
 
 def not_negative(mapping: Mapping, name: str, kind: str, default: float) -> float:

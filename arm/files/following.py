@@ -107,6 +107,12 @@ def tied(mapping: Mapping, arm: Arm) -> Arm:
         raise mapping.error("angles", "can be absolute only where no joint follows others; write relative")
     joints: list[Joint] = []
     for index, joint in enumerate(arm.joints):
+        for tie in () if joint.follows is None else joint.follows.ties:
+            if arm.links[tie.joint].runs_out:
+                message = (
+                    f"names q{tie.joint + 1}, whose link runs out of a sleeve (bends_over): nothing can follow that"
+                )
+                raise mapping.error(f"chain[{index + 1}].joint.follows", message)
         joints.append(joint if joint.follows is None else _checked(mapping, arm, index, joint, joint.follows))
     arm = replace(arm, joints=tuple(joints))
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (_POSES, arm.size))

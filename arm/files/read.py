@@ -16,8 +16,9 @@ from units.reading import Mapping, load_yaml, nearest
 from units.temperature import REFERENCE_TEMPERATURE
 
 from .branches import read_branches, tip_named
-from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section, read_vector
+from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section
 from .following import tied
+from .origin import TURNS, read_vector
 from .prices import read_machining
 
 
@@ -37,7 +38,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
         angles = cast(AngleConvention, mapping.choice("angles", ("relative", "absolute"), "relative"))
         temperature = mapping.quantity("temperature", "temperature", REFERENCE_TEMPERATURE)
         chain = mapping.mappings("chain")
-        entries = [read_entry(each, catalogue, len(chain)) for each in chain]
+        entries = [read_entry(each, catalogue, number, len(chain)) for number, each in enumerate(chain, start=1)]
         if not entries:
             raise mapping.error("chain", "is empty; an arm has at least one joint with its link")
         if mapping.has("product_of_exponentials"):
@@ -74,6 +75,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
             branches=branches.each,
         )
         if branches.each:
+            _refuse_with_branches(mapping, arm)
             for number, entry in enumerate(arm.effects, start=1):
                 if EFFECTS[entry.effect].place == "tip":
                     message = f"{entry.effect} is of one tip, and there are several; write the branch's payload or tool"
@@ -81,6 +83,16 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
             arm = replace(arm, tool=branches.each[0].tool, payload=branches.each[0].payload).on(tip)
     _check_absolute(mapping, arm)
     return tied(mapping, arm)
+
+
+def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:
+    """What an arm file with branches cannot hold beside them."""
+    for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True), start=1):
+        if joint.origin_free or link.runs_out:
+            what = "bends_over" if link.runs_out else "origin: free"
+            raise mapping.error(
+                "branches", f"go without {what}, which joint {number} of all has; write each arm by itself"
+            )
 
 
 def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
@@ -209,6 +221,7 @@ def _check_absolute(mapping: Mapping, arm: Arm) -> None:
     straight = all(link.end_rotation == IDENTITY for link in arm.links) and all(
         joint.origin_rotation == IDENTITY for joint in arm.joints
     )
+    straight &= not any(part in TURNS for joint in arm.joints for part in joint.origin_free)
     if not (parallel and straight):
         raise mapping.error("angles", "can be absolute only where all revolute axes are parallel to z; write relative")
 

@@ -18,6 +18,7 @@ from units.files import write_whole
 from units.quantities import format_quantity
 
 from .following import following_text
+from .origin import origin_given, origin_to_value
 from .prices import cost_to_value, machining_to_mapping
 from .read import acts_on_slides
 
@@ -91,9 +92,9 @@ def _entries(arm: Arm, indices: Iterable[int], motors: Mapping[int | None, tuple
         if mass:
             own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
         lines.append(f"  - joint: {_flow(own)}")
-        if joint.origin_rotation != IDENTITY or any(joint.origin_translation):
-            lines.append(f"    origin: {_flow(_origin(joint))}")
-        lines.append(f"    link: {_flow(_link(link))}")
+        if origin_given(joint):
+            lines.append(f"    origin: {_flow(origin_to_value(joint))}")
+        lines.append(f"    link: {_flow(_link(link, number))}")
     return lines
 
 
@@ -162,15 +163,11 @@ def _neatest(value: float, kind: str) -> str:
     return min((format_quantity(value, kind, unit) for unit in units), key=lambda text: len(text.split()[0]))
 
 
-def _origin(joint: Joint) -> dict[str, Any]:
-    return {"xyz": _vector(joint.origin_translation, "length"), "rpy": _angles(joint.origin_rotation)}
-
-
 def _angles(rotation: Rotation) -> list[str]:
     return [format_quantity(angle, "angle") for angle in to_roll_pitch_yaw(rotation)]
 
 
-def _link(link: Link) -> dict[str, Any]:
+def _link(link: Link, number: int) -> dict[str, Any]:
     body: dict[str, Any] = {"length": format_quantity(link.length, "length")}
     if link.direction != (1.0, 0.0, 0.0):
         body["direction"] = list(link.direction)
@@ -178,6 +175,8 @@ def _link(link: Link) -> dict[str, Any]:
         body["end_rotation"] = _angles(link.end_rotation)
     if link.height_direction is not None:
         body["height_direction"] = list(link.height_direction)
+    if link.runs_out:
+        body["bends_over"] = f"q{number}"
     if link.section is not None and link.material is not None:
         body["section"] = link.section_name or section_to_mapping(link.section)
         body["material"] = material_to_value(link)

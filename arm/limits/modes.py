@@ -19,7 +19,7 @@ import numpy as np
 from arm.chain.beam import QUARTERS, Beam
 from arm.chain.chain import Arm, Joint, Link, LoadCase
 from arm.chain.kinematics import section_directions
-from arm.chain.statics import solve
+from arm.chain.statics import run_out, solve
 from arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
 from arm.effects import EFFECTS, Settings
 from arm.errors.tip import ActiveEffect, active_effects, displacements
@@ -39,9 +39,10 @@ class SegmentedArm:
 
     `kinds` says what each segment is: a `part` of an elastic link, or of a rigid one the stretch `before` its centre of
     mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets
-    apart from the end of the link before.
+    apart from the end of the link before. `whole` is the arm before it was cut.
     """
 
+    whole: Arm
     arm: Arm
     owner: tuple[int, ...]
     kinds: tuple[SegmentKind, ...]
@@ -64,16 +65,19 @@ def segmented(arm: Arm) -> SegmentedArm:
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         starts = {link: owner.index(link) for link in range(index)}
         follows = None if joint.follows is None else joint.follows.moved(starts)
+        if link.runs_out:
+            joint = replace(joint, zero=0.0)  # its segments are as long as it has run out
         joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None, follows=follows))
         joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
         piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height, masses=())
+        piece = replace(piece, runs_out=False)
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
         owner += [index] * pieces
     active = {each.effect.id for each in active_effects(arm)}
     elastic = [each for each in EFFECTS.values() if each.flexible and each.automatic]
     effects = tuple(ActiveEffect(each, Settings()) for each in elastic if each.in_modes or each.id in active)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
-    return SegmentedArm(whole, tuple(owner), tuple(kinds), effects)
+    return SegmentedArm(arm, whole, tuple(owner), tuple(kinds), effects)
 
 
 def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
@@ -82,7 +86,7 @@ def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
     for index, owner in enumerate(arm.owner):
         first = index == 0 or arm.owner[index - 1] != owner
         absolute = arm.arm.angles == "absolute" and arm.arm.joints[index].revolute
-        out.append(q[owner] if first or absolute else 0.0)
+        out.append(q[owner] if (first and not arm.whole.links[owner].runs_out) or absolute else 0.0)
     return out
 
 
@@ -104,12 +108,14 @@ def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
         length = times(1.0 / SEGMENTS, beam.length)
         return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, taper=part.taper, **own)
     if kind == "part":
-        return replace(beam, length=times(1.0 / SEGMENTS, beam.length), mass_per_length=0.0, lumped_mass=0.0)
+        length = times(1.0 / SEGMENTS, beam.length)
+        return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, housed=0.0)
     return Beam(length=beam.lumped_at if kind == "before" else minus(beam.length, beam.lumped_at))
 
 
 def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload: Scalar) -> list[Scalar]:
-    """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, payload."""
+    """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, payload. Links that run
+    out of a sleeve count as if they had done so whole: elsewhere the arm is no slower than that."""
     masses: list[Scalar] = [0.0] * len(segments.owner)
     for index, beam in enumerate(beams):
         nodes = [k for k, owner in enumerate(segments.owner) if owner == index]
@@ -166,6 +172,7 @@ def response(
     segments: SegmentedArm, q: Sequence[Scalar], beams: Sequence[Beam], forces: Sequence[Vector]
 ) -> tuple[Vector, ...]:
     """The displacements (m) of the segments' far ends under forces (N) there; `q` and `beams` are the whole arm's."""
+    beams = run_out(segments.whole, beams, q)
     places, pieces = segment_coordinates(segments, q), segment_beams(segments, beams)
     state = solve(segments.arm, places, pieces, LoadCase(), warming=0.0, point_forces=forces)
     twists = [twist for each in segments.effects for twist in each.effect.twists(state, each.settings)]

@@ -84,7 +84,10 @@ def frequency_of_drives(
     higher), or are `weightless`: then it bounds every arm with these joints, lengths and loads. None where no drive
     gives.
     """
-    masses = [0.0 if weightless else float(beam.mass) for beam in beams]
+    # Where what runs out of a sleeve has its centre is a matter of the pose; less mass is never slower.
+    masses = [
+        0.0 if weightless or link.runs_out else float(beam.mass) for link, beam in zip(arm.links, beams, strict=True)
+    ]
     centers = [
         float(beam.lumped_at) if beam.flexural_rigidity_height is None else beam.taper.balance * float(beam.length)
         for beam in beams

@@ -14,6 +14,7 @@ from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.fitting.corrected_arm import corrected_arm
 from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
+from diagnose.fitting.found_origins import found_origins
 from diagnose.fitting.held_out import hardest, splits
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
@@ -50,6 +51,7 @@ from .sentences import (
     refutation,
     verdict_sentence,
     what_differs,
+    what_was_free,
 )
 from .together import may_be_nothing
 from .torques import weights_by_torque
@@ -77,6 +79,8 @@ class Conclusion(Confirmed):
         findings = self._findings()
         apart = differences(self.prepared, self.refit, self.outside, self.p_values)
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
+        room = self._unnamed() if self.members and arm.unknown_origins else None
+        corrected, origins = found_origins(self.prepared, self.refit, self.outside, corrected, room, self.search)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
             self.namer,
@@ -97,7 +101,8 @@ class Conclusion(Confirmed):
             recording=self.observed.recording,
             verdict=self._verdict(),
             sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value)
-            + what_differs(apart, each, rules=self.rules.answer),
+            + what_differs(apart, each, rules=self.rules.answer)
+            + what_was_free(origins),
             noise_floor=self.noise.rms_m,
             noise_source=self.noise.sentence,
             rms_before=rms_before,
@@ -143,6 +148,7 @@ class Conclusion(Confirmed):
             rms_promised=rms_length(self._left_by_names()),
             recordings=each,
             differences=apart,
+            origins=origins,
             shown=None if self.observed.view is None else self.observed.view.shown,
         )
 

@@ -16,6 +16,7 @@ from diagnose.result import (
     Difference,
     Finding,
     FittedParameter,
+    FoundOrigin,
     LackOfFit,
     Mislabelled,
     OfRecording,
@@ -82,6 +83,19 @@ def size_of(parameter: FittedParameter) -> str:
     unit = value.partition(" ")[2] or None
     ends = [format_quantity(end, parameter.kind, unit, digits=3).partition(" ")[0] for end in (low, high)]
     return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]})"
+
+
+def about_of(parameter: FittedParameter) -> str:
+    """A parameter that is large beside what is not known of it, in words, with half its interval."""
+    reach = 0.5 * (parameter.interval[1] - parameter.interval[0])
+    unit = "deg" if parameter.kind == "angle" else "mm"
+    if not np.isfinite(reach):
+        value = format_quantity(parameter.value, parameter.kind, unit, digits=4)
+        return f"{parameter.parameter} {value}, which the data do not bound"
+    size = format_quantity(reach, parameter.kind, unit, digits=2).partition(" ")[0]
+    shown = float(format_quantity(parameter.value, parameter.kind, unit).partition(" ")[0])
+    digits = max(0, 1 - int(np.floor(np.log10(max(float(size), 1e-9)))))
+    return f"{parameter.parameter} {shown:.{digits}f} {unit} within {size} {unit}"
 
 
 def chief(parameters: Sequence[FittedParameter]) -> FittedParameter:
@@ -201,6 +215,23 @@ def what_differs(
             "has changed that is named nowhere here: diagnose each by itself."
         )
     return "".join(told)
+
+
+def what_was_free(found: Sequence[FoundOrigin]) -> str:
+    """Fixed transforms that the arm file leaves free, as sentences that go on; nothing where there are none."""
+    said: list[str] = []
+    for each in found:
+        sizes = [about_of(parameter) for parameter in each.parameters]
+        said.append(f" The fixed transform in front of joint {each.joint}: {'; '.join(sizes)}.")
+        if not all(np.isfinite(end) for parameter in each.parameters for end in parameter.interval):
+            said.append(
+                " What of it the data do not bound stays where it was begun from, and loads act as if it stood so: "
+                "leave less free (`frame: known`), or give one of its numbers."
+            )
+        names = [name_of(effect, at) for effect, at in each.swallowed]
+        if names:
+            said.append(f" It takes up and cannot be told from: {'; '.join(names)}.")
+    return "".join(said)
 
 
 def _values(found: Difference, recordings: Sequence[OfRecording]) -> str:

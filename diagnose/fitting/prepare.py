@@ -20,6 +20,7 @@ from diagnose.patterns.forms import forms
 from diagnose.patterns.library import Candidate, candidates, parameter_of
 from diagnose.patterns.pool import Pool, make_pool
 from diagnose.recording import RejectedRow
+from diagnose.residual.free_origins import of_observed, origin_columns
 from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, poses, rms_length
 from diagnose.residual.orientation import tool_turns
 from diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
@@ -81,9 +82,10 @@ class Prepared:
         return np.unique(self.observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
-def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
+def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple[str, ...]]:
     """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base, how that on
-    the tool is turned, and the places of an anchor, points and planes that were measured from."""
+    the tool is turned, the places of an anchor, points and planes that were measured from, and last the arm's fixed
+    transforms that its file leaves free (`origins`), which all recordings share."""
     parts: list[Array] = []
     names: list[str] = []
     settings: list[str] = []
@@ -115,11 +117,15 @@ def nuisances(observed: Observed) -> tuple[Array, tuple[str, ...]]:
     shape = (*observed.residual.shape, 0)
     found = np.stack(parts, axis=2) if parts else np.zeros(shape)
     found, own = of_each(observed, found, tuple(names), settings)
-    if observed.view is None or not observed.view.names:
+    if observed.view is not None and observed.view.names:
+        placed = np.zeros((*observed.residual.shape, len(observed.view.names)))
+        placed[:, : observed.components] = observed.view.beside
+        found, own = np.concatenate([found, placed], axis=2), (*own, *observed.view.names)
+    ways = of_observed(observed) if origins else ()
+    if not ways:
         return found, own
-    placed = np.zeros((*observed.residual.shape, len(observed.view.names)))
-    placed[:, : observed.components] = observed.view.beside
-    return np.concatenate([found, placed], axis=2), (*own, *observed.view.names)
+    names = [f"origin of joint {way.joint + 1}, {way.part}" for way in ways]
+    return np.concatenate([found, origin_columns(observed, ways)], axis=2), (*own, *names)
 
 
 def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:

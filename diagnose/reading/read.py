@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.chain.chain import Arm
+from diagnose.fitting.origins import located
 from diagnose.instruments.checks import sights_checked
 from diagnose.instruments.instrument import LABELS
 from diagnose.instruments.split import laid_out
@@ -90,6 +91,8 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
         why = recording.rejected[0]
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
     headers = {column.meaning.name: column.header for column in columns.values()}
+    # A transform that nobody knows cannot be contradicted: joints and tips are checked with it where they put it.
+    arm = located(arm, recording, rules=rules)
     done = checked(recording, arm, headers, rules=rules)
     refuse_torques_of_another_sign(done, arm, headers, rules=rules.residual)
     if sights is not None:

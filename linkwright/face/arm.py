@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from arm.chain.chain import Arm as Model
 from arm.files.branches import tip_named
+from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import arm_from
 from arm.files.write import arm_to_yaml, write_arm
 from linkwright.results.figures_in_words import mm, section_words
@@ -278,11 +279,15 @@ def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None
     return learned_from(path, model)
 
 
-def arm_of(given: Arm | File, *, tip: str | None = None) -> Arm:
+def arm_of(given: Arm | File, *, tip: str | None = None, unknown_origins: bool = False) -> Arm:
     """An arm as given, or read from the file that is named. With a `tip` it may be of several arms on one torso, which
-    are refused otherwise."""
-    if not isinstance(given, Arm):
-        return read_arm(given, tip=tip)
-    if tip is None and given.model.branches:
+    are refused otherwise, and with `unknown_origins` of fixed transforms that are free, which a diagnosis alone can do
+    with."""
+    arm = given if isinstance(given, Arm) else read_arm(given, tip=tip)
+    if arm.model.unknown_origins and not unknown_origins:
+        index = arm.model.unknown_origins[0]
+        file = "Arm" if isinstance(given, Arm) else str(given)
+        raise InputError(file, f"chain[{index + 1}].origin", UNKNOWN_ORIGIN)
+    if isinstance(given, Arm) and tip is None and given.model.branches:
         tip_named(Reader(dict(given.content), file="Arm"), given.model.branches, None)
-    return given
+    return arm

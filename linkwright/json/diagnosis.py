@@ -18,6 +18,7 @@ from diagnose.result import (
     Difference,
     Finding,
     FittedParameter,
+    FoundOrigin,
     LackOfFit,
     Mislabelled,
     OfRecording,
@@ -163,6 +164,16 @@ def _recording(each: OfRecording) -> dict[str, Any]:
     }
 
 
+def _origin(found: FoundOrigin) -> dict[str, Any]:
+    return {
+        "joint": found.joint,
+        "xyz_mm": [in_mm(each) for each in found.shift],
+        "rpy_deg": [math.degrees(each) for each in found.turn],
+        "parameters": {fitted.name: parameter_json(fitted) for fitted in found.parameters},
+        "not_told_from": [[effect, list(at)] for effect, at in found.swallowed],
+    }
+
+
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
     arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
@@ -187,6 +198,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         if diagnosis.written is None
         else fields(diagnosis.written, "rms_mm", "promised_mm", "lacks"),
         "missing": [_finding(finding) for finding in diagnosis.findings],
+        "origins": [_origin(each) for each in diagnosis.origins],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),

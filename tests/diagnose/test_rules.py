@@ -24,6 +24,8 @@ DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
 NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
+    "fitting/found_origins.py": {"_NEAR", "_TOLD"},
+    "fitting/origins.py": {"_HALVINGS", "_TUKEY"},
     "fitting/unnamed.py": {"_STEPS", "_TINY"},
     "fitting/refit.py": {"_NEWTON", "_ROUNDING", "_SCAN", "_SETTLED", "_SHARES", "_SWEEPS", "_TOGETHER"},
     "fitting/terms.py": {"DIFFERENCE"},
@@ -46,6 +48,7 @@ NO_RULES = {
     "reading/read.py": {"_LARGEST", "_LEVEL"},
     "reading/table.py": {"_FEWEST_COLUMNS", "_LARGEST_PARQUET", "_MOST_TITLES", "_SIDES"},
     "residual/alignment.py": {"_STEPS"},
+    "residual/free_origins.py": {"_AXES"},
     "residual/observed.py": {"_TOOL_PASSES, _TOOL_FOUND"},
     "residual/placement.py": {"_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"_QN", "_SMALL"},

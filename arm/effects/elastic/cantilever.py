@@ -82,7 +82,7 @@ def under_other_loads(
 def _weighing(beam: Beam, mass: Scalar) -> Beam:
     """The beam with another mass (kg), spread along it as its own is."""
     if isinstance(mass, float) and mass == 0.0:
-        return replace(beam, mass_per_length=0.0, lumped_mass=0.0, first_moment=ZERO)
+        return replace(beam, mass_per_length=0.0, lumped_mass=0.0, first_moment=ZERO, housed=0.0)
     if isinstance(beam.length, float) and beam.length == 0.0:
         return replace(beam, mass_per_length=0.0, lumped_mass=mass, lumped_at=0.0)
-    return replace(beam, mass_per_length=mass / beam.length, lumped_mass=0.0)
+    return replace(beam, mass_per_length=mass / beam.length, lumped_mass=0.0, housed=0.0)

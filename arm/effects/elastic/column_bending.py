@@ -25,8 +25,8 @@ def _bent(state: PoseState, settings: Settings, flexibility: Scalar) -> Iterator
         return
     before = settings.values.get("length_at_zero", 0.0)
     for index, joint in enumerate(state.joints):
-        if joint.revolute or not settings.acts_at(index):
-            continue
+        if joint.revolute or not settings.acts_at(index) or state.arm.links[index].runs_out:
+            continue  # what runs out of its slide bends as the link that it is
         # A coordinate that runs towards the clamped end is as long a cantilever.
         length, along = absolute(joint.coordinate + before), joint.axis
         square = times(length, length)

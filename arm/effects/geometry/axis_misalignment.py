@@ -22,7 +22,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         shift = _sum(shifts, u, v)
         turn = _sum(tilts, u, v)
         joint = state.joints[index]
-        if not joint.revolute:
+        if not joint.revolute and not state.arm.links[index].runs_out:
             # A guide turns about where it begins, and the carriage stands some way along it.
             shift = add(shift, cross(turn, scale(plus(joint.coordinate, state.arm.joints[index].zero), joint.axis)))
         if not (is_zero(shift) and is_zero(turn)):

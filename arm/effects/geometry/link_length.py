@@ -17,7 +17,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if settings.acts_at(index):
             yield Twist("link", index, scale(plus(length, times(stretch, link.beam.length)), link.along))
             joint = state.joints[index]
-            if stretch != 0.0 and not joint.revolute:
+            if stretch != 0.0 and not joint.revolute and not state.arm.links[index].runs_out:
                 yield from drive_motion(state, index, times(stretch, joint.coordinate))
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from arm.effects import EFFECTS
+from diagnose.answer.sentences import about_of, name_of
 from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
@@ -77,6 +78,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         recordings(diagnosis) if diagnosis.recordings else None,
         differing(diagnosis) if diagnosis.differences else None,
         _findings(diagnosis) if diagnosis.findings else None,
+        _origins(diagnosis) if diagnosis.origins else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
         section("Residuals over the workspace", Picture("maps"), detail=True),
@@ -167,6 +169,22 @@ def _lack_of_fit(found: LackOfFit) -> tuple[Value, str]:
     left = f"{figure(found.times, 3)} times what {pure} differ by is left"
     held = f"{figure(found.held_out_times, 3)} times what noise leaves on readings not fitted"
     return Value(f"p {probability(found.p_value).text}"), f"{left}; {held}"
+
+
+def _origins(diagnosis: Diagnosis) -> Section:
+    """The fixed transforms that the arm file leaves free, as they were found."""
+    rows = [(f"joint {each.joint}", about_of(parameter)) for each in diagnosis.origins for parameter in each.parameters]
+    swallowed = [
+        f"In front of joint {each.joint} it takes up, and cannot be told from: "
+        f"{listed([name_of(effect, at) for effect, at in each.swallowed])}."
+        for each in diagnosis.origins
+        if each.swallowed
+    ]
+    return section(
+        "Fixed transforms that were free",
+        table(("in front of", "shift in the frame before it, and fixed-axis turn"), rows),
+        *(Paragraph(said) for said in swallowed),
+    )
 
 
 def _findings(diagnosis: Diagnosis) -> Section:

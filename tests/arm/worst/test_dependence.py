@@ -109,6 +109,16 @@ def test_locked_and_idle_joints_do_not_count() -> None:
     check(arm, poses=5_000)
 
 
+def test_five_locked_or_idle_joints_spoil_no_certificate() -> None:
+    """Eight joints, of which three turn what counts: the bound lies within the gap that is asked for."""
+    four = [(X, 0.4), (Z, -0.3), (Y, 0.2), (X, -0.6)]
+    locked = tuple(Joint(axis=axis, range=(angle, angle), stiffness=9e3) for axis, angle in four)
+    joints = (*UPRIGHT[:2], *locked, UPRIGHT[2], Joint(axis=X, range=TURN))
+    arm = rods(joints, (*LENGTHS[:2], 0.1, 0.1, 0.1, 0.1, LENGTHS[2], 0.05), gravity=DOWN_Z)
+    assert set(matter(arm)) <= {0, 1, 6}
+    check(arm, poses=5_000)
+
+
 def test_a_slide_below_an_upright_joint_does_not_count_either() -> None:
     """As long as nothing below the joint gives: a carriage on rails."""
     arm = rods((Joint("prismatic", X, (0.0, 0.8)), *UPRIGHT[:3]), (0.1, *LENGTHS[:3]), gravity=DOWN_Z)

@@ -1,0 +1,130 @@
+"""What the joint fit says of fixed transforms that the arm file leaves free, with intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain.chain import Arm
+from arm.chain.vectors import to_roll_pitch_yaw
+from diagnose.patterns.library import columns_of
+from diagnose.patterns.pool import orthonormal
+from diagnose.residual.free_origins import TURNS, Freedom, known, moved, of_observed, turned_whole
+from diagnose.result import FittedParameter, FoundOrigin
+from sections.numeric import Array
+
+from .fit import solved, t_quantile
+from .prepare import Prepared
+from .refit import Refit
+from .unnamed import Unnamed
+
+_TOLD = 1e-9
+"""Directions whose columns are less than this of the largest are not told at all."""
+_NEAR = 1e-6
+
+
+def found_origins(
+    prepared: Prepared,
+    fitted: Refit,
+    outside: Sequence[int],
+    arm: Arm,
+    unnamed: Unnamed | None,
+    search: Prepared,
+) -> tuple[Arm, tuple[FoundOrigin, ...]]:
+    """An arm with its fixed transforms where the joint fit puts them, known from now on, and what is said of each.
+
+    What the readings do not tell is not bounded, and stays as near as it can to where it was found at first; `search`
+    knows what of the library was looked for."""
+    observed = prepared.observed
+    ways = of_observed(observed)
+    if not ways:
+        return known(arm), ()
+    parts = [prepared.beside, *(t.columns if t.through is None else t.columns + t.through for t in fitted.terms)]
+    parts += [prepared.columns[m] for m in outside]
+    # The transforms stand last among the nuisances.
+    first = prepared.beside.shape[2] - len(ways)
+    own = slice(first, prepared.beside.shape[2])
+    design = observed.whitened(np.concatenate(parts, axis=2))
+    target = observed.residual - sum((term.moved for term in fitted.terms), np.zeros(1))
+    by = solved(design, observed.whitened(target))[own]
+    size = np.linalg.norm(design, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    u, singular, vt = np.linalg.svd(design / size, full_matrices=False)
+    good = singular > _TOLD * singular[0]
+    told = (np.diag(vt[good].T @ vt[good]) > 1.0 - _NEAR)[own]
+    inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
+    covariance = inverse * (fitted.rss / max(fitted.freedom, 1))
+    if unnamed is not None:
+        operator = (vt[good].T / singular[good]) @ u[:, good].T / size[:, None]
+        covariance = inverse * unnamed.variance + unnamed.beside(operator)
+    placed = moved(arm, ways, by)
+    found = tuple(
+        _found(placed, index, ways, covariance[own, own], told, t_quantile(fitted.freedom))
+        for index in sorted({way.joint for way in ways})
+    )
+    return known(placed), tuple(replace(each, swallowed=_swallowed(search, ways, each.joint - 1)) for each in found)
+
+
+def _found(
+    arm: Arm, index: int, ways: Sequence[Freedom], covariance: Array, told: NDArray[np.bool_], factor: float
+) -> FoundOrigin:
+    joint = arm.joints[index]
+    roll, pitch, yaw = to_roll_pitch_yaw(joint.origin_rotation)
+    values = dict(zip(("x", "y", "z", *TURNS), (*joint.origin_translation, roll, pitch, yaw), strict=True))
+    own = [k for k, way in enumerate(ways) if way.joint == index]
+    slopes = _angles_by_turns(pitch, yaw) if turned_whole(joint) else np.eye(3)
+    parameters: list[FittedParameter] = []
+    turned = [k for k in own if ways[k].turns]
+    for k in own:
+        way = ways[k]
+        if way.turns and turned_whole(joint):
+            slope = slopes[TURNS.index(way.part), [TURNS.index(ways[other].part) for other in turned]]
+            sure = all(told[other] or abs(s) < _NEAR for other, s in zip(turned, slope.tolist(), strict=True))
+            error = float(np.sqrt(max(slope @ covariance[np.ix_(turned, turned)] @ slope, 0.0)))
+        else:
+            sure, error = bool(told[k]), float(np.sqrt(max(covariance[k, k], 0.0)))
+        reach = factor * error if sure else np.inf
+        value = values[way.part]
+        parameters.append(
+            FittedParameter(
+                f"{way.part}_{index + 1}",
+                way.part,
+                (index + 1,),
+                "angle" if way.turns else "length",
+                value,
+                (value - reach, value + reach),
+            )
+        )
+    return FoundOrigin(index + 1, joint.origin_translation, (roll, pitch, yaw), tuple(parameters))
+
+
+def _angles_by_turns(pitch: float, yaw: float) -> Array:
+    """How fixed-axis roll, pitch and yaw grow with small turns about the axes of the frame before (3, 3)."""
+    z = np.array([0.0, 0.0, 1.0])
+    y = Rotation.from_euler("z", yaw).apply([0.0, 1.0, 0.0])
+    x = Rotation.from_euler("yz", [pitch, yaw]).apply([1.0, 0.0, 0.0])
+    return np.linalg.pinv(np.column_stack([x, y, z]))
+
+
+def _swallowed(prepared: Prepared, ways: Sequence[Freedom], index: int) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    """What of the library cannot be told from one transform: it shows beside the other nuisances, and not beside this
+    one."""
+    observed, pool = prepared.observed, prepared.pool
+    shown = {group.candidate.family for group in pool.groups}
+    first = prepared.beside.shape[2] - len(ways)
+    others = [k for k in range(prepared.beside.shape[2]) if k < first or ways[k - first].joint != index]
+    beside = orthonormal(observed.whitened(prepared.beside[:, :, others]))
+    found: dict[tuple[str, tuple[int, ...]], None] = {}
+    for candidate in pool.invisible:
+        columns = None if candidate.outside or candidate.family in shown else columns_of(observed, candidate)
+        if columns is None:
+            continue
+        white = observed.whitened(columns)
+        left = white - beside @ (beside.T @ white)
+        if np.linalg.norm(left) > pool.rules.patterns.visible * np.linalg.norm(white):
+            found[candidate.effect, candidate.numbers] = None
+    return tuple(found)
