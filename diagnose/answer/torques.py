@@ -28,8 +28,9 @@ def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
     for each in torques:
         if each.scaled and each.links is not None and each.links.differs(rules):
             said.append(
-                f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give: rather"
-                " its own scale (a torque constant) is off than the weights, and compliance is judged by the weights."
+                f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give: one of"
+                " its own scale (a torque constant), or weights and centres that are off in this proportion. A payload"
+                " whose mass and centre are known tells which; until then compliance is judged by the weights."
             )
         elif each.links is not None and each.links.differs(rules):
             said.append(

@@ -92,7 +92,7 @@ def test_a_link_that_is_heavier_than_the_file_says_is_told_and_its_drive_judged_
 def test_torques_of_another_scale_say_nothing_against_the_weights():
     result = diagnose(weighed_arm(), recorded(scale=1.2))
 
-    assert says(result, "rather its own scale (a torque constant) is off")
+    assert says(result, "one of its own scale (a torque constant), or weights and centres")
     assert not says(result, "is judged by the measured torque")
     (finding,) = result.findings
     low, high = finding.parameters[0].interval
