@@ -131,7 +131,7 @@ def evaluate(
     >>> list(found.by_effect.columns)
     ['effect', 'title', 'error_mm']
     """
-    given = arm if isinstance(arm, Arm) else arm_of(arm)
+    given = arm_of(arm, tip="" if isinstance(arm, Arm) else None)
     at = None if pose is None else pose_of(given.model, pose)
     if problem is None:
         return Evaluation(given, evaluated(given.model, pose=at))

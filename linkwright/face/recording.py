@@ -192,7 +192,7 @@ def simulate(
     ... )
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
-    given = with_effects(arm if isinstance(arm, Arm) else arm_of(arm), with_)
+    given = with_effects(arm_of(arm, tip="" if isinstance(arm, Arm) else None), with_)
     if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)

@@ -201,7 +201,9 @@ def test_whoever_must_know_it_says_what_to_do(tmp_path: Path) -> None:
         lambda: lw.evaluate(file),
         lambda: lw.compensate(file),
         lambda: lw.predict(file, recording),
+        lambda: lw.evaluate(lw.read_arm(file)),
         lambda: lw.simulate(file),
+        lambda: lw.simulate(lw.read_arm(file)),
         lambda: lw.Problem(lw.read_arm(file)),
     ):
         with pytest.raises(lw.InputError, match=r"chain\[2\].origin.*linkwright diagnose"):
