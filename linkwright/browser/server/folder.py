@@ -22,6 +22,8 @@ _PROBLEM = re.compile(r"^arm\s*:", re.MULTILINE)
 _LARGEST = 1024 * 1024
 """Bytes of an arm or a problem that can be edited here."""
 _DEEPEST, _MOST = 4, 2000
+_LONGEST = 1000
+"""Letters of a name in the folder."""
 _ENDINGS = (".yaml", ".yml")
 
 
@@ -42,7 +44,7 @@ class Folder:
             found = (self.root / parts).resolve()
         except (OSError, ValueError, RuntimeError):  # a NUL, or links in a circle
             found = None
-        outside = found is None or found == self.root or not found.is_relative_to(self.root)
+        outside = len(name) > _LONGEST or found is None or found == self.root or not found.is_relative_to(self.root)
         if found is None or outside or parts.is_absolute() or any(part.startswith(".") for part in parts.parts):
             raise InputError("", shown(name), "is not in the folder that is served; name a file within it")
         return found

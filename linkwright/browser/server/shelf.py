@@ -23,6 +23,10 @@ CREATE TABLE IF NOT EXISTS files (
 """
 
 
+_NUMBERS = 2**63
+"""What a row's number is below in SQLite."""
+
+
 @dataclass(frozen=True)
 class Kept:
     """A result that is kept: when it was `made` (UTC), of which kind, from what (`title`), what was found (`line`),
@@ -93,6 +97,8 @@ class Shelf:
 
     def file(self, number: int, name: str) -> bytes | None:
         """A file of a result, None where it has none of that name."""
+        if not 0 <= number < _NUMBERS:
+            return None
         with self._open() as base:
             row = base.execute("SELECT content FROM files WHERE result = ? AND name = ?", (number, name)).fetchone()
         return None if row is None else zlib.decompress(row[0])

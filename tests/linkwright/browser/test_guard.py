@@ -94,7 +94,9 @@ def test_uploads_are_bounded(server):
     assert answers[0]["status"] == 413
 
 
-@pytest.mark.parametrize("name", ["/etc/passwd", "../secret.yaml", "a/../../secret.yaml", "link.yaml", ".hidden.yaml"])
+@pytest.mark.parametrize(
+    "name", ["/etc/passwd", "../secret.yaml", "a/../../secret.yaml", "link.yaml", ".hidden.yaml", "9" * 4000]
+)
 @pytest.mark.parametrize("how", ["read", "write"])
 def test_no_name_leaves_the_folder(tmp_path, name, how):
     """Not by dots, not from the root, not by a link."""
@@ -122,7 +124,12 @@ def test_no_problem_names_an_arm_outside(tmp_path, arm):
 
 def test_kept_files_are_by_name_alone(server):
     """They are rows, so no path leads anywhere."""
-    for path in ("/kept/1/../../etc/passwd", "/kept/1/%2e%2e%2f%2e%2e%2fetc%2fpasswd", "/kept/x/report.html"):
+    for path in (
+        "/kept/1/../../etc/passwd",
+        "/kept/1/%2e%2e%2f%2e%2e%2fetc%2fpasswd",
+        "/kept/x/report.html",
+        "/kept/" + "9" * 40 + "/a",
+    ):
         assert ask(server, path)[0] in (404, 422)
 
 
