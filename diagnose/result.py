@@ -255,7 +255,9 @@ class OfRecording:
 
     `rms_held_out` is on parts of the workspace that the fit has not seen, `rms_from_others` what the model found in the
     other recordings leaves (frame and tool its own), `rms_own` what the same physics leaves with sizes of its own.
-    `rejected` are rows of its file that were set aside.
+    `rejected` are rows of its file that were set aside. Where the recordings are of several arms, `corrected` is the
+    arm with what was found in all and in this one, `rms_promised` what the fit says that it leaves, `written` what its
+    file leaves (None: not tried).
     """
 
     name: str
@@ -272,6 +274,9 @@ class OfRecording:
     rms_from_others: float
     rms_own: float
     rejected: tuple[int, ...]
+    corrected: Arm | None = None
+    rms_promised: float = math.nan
+    written: WrittenArm | None = None
 
 
 @dataclass(frozen=True)

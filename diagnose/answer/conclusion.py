@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -90,7 +91,7 @@ class Conclusion(Confirmed):
         )
         held = {name: part.rms() for name, part in self.held_out.items()}
         rejected = (*recording.rejected, *self.noise.outliers, *self.prepared.rejected)
-        each = self._recordings(before, self._after(), rejected)
+        each = self._with_arms(arm, self._recordings(before, self._after(), rejected))
         if each:
             held["one recording at a time"] = from_others(each)
         rms_before, rms_after = rms_length(before), rms_length(after)
@@ -166,6 +167,20 @@ class Conclusion(Confirmed):
         found = [np.zeros((*self.observed.residual.shape, 0)), *(term.columns for term in self.refit.terms), *forms]
         model = (self.prepared.beside, np.concatenate(found, axis=2))
         return of_recordings(self.observed, self.floors, residuals, model, rejected)
+
+    def _with_arms(self, arm: Arm, each: tuple[OfRecording, ...]) -> tuple[OfRecording, ...]:
+        """The recordings, each with the corrected arm of its own where they are of several arms."""
+        several, which, left = self.observed.recording, self.observed.which, self._left_by_names()
+        if not isinstance(several, Several) or not several.units:
+            return each
+        return tuple(
+            replace(
+                one,
+                corrected=corrected_arm(arm, self.refit, only=index, rules=self.rules.fitting)[0],
+                rms_promised=rms_length(left[which == index]),
+            )
+            for index, one in enumerate(each)
+        )
 
     def _from_others(self, which: NDArray[np.int64]) -> Array:
         """The tip's residuals (N, D), m, of each recording by what the others say, its own frame still to be fitted."""

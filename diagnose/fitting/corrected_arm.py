@@ -20,9 +20,12 @@ from .shared_weights import factors
 from .terms import Term
 
 
-def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fitting) -> tuple[Arm, tuple[str, ...]]:
+def corrected_arm(
+    arm: Arm, fitted: Refit, *, only: int | None = None, rules: FittingRules = RULES.fitting
+) -> tuple[Arm, tuple[str, ...]]:
     """The arm with each finding as an entry of its `effects`, and sentences on what the file cannot carry.
 
+    Of several recordings that is what all have in common; `only` names one (from 0) whose own findings come on top.
     Physics that the file left out and that came out whole is no longer left out.
     """
     entries = list(arm.effects)
@@ -37,7 +40,7 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
         notes.append(_of_weights(shared))
     for term in fitted.terms:
         candidate = term.candidate
-        if candidate.outside or candidate.only is not None:
+        if candidate.outside or candidate.only not in (None, only):
             continue
         if arm.branches and EFFECTS[candidate.effect].place == "tip":
             notes.append(f"The corrected arm lacks {candidate.effect}: it is of one tip, and its file has several.")
@@ -55,8 +58,25 @@ def corrected_arm(arm: Arm, fitted: Refit, *, rules: FittingRules = RULES.fittin
         if term.shared:
             entries.append(_under_weights(term, products[id(term)]))
             continue
-        entries.append(as_entry(candidate, term.sizes.tolist()))
+        entry = as_entry(candidate, term.sizes.tolist())
+        if candidate.only is None or not _added(entries, entry, candidate.sizes):
+            entries.append(entry)
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
+
+
+def _added(entries: list[EffectEntry], more: EffectEntry, sizes: Sequence[str]) -> bool:
+    """Put what one recording has more of into the entry of what all have, which is linear in its sizes; False where
+    there is none of the same shape."""
+
+    def shapes(entry: EffectEntry) -> dict[str, float]:
+        return {name: value for name, value in entry.parameters.items() if name not in sizes}
+
+    for place, entry in enumerate(entries):
+        if (entry.effect, entry.at) == (more.effect, more.at) and shapes(entry) == shapes(more):
+            both = {name: entry.parameters.get(name, 0.0) + more.parameters.get(name, 0.0) for name in sizes}
+            entries[place] = replace(entry, parameters=MappingProxyType({**entry.parameters, **both}))
+            return True
+    return False
 
 
 def _under_weights(term: Term, unit_sag: float) -> EffectEntry:

@@ -18,7 +18,7 @@ from arm.effects import EFFECTS, Settings
 from diagnose.options import Options
 from diagnose.patterns.forms import forms
 from diagnose.patterns.library import Candidate, candidates, parameter_of
-from diagnose.patterns.pool import Pool, make_pool
+from diagnose.patterns.pool import Pool, exchanged, make_pool
 from diagnose.recording import RejectedRow
 from diagnose.residual.free_origins import of_observed, origin_columns
 from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, poses, rms_length
@@ -165,6 +165,23 @@ def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, 
     return Prepared(observed, vector, pool, columns, beside, names, rejected)
 
 
+def exchange(prepared: Prepared, observed: Observed, kept: Sequence[int], patterns: Patterns) -> Prepared:
+    """A recording set up again with some of its groups (their numbers) and other patterns in place of the rest, the
+    model being another in these alone (`observed`); what is kept is not worked out again."""
+    beside, names = nuisances(observed)
+    own = observed.rules.fitting
+    if names != prepared.beside_names or not np.array_equal(beside, prepared.beside):
+        held = [(prepared.pool.groups[number].candidate, prepared.columns[number]) for number in kept]
+        again = set_up(observed, [*held, *patterns], prepared.rejected)
+        return replace(again, independent=prepared.independent, together=prepared.together)
+    white = ((each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns)
+    pool = exchanged(prepared.pool, kept, white)
+    seen = {id(group.candidate) for group in pool.groups}
+    columns = [prepared.columns[number] for number in kept]
+    columns += [array for candidate, array in patterns if id(candidate) in seen]
+    return replace(prepared, observed=observed, pool=pool, columns=tuple(columns))
+
+
 def prepare(observed: Observed, options: Options, noise_floor: float | None = None) -> Prepared:
     """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them.
 
@@ -236,6 +253,7 @@ def _with_memory(
         found = _memory(observed.scaled(left), observed)
         if found <= prepared.observed.correlation + rules.memory_grows:
             break
+        del prepared  # one pool at a time
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
     return replace(prepared, independent=_independent(prepared.observed, left, noise_floor), together=together)
 

@@ -27,17 +27,22 @@ _STEPS = 121
 
 @dataclass(frozen=True)
 class Unnamed:
-    """What is not named: whitened patterns (n, M) of which each family of candidates moves one standard deviation in
-    all, over the rows `rows` of the whitened observations that are fitted, and the noise's own `variance`."""
+    """What is not named: the columns `at` (M,) of a basis (n, ...), each times its `deviation` (M,), of which each
+    family of candidates moves one standard deviation in all, over the rows `rows` of the whitened observations that are
+    fitted, and the noise's own `variance`."""
 
-    patterns: Array
+    basis: Array
+    at: NDArray[np.int64]
+    deviation: Array
     variance: float
     rows: NDArray[np.int64]
 
     def beside(self, operator: Array) -> Array:
         """How far unnamed physics may move some estimates: covariance (k, k) of what an operator (k, n) on all that is
         fitted makes of it, of which the rows searched are a fair sample."""
-        moved = operator[:, self.rows] @ self.patterns * (operator.shape[1] / len(self.rows))
+        # The whole basis, and columns of the outcome: those of the basis would be hundreds of megabytes once more.
+        along = (operator[:, self.rows] @ self.basis)[:, self.at]
+        moved = along * self.deviation * (operator.shape[1] / len(self.rows))
         return moved @ moved.T
 
 
@@ -53,15 +58,16 @@ def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int],
     weight, at, own = np.repeat(each, ranks), pool.columns(others), pool.columns(members)
     mixed = pool.gram[np.ix_(at, own)] * weight[:, None]
     inverse = np.linalg.pinv(pool.gram[np.ix_(own, own)], rcond=_TINY, hermitian=True)
-    named = pool.basis[:, own].T @ prepared.vector
+    told = pool.basis.T @ prepared.vector
+    named = told[own]
     gram = pool.gram[np.ix_(at, at)] * np.outer(weight, weight) - mixed @ inverse @ mixed.T
-    along = (pool.basis[:, at].T @ prepared.vector) * weight - mixed @ inverse @ named
+    along = told[at] * weight - mixed @ inverse @ named
     left = float(prepared.vector @ prepared.vector - named @ inverse @ named)
     freedom = len(prepared.vector) - pool.nuisance.shape[1] - len(own)
     ratio, variance = variances(
         gram, along, left, freedom, len(prepared.vector), rules.largest_unnamed, rules.nothing_unnamed
     )
-    return Unnamed(pool.basis[:, at] * (weight * np.sqrt(ratio * variance)), variance, rows)
+    return Unnamed(pool.basis, at, weight * np.sqrt(ratio * variance), variance, rows)
 
 
 def variances(

@@ -144,7 +144,12 @@ def of_one(observed: Observed, columns: Array, only: int | None) -> Array:
     """Columns (N, C, d) in the readings of one of several recordings (from 0) alone; as they are where there is but
     one, or none is named."""
     which = observed.which
-    return columns if which is None or only is None else np.where((which == only)[:, None, None], columns, 0.0)
+    if which is None or only is None:
+        return columns
+    rows = which == only
+    own = np.zeros(columns.shape)  # the rows of the others are never touched, so that they take no memory
+    own[rows] = columns[rows]
+    return own
 
 
 def columns_of(observed: Observed, candidate: Candidate) -> Array | None:

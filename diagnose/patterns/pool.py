@@ -52,11 +52,32 @@ class Layout:
     wide: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]
 
 
+class Room:
+    """Where the columns of pools stand that come from each other: an array (n, ...) of which the first `used` columns
+    hold something. A pool with a few more candidates than another has its columns there behind the other's; in a long
+    recording a copy would be hundreds of megabytes."""
+
+    def __init__(self, array: Array, used: int) -> None:
+        self._array, self._used = array, used
+
+    def behind(self, at: int, columns: Array) -> Array | None:
+        """The first `at` columns with these (n, r) behind them; None where that place is taken or there is none."""
+        end = at + columns.shape[1]
+        if at != self._used or end > self._array.shape[1]:
+            return None
+        self._array[:, at:end], self._used = columns, end
+        return self._array[:, :end]
+
+    def __reduce__(self) -> tuple[type[Room], tuple[Array, int]]:
+        """Sent to another process without the array: the pool there has what is in use, and copies."""
+        return Room, (np.zeros((0, 0)), 0)
+
+
 @dataclass(frozen=True)
 class Pool:
     """All candidates that can be seen. `basis` (n, M) is orthogonal to `nuisance` (n, b, orthonormal), orthonormal
-    within each group; `gram` (M, M) its products. `invisible` are those that the nuisances swallow, `rules` those of
-    the whole diagnosis."""
+    within each group; `gram` (M, M) its products; columns that no group has count nothing. `invisible` are those that
+    the nuisances swallow, `rules` those of the whole diagnosis, `room` is where the basis stands."""
 
     nuisance: Array
     groups: tuple[Group, ...]
@@ -64,6 +85,7 @@ class Pool:
     gram: Array
     invisible: tuple[Candidate, ...]
     rules: Rules = RULES
+    room: Room | None = None
 
     @cached_property
     def layout(self) -> Layout:
@@ -150,11 +172,47 @@ def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array |
     made = _group(candidate, columns, limits, pool.nuisance, pool.basis.shape[1], pool.rules.patterns)
     if made is None:
         return pool
-    group, basis = made
+    return _wider(pool, [made[0]], made[1])
+
+
+def exchanged(pool: Pool, kept: Sequence[int], patterns: Iterable[tuple[Candidate, Array, Array | None]]) -> Pool:
+    """The pool with some of its groups (their numbers) alone, and behind them candidates with whitened columns (n, d)
+    and limits of their sizes; `invisible` are those of which nothing is seen."""
+    groups: list[Group] = []
+    bases: list[Array] = []
+    unseen: list[Candidate] = []
+    at = pool.basis.shape[1]
+    for candidate, columns, limits in patterns:
+        made = _group(candidate, columns, limits, pool.nuisance, at, pool.rules.patterns)
+        if made is None:
+            unseen.append(candidate)
+            continue
+        groups.append(made[0])
+        bases.append(made[1])
+        at = made[0].stop
+    few = replace(pool, groups=tuple(pool.groups[k] for k in kept), invisible=tuple(unseen))
+    return _wider(few, groups, np.concatenate(bases, axis=1)) if bases else few
+
+
+def _wider(pool: Pool, groups: Sequence[Group], basis: Array) -> Pool:
+    """The pool with more groups, and their columns (n, r) behind its own."""
     mixed = pool.basis.T @ basis
     gram = np.block([[pool.gram, mixed], [mixed.T, basis.T @ basis]])
-    wider = np.concatenate([pool.basis, basis], axis=1)
-    return replace(pool, groups=(*pool.groups, group), basis=wider, gram=gram)
+    at = pool.basis.shape[1]
+    wider = None if pool.room is None else pool.room.behind(at, basis)
+    room = pool.room
+    if wider is None:
+        room, wider = _room_for(pool.basis, basis)
+    return replace(pool, groups=(*pool.groups, *groups), basis=wider, gram=gram, room=room)
+
+
+def _room_for(basis: Array, more: Array) -> tuple[Room, Array]:
+    """A room with a basis and more columns behind it, and place for as many again: what is not used is not touched."""
+    at = basis.shape[1]
+    end = at + more.shape[1]
+    array = np.empty((len(basis), 2 * end), order="F")
+    array[:, :at], array[:, at:end] = basis, more
+    return Room(array, end), array[:, :end]
 
 
 def make_pool(
@@ -174,7 +232,7 @@ def make_pool(
     beside = orthonormal(nuisance)
     groups: list[Group] = []
     # Column by column, so that those in use are one piece of memory, and the rest is never touched.
-    basis = np.empty((len(nuisance), widest), order="F")
+    basis = np.empty((len(nuisance), 2 * widest), order="F")
     invisible: list[Candidate] = []
     at = 0
     for candidate, columns, limits in patterns:
@@ -186,4 +244,4 @@ def make_pool(
         basis[:, at : made[0].stop] = made[1]
         at = made[0].stop
     used = basis[:, :at]
-    return Pool(beside, tuple(groups), used, used.T @ used, tuple(invisible), rules)
+    return Pool(beside, tuple(groups), used, used.T @ used, tuple(invisible), rules, Room(basis, at))

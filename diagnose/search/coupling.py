@@ -17,7 +17,7 @@ import numpy as np
 from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
 from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Patterns, Prepared, set_up
+from diagnose.fitting.prepare import Patterns, Prepared, exchange
 from diagnose.fitting.shared_weights import factors
 from diagnose.patterns.flexibility import entry, flexible, through_flexibility
 from diagnose.patterns.forces import forces
@@ -44,11 +44,11 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
     if not _differ(before, loads, observed.rules.search.coupling_matters):
         return prepared
-    kept = [(group.candidate, columns) for group, columns in held if not through_flexibility(group.candidate)]
-    again = set_up(observed, [*kept, *loads], prepared.rejected)
+    kept = [number for number, (group, _) in enumerate(held) if not through_flexibility(group.candidate)]
+    again = exchange(prepared, observed, kept, loads)
     invisible = [candidate for candidate in prepared.pool.invisible if not through_flexibility(candidate)]
     pool = replace(again.pool, invisible=(*invisible, *again.pool.invisible))
-    return replace(again, pool=pool, independent=prepared.independent, together=prepared.together)
+    return replace(again, pool=pool)
 
 
 def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]) -> Namer:

@@ -36,8 +36,13 @@ def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Name
     beginnings = list(_beginnings(namer, members))
     if not any(_matters(namer, entries) for entries in beginnings):
         return namer, named
-    trials = [_settled(*search(entries), search) for entries in beginnings]
-    return min(trials, key=lambda trial: _criterion(*trial))
+    best: tuple[Namer, Named] | None = None
+    for entries in beginnings:
+        trial = _settled(*search(entries), search)
+        # One at a time: each has patterns and a pool of its own.
+        best = trial if best is None or _criterion(*trial) < _criterion(*best) else best
+        del trial
+    return best if best is not None else (namer, named)
 
 
 def _criterion(namer: Namer, named: Named) -> float:

@@ -88,7 +88,7 @@ def diagnose(
 ) -> None:
     """Run the command."""
     from linkwright.face.diagnosis import recordings_of, settings_of
-    from linkwright.output.diagnosis_folder import FILES, claim_diagnosis
+    from linkwright.output.diagnosis_folder import claim_diagnosis, written_files
     from linkwright.results.diagnoses.described import describe
     from linkwright.screen.progress import waiting
 
@@ -115,7 +115,7 @@ def diagnose(
         written = [pdf, *written]
     if out is not None:
         found.save(out, made_from=files, author=author, comment=comment)
-        written = [*(out / name for name in FILES if (out / name).exists()), *written]
+        written = [*written_files(out, found.found), *written]
     tell(describe(found.found, None if found.redesign is None else found.redesign.found), markdown, *written)
 
 

@@ -27,6 +27,7 @@ from diagnose.result import (
 )
 from diagnose.several.recordings import Several
 from linkwright.results.diagnoses.answer import answer, to_do
+from linkwright.results.diagnoses.recordings import unit_files
 from linkwright.version import program_version
 from units.quantities import format_quantity, kind_of
 
@@ -154,13 +155,16 @@ def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
     return {"recording": recording.names[index], "row": row, "reason": each.reason}
 
 
-def _recording(each: OfRecording) -> dict[str, Any]:
+def _recording(each: OfRecording, arm_file: str | None) -> dict[str, Any]:
     rms = ("rms_before_mm", "rms_after_mm", "rms_held_out_mm", "rms_from_others_mm", "rms_own_mm")
     return {
         **fields(each, "name", "file", "rows", "frame", "tool", "noise_floor_mm", *rms),
         "unit": each.unit or None,
         "date": each.date or None,
         "rejected_rows": list(each.rejected),
+        "arm_file": arm_file,
+        "written_arm_rms_mm": None if each.written is None else in_mm(each.written.rms),
+        "written_arm": None if each.written is None else fields(each.written, "rms_mm", "promised_mm", "lacks"),
     }
 
 
@@ -178,11 +182,12 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
     arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
     rms = ("rms_before_mm", "rms_after_mm", "rms_after_held_out_mm")
+    files = unit_files(diagnosis.recordings) or (None,) * len(diagnosis.recordings)
     return {
         "made_by": f"linkwright diagnose {program_version()}",
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
-        "recordings": [_recording(each) for each in diagnosis.recordings],
+        "recordings": [_recording(each, file) for each, file in zip(diagnosis.recordings, files, strict=True)],
         "differences": [_difference(each, diagnosis.recordings) for each in diagnosis.differences],
         "rows": recording.size,
         "answer": answer(diagnosis),

@@ -14,8 +14,9 @@ from arm.files.write import arm_to_yaml
 from diagnose.result import Diagnosis
 from diagnose.several.recordings import Several
 from linkwright.json.fields import joint_columns
+from linkwright.results.diagnoses.recordings import unit_files
 from units.quantities import InputError
-from units.reading import read_text
+from units.reading import load_json, read_text
 
 from .files import DESIGN, REPORT, claim_own, made_by, write_file
 
@@ -28,7 +29,7 @@ _DIGITS = 9
 def claim_diagnosis(folder: Path | None) -> None:
     """Make the output folder, or take an earlier diagnosis's again; anything else is refused. Raises `InputError`."""
     if folder is not None:
-        claim_own(folder, "diagnose", FILES, DIAGNOSIS)
+        claim_own(folder, "diagnose", (*FILES, *_own_files(folder)), DIAGNOSIS)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str) -> tuple[str, ...]:
@@ -42,12 +43,33 @@ def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str)
     compensation = compensation_csv(diagnosis)
     if compensation is not None:
         files[COMPENSATION] = compensation
+    for one, name in zip(diagnosis.recordings, unit_files(diagnosis.recordings), strict=False):
+        files[name] = arm_to_yaml(one.corrected if one.corrected is not None else diagnosis.corrected)
+    earlier = _own_files(folder)
     for name, text in files.items():
         write_file(folder / name, text)
+    for name in earlier.keys() - files.keys():
+        (folder / name).unlink(missing_ok=True)
     if compensation is None:
         # One of an earlier diagnosis would be taken for this one's.
         (folder / COMPENSATION).unlink(missing_ok=True)
     return tuple(files)
+
+
+def written_files(folder: Path, diagnosis: Diagnosis) -> tuple[Path, ...]:
+    """The files of a diagnosis that stand in its folder."""
+    names = (*FILES, *unit_files(diagnosis.recordings))
+    return tuple(folder / name for name in names if (folder / name).exists())
+
+
+def _own_files(folder: Path) -> dict[str, str]:
+    """The files of several arms' own in a diagnosis's folder, with what the recording of each is called."""
+    if made_by(folder / DIAGNOSIS) != "diagnose":
+        return {}
+    content: Any = load_json(folder / DIAGNOSIS)
+    each = content.get("recordings")
+    pairs = [(one.get("arm_file"), one.get("name")) for one in each or () if isinstance(one, dict)]
+    return {name: str(called) for name, called in pairs if isinstance(name, str) and Path(name).name == name}
 
 
 def _poses(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -93,12 +115,15 @@ def compensation_csv(diagnosis: Diagnosis) -> str | None:
 def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None:
     """The least and greatest coordinates (rad, m) of each joint in the diagnosis that an arm file stems from, by the
     residuals beside it; None for an arm file of no diagnosis."""
-    if file.name != DESIGN or made_by(file.with_name(DIAGNOSIS)) != "diagnose":
+    own = _own_files(file.parent)
+    if made_by(file.with_name(DIAGNOSIS)) != "diagnose" or (file.name != DESIGN and file.name not in own):
         return None
     try:
         poses = pd.read_csv(io.StringIO(read_text(file.with_name(RESIDUALS))))
     except (InputError, ValueError):
         return None
+    if file.name in own and "recording" in poses.columns:
+        poses = poses[poses["recording"].astype(str) == own[file.name]]
     found: list[tuple[float, float]] = []
     for name, joint in zip(joint_columns(arm, np.zeros((1, arm.size))), arm.joints, strict=True):
         if name not in poses.columns:

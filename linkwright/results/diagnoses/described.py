@@ -42,7 +42,7 @@ from .evidence import (
     standards,
     where_it_sits,
 )
-from .recordings import differing, recordings
+from .recordings import differing, own_arms, recordings, unit_files
 from .words import (
     alias_sentence,
     covariate_words,
@@ -77,6 +77,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _broken_promise(diagnosis),
         recordings(diagnosis) if diagnosis.recordings else None,
         differing(diagnosis) if diagnosis.differences else None,
+        own_arms(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
         _findings(diagnosis) if diagnosis.findings else None,
         _origins(diagnosis) if diagnosis.origins else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),

@@ -2,10 +2,46 @@
 
 from __future__ import annotations
 
-from diagnose.result import Diagnosis
-from linkwright.results.document import Cell, Column, Section, count, length, section, table
+import re
+import unicodedata
+from collections.abc import Sequence
 
-from .words import effect_words, measured, probability
+from diagnose.result import Diagnosis, OfRecording
+from diagnose.rules.rules import RULES
+from linkwright.results.document import Cell, Column, Paragraph, Section, count, length, section, table
+from linkwright.results.figures_in_words import mm
+
+from .words import effect_words, listed, measured, probability
+
+
+def unit_files(each: Sequence[OfRecording]) -> tuple[str, ...]:
+    """The names of the files of several arms' own corrected arms, by what each recording is called (`unit:` in its
+    settings); none where they are of one arm."""
+    found: list[str] = []
+    for number, one in enumerate(each, start=1):
+        if one.corrected is None:
+            return ()
+        plain = unicodedata.normalize("NFKD", one.name.lower().removesuffix(".csv")).encode("ascii", "ignore").decode()
+        slug = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:60].strip("-")
+        name = f"arm-{slug or number}.yaml"
+        found.append(f"arm-{slug or 'unit'}-{number}.yaml" if name in found else name)
+    return tuple(found)
+
+
+def own_arms(diagnosis: Diagnosis) -> Section:
+    """The corrected arm of each of several arms, and what its file is worth on its recording."""
+    rows: list[list[Cell]] = []
+    broken: list[Paragraph] = []
+    for one, file in zip(diagnosis.recordings, unit_files(diagnosis.recordings), strict=True):
+        rms = None if one.written is None else one.written.rms
+        rows.append([one.name, file, length(rms, 3), length(one.rms_promised, 3)])
+        if one.written is not None and not one.written.keeps(RULES.answer.promise):
+            lacks = f": the file lacks {listed(one.written.lacks)}" if one.written.lacks else ""
+            said = f"leaves {mm(one.written.rms, 3)} RMS where the fit promises {mm(one.rms_promised, 3)}"
+            broken.append(Paragraph(f"Warning: {file}, read back and applied to its recording, {said}{lacks}."))
+    headings = ("unit", "file", "leaves of its recording", "the fit promises")
+    lead = "What belongs to the type and each one's own differences, read back and applied to its own recording; RMS. "
+    return section("Each unit's arm", table(headings, rows), *broken, lead=f"{lead}arm.yaml is the type's.")
 
 
 def recordings(diagnosis: Diagnosis) -> Section:

@@ -81,6 +81,6 @@ def test_intervals_stay_as_they_were_where_nothing_else_is():
 def test_declared_rivals_are_no_causes_beside_the_name():
     null = prepared_null()
     member, rival = group_of(null, "joint_compliance", (2,)), group_of(null, "servo_droop", (2,))
-    with_it = unnamed(null, [member], (), np.arange(len(null.vector))).patterns.shape[1]
-    without = unnamed(null, [member], (rival,), np.arange(len(null.vector))).patterns.shape[1]
+    with_it = unnamed(null, [member], (), np.arange(len(null.vector))).at.size
+    without = unnamed(null, [member], (rival,), np.arange(len(null.vector))).at.size
     assert without < with_it
