@@ -15,14 +15,14 @@ from .promise import Promise, Shown
 @dataclass(frozen=True)
 class Planned:
     """`recording` holds the readings in their order (its tips are where the arm stands undeformed), `axes` the
-    components that the instrument sees, `promise` what they will show, `random` what some plans at random would.
+    numbers that the instrument reads, `promise` what they will show, `random` what some plans at random would.
     `returns` are the visits (from 1) that go back to one pose, `with_time` the largest correlation of the order with a
     joint or a side, `tried` how many visits were tried. `after` is the recording that it goes on from (None: none)."""
 
     arm: Arm
     asked: Asked
     recording: Recording
-    axes: str
+    axes: tuple[str, ...]
     promise: Promise
     random: tuple[Promise, ...]
     returns: tuple[int, ...]

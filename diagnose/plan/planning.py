@@ -28,7 +28,7 @@ from .order import in_order, returns_of, with_time
 from .planned import Planned
 from .promise import Promise, another_cause, is_asked, promised, seen_columns, usual_size
 from .tried import Tried, tried_visits
-from .written import plan_text, read_plan, to_record
+from .written import as_read, plan_text, read_plan, to_record
 
 
 class NothingToSee(Exception):
@@ -89,14 +89,15 @@ def _at_random(tried: Tried, asked: Asked, many: int, rng: np.random.Generator) 
 
 
 def _checked(
-    arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: str, after: Recording | None
+    arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: Sequence[str], after: Recording | None
 ) -> tuple[Recording, Promise]:
     """The visits as a recording, and what it will show by the file that holds it."""
     made = to_record(arm, tried.q[order], tried.sides[order], tried.payload[order], asked)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "plan.csv"
         path.write_text(plan_text(made, arm, axes), encoding="utf-8")
-        read = replace(read_plan(path, arm, rules=asked.rules), file="", frame=asked.frame, tool=asked.tool)
+        read = as_read(read_plan(path, arm, rules=asked.rules), asked)
+        read = replace(read, file="", frame=asked.frame, tool=asked.tool)
     return read, promised(arm, read if after is None else going_on(after, read, arm), axes, asked)
 
 
@@ -120,14 +121,16 @@ def _as_plan(before: Recording) -> Recording:
         sides=before.sides,
         payload_mass=before.payload_mass,
         last_moves=before.last_moves,
+        slots=before.slots,
+        instrument=before.instrument,
         frame=before.frame,
         tool=before.tool,
     )
 
 
-def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: str, after: Recording | None) -> Patterns:
+def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:
     """What the causes look like at every visit tried. Raises `NothingToSee`."""
-    there = to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1))
+    there = as_read(to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1)), asked)
     observed = _in_any_order(arm, replace(there, frame=asked.frame, tool=asked.tool), asked)
     chosen = _one_of_each(observed, asked)
     scale = [_usual(candidate, columns, observed, axes, asked) for candidate, columns in chosen]
@@ -174,7 +177,7 @@ def _one_of_each(observed: Observed, asked: Asked) -> list[tuple[Candidate, Arra
     return chosen
 
 
-def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: str, asked: Asked) -> Array:
+def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: Sequence[str], asked: Asked) -> Array:
     """The usual size of each column (d,); of products with unknown weights what is as large as the scatter."""
     if len(candidate.sizes) == columns.shape[2]:
         return np.array([usual_size(candidate, name) for name in candidate.sizes])
@@ -182,7 +185,7 @@ def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: str, 
     return 1.0 / np.where(rms > 0.0, rms, 1.0)
 
 
-def _rows(observed: Observed, parts: Sequence[Array], axes: str, asked: Asked) -> Array:
+def _rows(observed: Observed, parts: Sequence[Array], axes: Sequence[str], asked: Asked) -> Array:
     """Columns (V, C, d) one beside another, as the instrument's readings have them, over their scatter."""
     return seen_columns(observed, np.concatenate(parts, axis=2), axes, asked.sigma)
 

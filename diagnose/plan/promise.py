@@ -23,6 +23,7 @@ from diagnose.residual.observed import Observed, observe
 from diagnose.result import Detectable
 from diagnose.rules.rules import Rules
 from diagnose.search.calibrate import given_model, one_more
+from diagnose.several.recordings import Several
 from diagnose.simulate import Plan, simulate
 from sections.numeric import Array
 
@@ -85,7 +86,7 @@ class Promise:
         return sum(each.others - len(each.not_told) for each in self.shown if each.smallest <= each.usual)
 
 
-def promised(arm: Arm, recording: Recording, axes: str, asked: Asked) -> Promise:
+def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Promise:
     """What an instrument that sees the tip's components `axes` will show at these readings."""
     prepared = _sound(arm, recording, axes, asked)
     rules, pool = asked.rules, prepared.pool
@@ -116,18 +117,20 @@ def is_asked(effect: str, at: tuple[int, ...], asked: Sequence[Place]) -> bool:
     return not asked or any(effect == name and (not places or places == at) for name, places in asked)
 
 
-def seen_columns(observed: Observed, columns: Array, axes: str, sigma: float) -> Array:
+def seen_columns(observed: Observed, columns: Array, axes: Sequence[str], sigma: float) -> Array:
     """Columns (N, C, d) as the instrument's readings have them, over their scatter, (N, k, d)."""
     width = observed.components
+    if observed.view is not None:  # its readings are what was planned for
+        return columns[:, :width] / sigma
     return np.einsum("kc,ncd->nkd", view(axes, width), columns[:, :width]) / sigma
 
 
-def _sound(arm: Arm, recording: Recording, axes: str, asked: Asked) -> Prepared:
+def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Prepared:
     """The recording that a sound arm would give, ready to be searched."""
     weightless = arm.with_links(
         tuple(replace(link, mass=0.0) if link.section is None and link.mass is None else link for link in arm.links)
     )
-    made = simulate(weightless, Plan(1, noise=asked.sigma, at=recording, seed=asked.seed)).recording
+    made = _simulated(weightless, recording, asked)
     observed = observe(arm, made, rules=asked.rules)
     observed = replace(observed, scale=np.full(observed.residual.shape[1], asked.sigma))
 
@@ -146,6 +149,21 @@ def _sound(arm: Arm, recording: Recording, axes: str, asked: Asked) -> Prepared:
     columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
     vector = pool.projected(white(observed.residual[:, :, None])[:, 0])
     return Prepared(observed, vector, pool, columns, beside, names, ())
+
+
+def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
+    """The readings of an arm as its model says, by the instrument that was asked for: what each of several recordings
+    reads by itself."""
+    plan = Plan(1, noise=asked.sigma, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
+    if not asked.slots:
+        return simulate(arm, plan).recording
+    parts = recording.parts() if isinstance(recording, Several) else (recording,)
+    read: list[Array] = []
+    for number, part in enumerate(parts):
+        own = part.instrument
+        where = replace(own, anchor=own.anchor or asked.reads.anchor)
+        read.append(simulate(arm, replace(plan, at=part, instrument=where, seed=asked.seed + number)).recording.tip)
+    return replace(recording, tip=np.concatenate(read))
 
 
 def _shown(prepared: Prepared, found: Detectable, asked: Asked) -> Shown:

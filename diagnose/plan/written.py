@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -22,6 +23,9 @@ from sections.numeric import Array
 from units.quantities import InputError
 
 from .asked import Asked
+
+READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm")
+"""What a plan leaves blank of what a recording holds."""
 
 
 def to_record(arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked) -> Recording:
@@ -45,10 +49,22 @@ def to_record(arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked) ->
     )
 
 
-def plan_text(recording: Recording, arm: Arm, axes: str) -> str:
+def as_read(recording: Recording, asked: Asked) -> Recording:
+    """Readings of the tip's whole place as an instrument of heights or distances reads them; of others as they are."""
+    if not asked.slots:
+        return recording
+    tip = np.zeros((recording.size, 3))
+    tip[:, : recording.tip.shape[1]] = recording.tip
+    read = tip @ np.array(asked.reads.direction or (0.0, 0.0, 0.0))
+    if asked.reads.anchor is not None:
+        read = np.linalg.norm(tip - np.array(asked.reads.anchor), axis=1)
+    own = replace(asked.reads, anchor=None) if asked.anchor_free else asked.reads
+    return replace(recording, tip=read[:, None], slots=np.tile(asked.slots, (recording.size, 1)), instrument=own)
+
+
+def plan_text(recording: Recording, arm: Arm, axes: Sequence[str]) -> str:
     """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip."""
-    tips = {f"{axis}_mm" for axis in "xyz"}
-    kept = [each for each in recording_columns(recording, arm) if each[0] not in tips]
+    kept = [each for each in recording_columns(recording, arm) if each[0] not in READ]
     lines = [",".join([*(name for name, _, _ in kept), *(f"{axis}_mm" for axis in axes)])]
     blank = "," * len(axes)
     lines += [

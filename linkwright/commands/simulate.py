@@ -111,7 +111,7 @@ def simulate(
     settings = out.with_suffix(".yaml")
     check_target(json, arm, catalogue, out)
     check_target(settings, arm, catalogue, json)
-    _refuse_others_settings(settings, out)
+    refuse_others_settings(settings, out)
     with waiting("simulating"):
         given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         with asked_of(arm), as_options():
@@ -136,11 +136,11 @@ def simulate(
                 orientation=orientation,
                 declare_sigma=declare_sigma,
                 observe=observe,
-                direction=None if direction is None else _numbers(direction),
-                anchor=_listed(anchor),
+                direction=None if direction is None else numbers(direction),
+                anchor=listed(anchor),
                 anchor_free=anchor_free,
                 tilt_link=tilt_link,
-                bar=_listed(bar),
+                bar=listed(bar),
                 camera=camera,  # pyright: ignore[reportArgumentType] - what it can be is checked there
                 at=at,
             )
@@ -171,11 +171,13 @@ def read_entries(texts: list[str]) -> list[dict[str, Any]]:
     return entries
 
 
-def _listed(text: str | None) -> list[str] | None:
+def listed(text: str | None) -> list[str] | None:
+    """The parts of a list as text, None where there is none."""
     return None if text is None else [each.strip() for each in text.split(",")]
 
 
-def _numbers(text: str) -> list[float]:
+def numbers(text: str) -> list[float]:
+    """The numbers of a direction. Raises `InputError`."""
     try:
         return [float(each) for each in text.split(",")]
     except ValueError:
@@ -189,7 +191,7 @@ def _span(text: str) -> tuple[str, str]:
     return ends[0], ends[-1]
 
 
-def _refuse_others_settings(settings: Path, out: Path) -> None:
+def refuse_others_settings(settings: Path, out: Path) -> None:
     """Refuse to write over a YAML file beside the recording that is not just a simulated recording's settings."""
     if settings == out:
         raise InputError(out, "", "ends in .yaml; name a CSV file")

@@ -15,7 +15,7 @@ from diagnose.instruments.asked import observed_by
 from diagnose.plan.written import read_plan
 from diagnose.reading.read import read_recording as read_file
 from diagnose.reading.read import recording_from
-from diagnose.reading.settings import read_settings
+from diagnose.reading.settings import find_settings, read_settings
 from diagnose.reading.table import table_of
 from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from diagnose.recording import Recording as Found
@@ -196,6 +196,8 @@ def simulate(
     if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)
+    if at is not None and observe == "position":
+        observe, direction, anchor, anchor_free = _planned(Path(at), direction, anchor, anchor_free=anchor_free)
     plan = _plan(
         poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,
         noise=in_si(noise, "length", "noise"),
@@ -226,6 +228,18 @@ def simulate(
     made = simulated(given.model, plan)
     recording = plan.declared_in(made.recording) if declare_sigma else made.recording
     return Simulation(given, recording, made, plan)
+
+
+def _planned(
+    plan: Path, direction: Sequence[float] | None, anchor: Sequence[Quantity] | None, *, anchor_free: bool
+) -> tuple[str, Sequence[float] | None, Sequence[Quantity] | None, bool]:
+    """What a plan is for, as the settings beside it say: observe, direction, anchor and whether that is free."""
+    own = read_settings(find_settings(plan)).instrument
+    if own is None or own.kinds not in (("along",), ("distance",)):
+        return "position", direction, anchor, anchor_free
+    if own.kinds == ("along",):
+        return "along", direction or own.direction, anchor, anchor_free
+    return "distance", direction, anchor or own.anchor, anchor_free or own.anchor is None
 
 
 def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files: bool = False) -> Arm:

@@ -9,6 +9,7 @@ import typer
 
 import linkwright as lw
 from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from linkwright.commands.simulate import listed, numbers, refuse_others_settings
 from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError
 
@@ -29,8 +30,18 @@ def plan(
         Path | None, typer.Option("--out", metavar="FILE", help="The plan: a recording whose tip is still blank.")
     ] = None,
     instrument: Annotated[
-        str, typer.Option("--instrument", help="What it sees: tracker (x, y, z), x, y, z, xy, xz or yz.")
+        str,
+        typer.Option("--instrument", help="tracker (x, y, z), x, y, z, xy, xz, yz, along or distance."),
     ] = "tracker",
+    direction: Annotated[
+        str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
+    ] = None,
+    anchor: Annotated[
+        str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")
+    ] = None,
+    anchor_free: Annotated[
+        bool, typer.Option("--anchor-free", help="The anchor is about there: the recording has to tell where.")
+    ] = False,
     sigma: Annotated[
         str | None,
         typer.Option("--sigma", metavar="LENGTH", help="What each component scatters by; 15 um by default."),
@@ -81,13 +92,21 @@ def plan(
             tool=tool,  # pyright: ignore[reportArgumentType]
             avoid=[_box(text) for text in avoid or []],
             after=after[0] if after and len(after) == 1 else after,
+            direction=None if direction is None else numbers(direction),
+            anchor=listed(anchor),
+            anchor_free=anchor_free,
             seed=seed,
             progress=told,
         )
+    beside = None
     if out is not None:
+        beside = None if found.settings is None else out.with_suffix(".yaml")
+        if beside is not None:
+            check_target(beside, arm, catalogue, json)
+            refuse_others_settings(beside, out)
         found.save(out)
     write_result(json, found.to_json())
-    tell(describe(found.found), markdown, out, json)
+    tell(describe(found.found), markdown, out, beside, json)
 
 
 def _box(text: str) -> tuple[list[str], list[str]]:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from arm.effects import EFFECTS
+from diagnose.instruments.asked import observed_by
+from diagnose.instruments.instrument import Instrument
 from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place, seen_axes
 from diagnose.plan.planned import Planned
 from diagnose.plan.planning import NothingToSee
 from diagnose.plan.planning import plan as planned
-from diagnose.plan.written import plan_text
+from diagnose.plan.written import READ, plan_text
+from diagnose.reading.write import settings_text
 from diagnose.recording import Recording as Readings
 from diagnose.result import Diagnosis as Found
 from diagnose.rules.rules import RULES
+from diagnose.several.recordings import Several
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
 from linkwright.face.given import File, Quantity, in_si
@@ -52,9 +56,8 @@ class Plan(Result):
         import pandas as pd
 
         visits = self.found.visits
-        tip = {f"{axis}_mm" for axis in "xyz"}
         columns: dict[str, Any] = {
-            name: values for name, values, _ in recording_columns(visits, self.arm.model) if name not in tip
+            name: values for name, values, _ in recording_columns(visits, self.arm.model) if name not in READ
         }
         return pd.DataFrame(columns, index=pd.RangeIndex(1, visits.size + 1, name="visit"))
 
@@ -76,9 +79,17 @@ class Plan(Result):
         """The plan as CSV: a recording whose tip is still blank."""
         return plan_text(self.found.recording, self.arm.model, self.found.axes)
 
+    @property
+    def settings(self) -> str | None:
+        """What stands beside a plan of heights or distances as recording.yaml; None for the tip's place."""
+        return settings_text(self.found.recording) if self.found.asked.slots else None
+
     def save(self, folder: File) -> None:
-        """Write the plan as CSV, as `plan --out` does. Raises `InputError`."""
+        """Write the plan as CSV, and beside it what it reads where that is no place, as `plan --out` does. Raises
+        `InputError`."""
         write_file(Path(folder), self.text())
+        if self.settings is not None:
+            write_file(Path(folder).with_suffix(".yaml"), self.settings)
 
     def plot(self) -> go.Figure:
         """The smallest size of each cause over what is usual at most: this plan, and poses at random."""
@@ -119,14 +130,19 @@ def plan(
     tool: Literal["known", "free"] = "known",
     avoid: Sequence[tuple[Sequence[Quantity], Sequence[Quantity]]] = (),
     after: Recording | Diagnosis | File | Sequence[Recording | File] | None = None,
+    direction: Sequence[float] | None = None,
+    anchor: Sequence[Quantity] | None = None,
+    anchor_free: bool = False,
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Plan:
     """What to record, so that causes are seen small and told apart: `poses` visits of `repeats` readings each.
 
     `for_` names effects (`"backlash"`, or `"backlash:2"` at one joint or link); none: all that a diagnosis can seek.
-    `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), each with a scatter of `sigma` (text, or m;
-    15 um, or what the recording `after` scatters by). `payloads` are masses (text, or kg); by default none and the
+    `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), the height `along` a `direction`, or the
+    `distance` from an `anchor` (lengths; with `anchor_free` it stands about there, and nobody knows just where), each
+    with a scatter of `sigma` (text, or m; 15 um, or what the recording `after` scatters by; that recording's instrument
+    is taken). `payloads` are masses (text, or kg); by default none and the
     arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
     already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
     where they were. The same `seed` gives the same plan.
@@ -159,7 +175,13 @@ def plan(
         seen_axes(instrument, given.model)
     except ValueError as error:
         raise InputError("", "instrument", str(error)) from None
-    before = _diagnosed(after, given, progress)
+
+    def reading(there: Readings | None) -> tuple[str, dict[str, Any]]:
+        return _reading(instrument, direction, anchor, given, there, anchor_free=anchor_free)
+
+    if after is None:
+        reading(None)
+    before = _diagnosed(after, given, progress, reading)
     apart = () if before is None or effects else _undecided(before)
     if before is not None:
         # The instrument that is there stays where it stands.
@@ -167,9 +189,10 @@ def plan(
         tool = "free" if before.recording.tool == "free" else tool
     if noise is None:
         noise = _NOISE if before is None else _scatter(before)
+    instrument, reads = reading(None if before is None else before.recording)
     asked = Asked(
         poses, effects or apart, instrument, noise, repeats, masses, frame, tool, boxes, seed,
-        pairs_only=bool(apart),
+        pairs_only=bool(apart), **reads,
     )  # fmt: skip
     with told(progress) as hear:
         try:
@@ -179,6 +202,55 @@ def plan(
         except ValueError as error:
             raise InputError("", "avoid", str(error)) from None
     return Plan(given, found)
+
+
+def _reading(
+    instrument: str,
+    direction: Sequence[float] | None,
+    anchor: Sequence[Quantity] | None,
+    arm: Arm,
+    before: Readings | None,
+    *,
+    anchor_free: bool,
+) -> tuple[str, dict[str, Any]]:
+    """The instrument, and what says how it reads heights or distances: as asked, or as the recording before did."""
+    there = None if before is None else _instrument_of(before, instrument)
+    if there is not None:
+        instrument, direction = there.kinds[0], direction or there.direction
+        if instrument == "distance" and anchor is None and there.anchor is None:
+            raise InputError("", "anchor", "is missing: the recording does not tell where it is; say about where")
+        anchor_free = anchor_free or (instrument == "distance" and there.anchor is None)
+        anchor = anchor or there.anchor
+    for name, given, kind in (("direction", direction, "along"), ("anchor", anchor, "distance")):
+        if given is not None and instrument != kind:
+            raise InputError("", name, f"goes with the instrument {kind}, not {shown(instrument)}")
+    if anchor_free and instrument != "distance":
+        raise InputError("", "anchor_free", f"goes with the instrument distance, not {shown(instrument)}")
+    if instrument not in ("along", "distance"):
+        return instrument, {}
+    at = None if anchor is None else [in_si(each, "length", "anchor") for each in anchor]
+    found = observed_by(instrument, direction, at, arm.model, anchor_free=anchor_free)
+    own: Instrument = found["instrument"]
+    if arm.model.planar() and own.direction is not None and not any(own.direction[:2]):
+        raise InputError("", "direction", "is out of the plane in which the arm moves; name one within it")
+    return instrument, {"slots": found["slots"], "reads": own, "anchor_free": anchor_free}
+
+
+def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
+    """The instrument of heights or distances that a recording was made with, None of the tip's place. Raises
+    `InputError` for others, and where another one is asked for."""
+    each = recording.each if isinstance(recording, Several) else (recording,)
+    if recording.slots is None:
+        if instrument in ("along", "distance"):
+            raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
+        return None
+    kinds = {one.instrument.kinds for one in each}
+    if not kinds <= {("along",), ("distance",)} or len(kinds) > 1:
+        said = "is not of one instrument of the tip's place, of heights or of distances, which a plan goes on from"
+        raise InputError("", "after", f"{recording.file} {said}")
+    if instrument not in ("tracker", each[0].instrument.kinds[0]):
+        raise InputError("", "after", f"{recording.file} holds its {each[0].instrument.kinds[0]}, not {instrument}")
+    return each[0].instrument
 
 
 def _place(name: str, arm: Arm) -> Place:
@@ -209,21 +281,17 @@ def _payloads(given: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
 
 
 def _diagnosed(
-    after: Recording | Diagnosis | File | Sequence[Recording | File] | None, arm: Arm, progress: Progress | None
+    after: Recording | Diagnosis | File | Sequence[Recording | File] | None,
+    arm: Arm,
+    progress: Progress | None,
+    check: Callable[[Readings], object],
 ) -> Found | None:
     if after is None:
         return None
-    if isinstance(after, Diagnosis):
-        _check_whole(after.found.recording)
-        return after.found
-    read = recordings_of(after, arm)
-    _check_whole(read.found)
-    return diagnose(arm, read, progress=progress).found
-
-
-def _check_whole(read: Readings) -> None:
-    if read.slots is not None:
-        raise InputError("", "after", f"{read.file} does not hold the tip's whole place, which a plan goes on from")
+    read = after if isinstance(after, Diagnosis) else recordings_of(after, arm)
+    there = read.found.recording if isinstance(read, Diagnosis) else read.found
+    check(there)
+    return read.found if isinstance(read, Diagnosis) else diagnose(arm, read, progress=progress).found
 
 
 def _undecided(before: Found) -> tuple[Place, ...]:
