@@ -128,12 +128,25 @@ def _visits(found: Planned) -> Item:
     return table(("visit", "pose", "each joint comes upwards or downwards", "payload"), rows)
 
 
+def _reading(found: Planned) -> tuple[str, ...]:
+    """What is read, where that is not the tip's place."""
+    reads = found.asked.reads
+    if reads.direction is not None:
+        return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
+    if reads.anchor is None:
+        return ()
+    where = ", ".join(mm(value) for value in reads.anchor)
+    known = "about there; the recording has to tell just where" if found.asked.anchor_free else "which is known"
+    return (f"Read is the tip's distance from {where}, {known}.",)
+
+
 def _how(found: Planned) -> tuple[str, ...]:
     asked = found.asked
     lines = [
         "Come to each visit from some degrees before (dirN 1) or beyond (-1) in every joint, farther than any play.",
         f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: drift is told from "
         "place.",
+        *_reading(found),
         f"Rests on a sound arm simulated at the plan's readings (noise {mm(asked.sigma, 3)}, frame {asked.frame}, tool "
         f"{asked.tool}) and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
         f"proven best. At random: the middle of {len(found.random)} plans of the same kind.",

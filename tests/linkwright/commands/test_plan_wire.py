@@ -15,7 +15,7 @@ RANDOM = np.random.default_rng(4)
 
 
 def _read(q, sides, payload):
-    """The wire's lengths, m, of an arm with play in its second joint: it lies where the load pulls it, else it trails."""
+    """The wire's lengths, m, of an arm with play in its second joint: it lies where loads pull it, else trails."""
     angles = np.cumsum(q, axis=1)
     lever = np.cos(angles[:, 1:]) @ np.array(LENGTHS[1:])
     lies = np.where(payload * np.abs(lever) > 0.0, -np.sign(lever), -sides[:, 1])
