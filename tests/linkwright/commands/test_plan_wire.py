@@ -91,7 +91,7 @@ def test_a_wire_tells_play_once_the_deciding_visits_are_made(linkwright, first):
         (("--instrument", "distance"), "anchor: needs three lengths"),
         (("--instrument", "along"), "direction: is missing"),
         (("--instrument", "along", "--direction", "0, 0, 1"), "out of the plane"),
-        (("--instrument", "z", "--direction", "0, 0, 1"), "goes with the instrument along"),
+        (("--instrument", "y", "--direction", "0, 0, 1"), "goes with the instrument along"),
         (("--anchor", "1 m, 0 m, 0 m"), "goes with the instrument distance"),
         (("--instrument", "along", "--direction", "1, 0", "--anchor-free"), "goes with the instrument distance"),
         (("--after", "first.csv", "--instrument", "xy"), "holds its distance, not xy"),
