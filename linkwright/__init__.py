@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from linkwright.face.problem import Problem, read_problem
     from linkwright.face.recording import read_recording, read_recordings, simulate
     from linkwright.face.tradeoff import tradeoff
+    from linkwright.output.table_file import write_table
     from linkwright.paper.face import figures, seam, tables
     from materials.material import MissingProperty
     from units.quantities import InputError, NoAnswer
@@ -61,6 +62,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.problem": ("Problem", "read_problem"),
         "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
         "linkwright.face.tradeoff": ("tradeoff",),
+        "linkwright.output.table_file": ("write_table",),
         "linkwright.paper.face": ("figures", "seam", "tables"),
         "materials.material": ("MissingProperty",),
         "units.quantities": ("InputError", "NoAnswer"),
@@ -106,6 +108,7 @@ __all__ = [
     "tables",
     "tradeoff",
     "watch",
+    "write_table",
 ]
 
 

@@ -43,17 +43,21 @@ def compensate(
         list[str] | None,
         typer.Option("--payload", metavar="MASS", help="Instead of the arm file's, e.g. '2 kg'; may be repeated."),
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as CSV.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the table: .csv, .parquet, .md or .tex.")
+    ] = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
+    from linkwright.output.table_file import check_table
     from linkwright.results.compensation import describe
     from linkwright.screen.progress import waiting
 
     for target in (out, json, markdown):
         check_target(target, arm, poses, catalogue)
+    check_table(out)
     if grid is not None and poses is not None:
         raise InputError("", "--poses", "goes without --grid: the poses are the file's")
     with asked_of(arm), as_options(), waiting("computing the table") as told:

@@ -89,7 +89,9 @@ def tradeoff(
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     pdf: PdfFile = None,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points as CSV.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet, .md or .tex.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal in --out DIR holds.")] = False,
     catalogue: CatalogueFile = None,
     author: Author = "",
@@ -98,6 +100,7 @@ def tradeoff(
     dask: Dask = None,
 ) -> None:
     """Run the command."""
+    from linkwright.output.table_file import check_table
     from linkwright.report.origin import origin_of
     from linkwright.results.tradeoff import describe
     from linkwright.screen.console import console
@@ -106,6 +109,7 @@ def tradeoff(
 
     for target in (json, csv, markdown, pdf):
         check_target(target, problem, catalogue)
+    check_table(csv)
     check_pdf(pdf)
     if resume and out is None:
         raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
@@ -186,10 +190,14 @@ def _traced(
 def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | None, origin: Origin) -> list[Path]:
     """Write what is asked for; the files of the folder, and which there are."""
     from linkwright.json.tradeoff import tradeoff_csv
+    from linkwright.output.table_file import WAYS, write_table
     from linkwright.output.tradeoff_folder import write_tradeoff
 
     write_result(json, result.to_json())
     if csv is not None:
-        write_file(csv, tradeoff_csv(result.found))
+        if csv.suffix.lower() in WAYS:
+            write_table(result.table, csv)
+        else:
+            write_file(csv, tradeoff_csv(result.found))
     written = [] if out is None else write_tradeoff(result.found, out, origin)
     return written + [path for path in (json, csv) if path is not None]

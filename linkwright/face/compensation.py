@@ -14,6 +14,7 @@ from arm.compensation import Heard, default_grid, table_at, table_over
 from arm.compensation import Table as Found
 from linkwright.json.compensation import compensation_json, table_columns
 from linkwright.output.files import write_file
+from linkwright.output.table_file import WAYS, write_table
 from units.quantities import InputError
 
 from .arm import Arm, arm_of
@@ -61,10 +62,14 @@ class Compensation(Result):
         return figure_of({"data": [marks]})
 
     def save(self, folder: File) -> None:
-        """Write the table as CSV where `folder` names a file, as `compensate --out` does; else into that folder."""
+        """Write the table where `folder` names a file (.csv, .parquet, .md or .tex), as `compensate --out` does; else
+        as CSV into that folder."""
         place = Path(folder)
         target = place / "compensation.csv" if place.is_dir() else place
-        write_file(target, self.table.to_csv(index=False, lineterminator="\n"))
+        if target.suffix.lower() in WAYS:
+            write_table(self.table, target)
+        else:
+            write_file(target, self.table.to_csv(index=False, lineterminator="\n"))
 
     def _content(self) -> Mapping[str, Any]:
         return compensation_json(self.found)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 _DIGITS = 6
 """Of numbers in tables that people read."""
+_NO_PYARROW = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]'"
 _LATEX = str.maketrans(
     {
         "\\": r"\textbackslash{}",
@@ -30,13 +32,35 @@ _LATEX = str.maketrans(
 _MARKDOWN = str.maketrans({"|": r"\|", "\n": " ", "<": "&lt;"})
 
 
-def write_table(table: pd.DataFrame, file: Path) -> None:
+def write_table(table: pd.DataFrame, file: Path | str) -> None:
     """Write a table, its columns' names with their units as its head: .csv, .parquet (.pq), .md or .tex (booktabs).
-    Raises `InputError` for another ending, for parquet without pyarrow, and where the file cannot be written."""
+    Raises `InputError` for another ending, for parquet without pyarrow, and where the file cannot be written.
+
+    >>> import pathlib, tempfile
+    >>> import linkwright as lw
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "drives.md"
+    >>> lw.write_table(lw.actuators.table[["name", "mass_kg"]].head(1), file)
+    >>> print(file.read_text(), end="")
+    | name | mass_kg |
+    | --- | ---: |
+    | CSG-14-100-2UH | 0.52 |
+    """
+    file = Path(file)
     way = WAYS.get(file.suffix.lower())
     if way is None:
         raise InputError(file, "", f"is of no kind that a table can be written as: {', '.join(WAYS)}")
     write_file(file, way(table))
+
+
+def check_table(file: Path | None) -> None:
+    """Refuse, before any work is done, parquet where pyarrow is not installed. Raises `InputError`."""
+    if file is not None and WAYS.get(file.suffix.lower()) is _parquet and find_spec("pyarrow") is None:
+        raise InputError(file, "", _NO_PYARROW)
+
+
+def rows_of(table: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
+    """The rows of a table whose `name` is among some, in their order."""
+    return table.set_index("name", drop=False).loc[list(names)].reset_index(drop=True)
 
 
 def _csv(table: pd.DataFrame) -> str:
@@ -48,8 +72,7 @@ def _parquet(table: pd.DataFrame) -> bytes:
     try:
         table.to_parquet(stream, index=False)
     except ImportError:
-        message = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]'"
-        raise InputError("", "", message) from None
+        raise InputError("", "", _NO_PYARROW) from None
     return stream.getvalue()
 
 

@@ -24,7 +24,7 @@ PROMISED = {
     *("read_arm", "Arm", "Joint", "Link", "evaluate", "read_problem", "Problem", "optimize", "tradeoff"),
     *("read_recording", "read_recordings", "diagnose", "predict", "compare", "compensate", "simulate", "redesign"),
     *("shapes", "materials", "sections", "actuators", "effects", "limits", "inverse", "seam", "tables", "figures"),
-    *("import_arm", "export_arm", "budget", "plan", "watch"),
+    *("import_arm", "export_arm", "budget", "plan", "watch", "write_table"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
 }
 HEAVY = ("casadi", "pandas", "scipy", "plotly", "numpy", "pint", "rich", "typer")

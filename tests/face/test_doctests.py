@@ -11,7 +11,7 @@ import linkwright.face
 
 ROOT = Path(__file__).resolve().parents[2]
 FACE = pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face.")
-MODULES = [*(each.name for each in FACE), "linkwright.paper.face"]
+MODULES = [*(each.name for each in FACE), "linkwright.output.table_file", "linkwright.paper.face"]
 
 
 def examples(name):

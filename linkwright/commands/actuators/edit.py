@@ -18,10 +18,12 @@ from linkwright.commands.catalogues.own import (
 )
 from linkwright.commands.groups import Commands
 from linkwright.output.files import check_target
+from linkwright.output.table_file import rows_of
 from units.quantities import InputError
 from units.reading import load_yaml
 
 from .editor import ACTUATORS, actuator_entry, entries_text, read_entries
+from .spreadsheet import read_table, write_table
 
 ADD_HELP = """Add an actuator to your file.
 
@@ -31,11 +33,11 @@ EDIT_HELP = """Change keys of an actuator, or the file in $EDITOR; a shipped act
 
 Example: linkwright actuators edit RV-20E mass='4.9 kg' --source 'weighed, 3 March'
 """
-IMPORT_HELP = """Put actuators from a .yaml file into yours; all of it or nothing.
+IMPORT_HELP = """Put actuators from a .yaml, .csv or .xlsx file into yours; all of it or nothing.
 
 Example: linkwright actuators import supplier.yaml
 """
-EXPORT_HELP = """Write actuators to a .yaml file; all of them without a name.
+EXPORT_HELP = """Write actuators to a .yaml or .csv file, or for reports to .tex, .md or .parquet; all without a name.
 
 Example: linkwright actuators export RV-20E --out drives.yaml
 """
@@ -66,13 +68,15 @@ OWN = OwnCatalogue(
     helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
     such_as="mass='2 kg'",
     made=_made,
-    read={".yaml": read_entries},
+    read={".yaml": read_entries, ".csv": read_table, ".xlsx": read_table},
 )
 
 
 def export_actuators(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml file.")] = Path("actuators.yaml"),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet, .md or .tex file.")
+    ] = Path("actuators.yaml"),
     catalogue: Annotated[
         Path | None, typer.Option("--catalogue", metavar="FILE", help="Actuators that add to the shipped ones.")
     ] = None,
@@ -83,7 +87,12 @@ def export_actuators(
     found = [known[name].name for name in names] if names else [each.name for each in known.values()]
     files = [path for path in (user_actuators_path(), catalogue) if path is not None and path.exists()]
     entries = [entry for name in found if (entry := actuator_entry(name, files)) is not None]
-    OWN.write(out, entries, {".yaml": entries_text})
+    OWN.write(
+        out,
+        entries,
+        {".yaml": entries_text, ".csv": write_table},
+        lambda: rows_of(known.table, found),
+    )
 
 
 def commands() -> Commands:

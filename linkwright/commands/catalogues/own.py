@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dataclasses import replace as renamed
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
 import typer
 
@@ -18,8 +18,12 @@ from catalogues.editor import Editor
 from catalogues.prices import remove_price, set_price
 from linkwright.commands.groups import Commands
 from linkwright.output.files import write_file
+from linkwright.output.table_file import WAYS
 from units.quantities import InputError
 from units.reading import parse_yaml
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 OwnFile = Annotated[
     Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change; your own without it.")
@@ -123,9 +127,17 @@ class OwnCatalogue:
         copy.unlink()
         say(done, path)
 
-    def write(self, out: Path, found: Sequence[T], ways: Mapping[str, Callable[[Sequence[T]], str]]) -> None:
-        """Write entries to a file in the way that its ending asks for."""
-        write_file(out, _by_ending(out, ways)(found))
+    def write(
+        self,
+        out: Path,
+        found: Sequence[T],
+        ways: Mapping[str, Callable[[Sequence[T]], str | bytes]],
+        table: "Callable[[], pd.DataFrame]",
+    ) -> None:
+        """Write entries to a file in the way that its ending asks for: those of `ways`, which are read again, else as
+        their figures in a `table` that is not."""
+        way = _by_ending(out, {**ways, **{ending: None for ending in WAYS if ending not in ways}})
+        write_file(out, WAYS[out.suffix.lower()](table()) if way is None else way(found))
         typer.echo(f"wrote {len(found)} {self.editor.what}{'' if len(found) == 1 else 's'} to {out}")
 
     def question(self, path: Path, *names: str) -> None:

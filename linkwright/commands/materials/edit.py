@@ -22,6 +22,7 @@ from linkwright.commands.catalogues.own import (
 from linkwright.commands.groups import Commands
 from linkwright.commands.options import CatalogueFile
 from linkwright.output.files import check_target
+from linkwright.output.table_file import rows_of
 from materials.catalogue import load_layer, shipped_layers, user_catalogue_path
 from materials.material import Material
 from materials.plausible import doubts_of
@@ -46,6 +47,8 @@ IMPORT_HELP = """Put materials from a file in your catalogue: .yaml, .FCMat (Fre
 Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
 """
 EXPORT_HELP = """Write materials to a file: .yaml with everything, .FCMat (FreeCAD) or .csv with the values at 20 degC.
+
+Their figures alone to .tex, .md or .parquet.
 
 Example: linkwright materials export steel-s355 aluminium-6061-t6 --out metals.csv
 """
@@ -77,9 +80,9 @@ OWN = OwnCatalogue(
 
 def export_materials(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat or .csv file.")] = Path(
-        "materials.yaml"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat, .csv, .parquet, .md or .tex file.")
+    ] = Path("materials.yaml"),
     old: Annotated[bool, typer.Option("--freecad-0.21", help="The card format up to FreeCAD 0.21.")] = False,
     catalogue: CatalogueFile = None,
 ) -> None:
@@ -97,7 +100,9 @@ def export_materials(
         ".FCMat": card,
         ".csv": write_table,
     }
-    OWN.write(out, [known.find(name) for name in names] if names else list(known), ways)
+    found = [known.find(name) for name in names] if names else list(known)
+    table = lw.materials.with_file(catalogue).table
+    OWN.write(out, found, ways, lambda: rows_of(table, [each.name for each in found]))
 
 
 def commands() -> Commands:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import os
+from enum import StrEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -19,6 +22,7 @@ HELP = """The paper's Tables III to VII: printed, reproduced by its conventions,
 After them the extended tables, which the paper lacks; they take about a minute, and --quick leaves them out.
 
 Example: linkwright tables --markdown tables.md --json tables.json
+Example: linkwright tables --quick --csv tables --as tex
 """
 KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
 """The tables' names in JSON and of the CSV files."""
@@ -35,9 +39,32 @@ EXTENDED_KEYS = (
 """The same of the extended tables."""
 
 
+class TableKind(StrEnum):
+    """How a table is written."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+    MARKDOWN = "md"
+    LATEX = "tex"
+
+
+_SIGNATURES = MappingProxyType(
+    {
+        TableKind.CSV: "label,paper_",
+        TableKind.PARQUET: "PAR1",
+        TableKind.MARKDOWN: "| label | paper_",
+        TableKind.LATEX: "booktabs",
+    }
+)
+"""What the first table begins with."""
+
+
 def tables(
     json: JsonFile = None,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Write each table as CSV there.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="DIR", help="Write each table there, as CSV or what --as names.")
+    ] = None,
+    kind: Annotated[TableKind, typer.Option("--as", help="How the tables in --csv DIR are written.")] = TableKind.CSV,
     markdown: Annotated[
         Path | None,
         typer.Option(
@@ -47,6 +74,9 @@ def tables(
     quick: Annotated[bool, typer.Option("--quick", help="Leave the extended tables out.")] = False,
 ) -> None:
     """Run the command."""
+    import pandas as pd
+
+    from linkwright.output.table_file import check_table, write_table
     from linkwright.screen.console import console
 
     check_target(json)
@@ -56,7 +86,9 @@ def tables(
     if csv is not None:
         from linkwright.paper.output.folders import claim
 
-        claim(csv, [f"{key}.csv" for key in (*KEYS, *EXTENDED_KEYS)], f"{KEYS[0]}.csv", "label,paper_")
+        names = [f"{key}.{kind.value}" for key in (*KEYS, *EXTENDED_KEYS)]
+        check_table(csv / names[0])
+        claim(csv, names, names[0], _SIGNATURES[kind])
     from linkwright.paper.output.pages import all_into, extended_csv, table_csv, tables_markdown
     from linkwright.paper.output.screen import show_extended, show_tables
 
@@ -70,8 +102,12 @@ def tables(
         files = {table.key: table_csv(table) for table in made.book.tables}
         files |= {each.key: extended_csv(each) for each in made.extended}
         for key, text in files.items():
-            write_file(csv / f"{key}.csv", text)
-            written.append(csv / f"{key}.csv")
+            file = csv / f"{key}.{kind.value}"
+            if kind is TableKind.CSV:
+                write_file(file, text)
+            else:
+                write_table(pd.read_csv(io.StringIO(text)), file)
+            written.append(file)
     if markdown is not None:
         block = tables_markdown(made.book, made.verdicts, made.proofs)
         write_file(markdown, all_into(_text_of(markdown), block, made.extended))

@@ -14,6 +14,7 @@ from catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_t
 from linkwright.commands.catalogues.own import Changes, Name, OwnCatalogue, OwnFile, Source, changes_of, say
 from linkwright.commands.groups import Commands
 from linkwright.output.files import check_target
+from linkwright.output.table_file import rows_of
 from sections.stock.tables import shipped_sizes, user_stock_path
 from units.quantities import InputError
 from units.reading import read_text
@@ -32,7 +33,7 @@ IMPORT_HELP = """Put stock sizes from a .yaml, .csv or .xlsx file into your tabl
 
 Example: linkwright sections import supplier.csv
 """
-EXPORT_HELP = """Write stock sizes to a .yaml or .csv file; all of them without a name or a family.
+EXPORT_HELP = """Write stock sizes to a .yaml or .csv file, or to .tex, .md, .parquet; all without a name or family.
 
 Example: linkwright sections export --family IPE --out ipe.csv
 """
@@ -94,7 +95,9 @@ def edit_section(
 def export_sections(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")] = None,
     family: Annotated[list[str] | None, typer.Option("--family", help="This family too; may be repeated.")] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml or .csv file.")] = Path("sections.yaml"),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet, .md or .tex file.")
+    ] = Path("sections.yaml"),
     catalogue: StockFile = None,
 ) -> None:
     """Run `sections export`."""
@@ -104,7 +107,9 @@ def export_sections(
     if not names and not family:
         found = list(known.values())
     rows = [row_of(size) for size in {size.name: size for size in found}.values()]
-    OWN.write(out, rows, {".yaml": rows_text, ".csv": write_table})
+    OWN.write(
+        out, rows, {".yaml": rows_text, ".csv": write_table}, lambda: rows_of(known.table, [row.name for row in rows])
+    )
 
 
 def commands() -> Commands:

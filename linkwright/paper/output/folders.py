@@ -6,9 +6,8 @@ from collections.abc import Collection
 from pathlib import Path
 
 from linkwright.output.files import made_folder, refuse_strangers
-from units.files import left_over_of
+from units.files import left_over_of, read_bytes
 from units.quantities import InputError
-from units.reading import read_text
 
 
 def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:
@@ -25,6 +24,6 @@ def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> 
 
 def _opens_with(path: Path, signature: str) -> bool:
     try:
-        return signature in read_text(path)[:200]
+        return signature.encode() in read_bytes(path)[:200]
     except InputError:
         return False

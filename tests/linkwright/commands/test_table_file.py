@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
+from arm.actuators import ACTUATORS_VARIABLE, load_actuators, shipped_actuators
 from linkwright.output.table_file import write_table
 from sections import Tube
 from tests.linkwright.samples import arm_of
@@ -49,3 +50,75 @@ def test_a_list_of_parts_is_the_same_in_every_kind(tmp_path):
 def test_another_ending_is_one_line(tmp_path):
     with pytest.raises(InputError, match=r"\.csv, \.parquet, \.pq, \.md, \.tex"):
         write_table(TABLE, tmp_path / "a.doc")
+
+
+@pytest.mark.parametrize(
+    ("command", "names", "figure"),
+    [
+        (("materials",), ("steel-s355", "aluminium-6061-t6"), "density_kg_per_m3"),
+        (("sections",), ("IPE 80", "CHS 60.3x4"), None),
+        (("actuators",), ("RV-20E", "CSG-25-100-2UH"), "rated_torque_Nm"),
+    ],
+)
+def test_catalogues_as_tables(command, names, figure, linkwright, bench):
+    for ending in ("parquet", "tex", "md"):
+        status, _, said = linkwright(*command, "export", *names, "--out", f"all.{ending}")
+        assert status == 0, said
+    table = pd.read_parquet(bench / "all.parquet")
+    assert table["name"].tolist() == list(names)
+    known = {"materials": lw.materials, "sections": lw.sections, "actuators": lw.actuators}[command[0]]
+    if figure is not None:
+        everything = known.table.set_index("name")
+        assert table[figure].tolist() == [everything.loc[name, figure] for name in names]
+    assert (bench / "all.tex").read_text(encoding="utf-8").count(r" \\") == 3
+    assert (bench / "all.md").read_text(encoding="utf-8").count("\n") == 4
+
+
+def test_actuators_come_back_from_a_spreadsheet(linkwright, bench, monkeypatch):
+    """Zones, prices and sources survive; a workbook is read like the text that it holds."""
+    status, _, said = linkwright("actuators", "export", "CSG-25-100-2UH", "RV-20E", "--out", "drives.csv")
+    assert status == 0, said
+    rows = pd.read_csv(bench / "drives.csv", dtype=str)
+    assert rows["stiffness"][0] == "31 kN*m/rad; 50 kN*m/rad; 57 kN*m/rad"
+    rows["mass"] = ["1.6 kg", "4.8 kg"]
+    rows.to_excel(bench / "drives.xlsx", index=False)
+    monkeypatch.setenv(ACTUATORS_VARIABLE, str(bench / "mine.yaml"))
+    status, _, said = linkwright("actuators", "import", "drives.xlsx")
+    assert status == 0, said
+    shipped, own = shipped_actuators()["CSG-25-100-2UH"], load_actuators().find("CSG-25-100-2UH")
+    assert own.mass == 1.6
+    assert (own.stiffnesses, own.zone_torques) == (shipped.stiffnesses, shipped.zone_torques)
+    assert (own.maker, own.gear, own.ratio, own.source) == (shipped.maker, shipped.gear, 100.0, shipped.source)
+    rows["mass"] = ["heavy", "4.8 kg"]
+    rows.to_csv(bench / "drives.csv", index=False)
+    before = (bench / "mine.yaml").read_bytes()
+    status, _, said = linkwright("actuators", "import", "--replace", "drives.csv")
+    assert (status, said.count("\n")) == (2, 1)
+    assert "mass" in said
+    assert (bench / "mine.yaml").read_bytes() == before
+
+
+def test_the_papers_tables_as_latex_and_parquet(linkwright, bench):
+    for kind in ("parquet", "tex"):
+        status, _, said = linkwright("tables", "--quick", "--csv", f"as-{kind}", "--as", kind)
+        assert status == 0, said
+        status, _, said = linkwright("tables", "--quick", "--csv", f"as-{kind}", "--as", kind)
+        assert status == 0, said
+    assert linkwright("tables", "--quick", "--csv", "as-tex")[0] == 2
+    assert linkwright("tables", "--quick", "--csv", "as-csv")[0] == 0
+    for key in ("clearance", "material"):
+        csv, parquet = (
+            pd.read_csv(bench / "as-csv" / f"{key}.csv"),
+            pd.read_parquet(bench / f"as-parquet/{key}.parquet"),
+        )
+        pd.testing.assert_frame_equal(csv, parquet)
+        assert (bench / f"as-tex/{key}.tex").read_text(encoding="utf-8").count(r" \\") == len(csv) + 1
+
+
+def test_a_compensation_as_latex(linkwright, bench):
+    for name in ("table.csv", "table.parquet", "table.tex"):
+        status, _, said = linkwright("compensate", "arm.yaml", "--grid", "2", "--out", name)
+        assert status == 0, said
+    csv, parquet = pd.read_csv(bench / "table.csv"), pd.read_parquet(bench / "table.parquet")
+    assert list(csv.columns) == list(parquet.columns)
+    assert (bench / "table.tex").read_text(encoding="utf-8").count(r" \\") == len(csv) + 1
