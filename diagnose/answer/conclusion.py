@@ -17,6 +17,7 @@ from diagnose.fitting.corrected_arm import corrected_arm
 from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
 from diagnose.fitting.found_origins import found_origins
 from diagnose.fitting.held_out import hardest, splits
+from diagnose.fitting.torque_weights import with_weights
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
 from diagnose.residual.observed import beyond_first_order, one_condition, rms_length
@@ -82,6 +83,7 @@ class Conclusion(Confirmed):
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
         room = self._unnamed() if self.members and arm.unknown_origins else None
         corrected, origins = found_origins(self.prepared, self.refit, self.outside, corrected, room, self.search)
+        corrected, of_weights = with_weights(self.observed, corrected)
         self.tell("next poses", 0.95)
         poses, note = next_poses(
             self.namer,
@@ -137,6 +139,7 @@ class Conclusion(Confirmed):
                 *of_camera(self.prepared, self.refit.terms, self.noise),
                 *unseen(self.prepared),
                 *weights_by_torque(self.observed),
+                *of_weights,
                 *self.observed.alignment.undetermined,
                 *recording.warnings,
                 *self.noise.warnings,
@@ -173,10 +176,11 @@ class Conclusion(Confirmed):
         several, which, left = self.observed.recording, self.observed.which, self._left_by_names()
         if not isinstance(several, Several) or not several.units:
             return each
+        own = [corrected_arm(arm, self.refit, only=index, rules=self.rules.fitting)[0] for index in range(len(each))]
         return tuple(
             replace(
                 one,
-                corrected=corrected_arm(arm, self.refit, only=index, rules=self.rules.fitting)[0],
+                corrected=with_weights(self.observed, own[index], several.names[index])[0],
                 rms_promised=rms_length(left[which == index]),
             )
             for index, one in enumerate(each)

@@ -128,6 +128,18 @@ class FittingRules:
         "What unknown first moments are held to where the data do not show them: masses of one arm on its own levers.",
         JUDGED,
     )
+    mass_off: float = rule(
+        1.0,
+        "share of the file's mass",
+        "What torques do not tell of a link's mass is held to the file by as much as such a figure may be off.",
+        JUDGED,
+    )
+    centre_off: float = rule(
+        0.1,
+        "share of the link's length",
+        "The same of a centre of mass, which is the better known of the two.",
+        JUDGED,
+    )
     least_lever: float = rule(
         0.01,
         "share of the arm's reach",

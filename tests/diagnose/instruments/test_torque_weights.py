@@ -1,0 +1,110 @@
+"""Arms whose links weigh other than their file says, with torques: the file that is written has the weights they show.
+
+Loads and tips are sums over plain matrices of a planar arm, with nothing of the code under test.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.chain.chain import Arm, Joint, Link
+from diagnose.diagnosis import diagnose
+from diagnose.predict import predict
+from diagnose.recording import Recording
+from linkwright.output.written_arm import with_written
+from materials.catalogue import load_catalogue
+from sections.numeric import Array
+
+LENGTHS = np.array([0.5, 0.45, 0.3])
+MASSES = np.array([9.0, 6.0, 2.5])
+CENTRES = np.array([0.22, 0.2, 0.1])
+COMPLIANCE = 2e-5
+FRICTION = np.array([3.0, 2.0, 1.0])
+NOISE = 10e-6
+SUM = np.tril(np.ones((3, 3)))
+"""From joints' angles to links' own."""
+
+
+def load(q: Array, masses: Array, centres: Array, payload: Array) -> Array:
+    """What weights turn the joints by (N, 3): the transposed Jacobians of links' centres and of the tip times them."""
+    falling = -np.cos(q @ SUM.T)  # a link's end rises by its cosine, weights pull against it
+    torque = np.zeros_like(q)
+    for k in range(4):
+        reach = np.diag([*LENGTHS[:k], *centres[k : k + 1], *np.zeros(2 - k)] if k < 3 else LENGTHS)
+        weight = 9.80665 * (masses[k] if k < 3 else payload)
+        torque += np.reshape(weight, (-1, 1)) * (falling @ reach @ SUM)
+    return torque
+
+
+def recorded(seed: int, masses: Array, centres: Array = CENTRES, heavier: float = 0.0) -> Recording:
+    """Readings whose drive 2 gives, torques beside them; the payload is heavier than is recorded by a share."""
+    rng = np.random.default_rng(seed)
+    q = np.repeat(rng.uniform(-1.4, 1.4, (40, 3)), 2, axis=0)
+    payload, side = (np.repeat(rng.choice(of, size), 2, axis=0) for of, size in (((0.0, 3.0), 40), ((-1, 1), (40, 3))))
+    bent = q.copy()
+    for _ in range(5):
+        bent[:, 1] = q[:, 1] + COMPLIANCE * load(bent, masses, centres, (1.0 + heavier) * payload)[:, 1]
+    angles = bent @ SUM.T
+    tip = np.stack([np.cos(angles) @ LENGTHS, np.sin(angles) @ LENGTHS], axis=1)
+    torque = side * FRICTION - load(bent, masses, centres, (1.0 + heavier) * payload)
+    return Recording(
+        "r.csv", q, tip + NOISE * rng.standard_normal(tip.shape), np.arange(1, len(q) + 1), payload_mass=payload,
+        sides=side.astype(float), torque=torque + 0.05 * rng.standard_normal(q.shape),
+    )  # fmt: skip
+
+
+def file_arm() -> Arm:
+    links = zip(LENGTHS.tolist(), MASSES.tolist(), CENTRES.tolist(), strict=True)
+    return Arm(
+        "as the file says",
+        tuple(Joint(range=(-math.pi, math.pi)) for _ in LENGTHS),
+        tuple(Link(length, mass=mass, center_of_mass=centre) for length, mass, centre in links),
+        gravity=(0.0, -9.80665, 0.0),
+    )
+
+
+def test_loads_are_those_of_a_straight_arm() -> None:
+    straight = load(np.zeros((1, 3)), MASSES, CENTRES, np.array([2.0]))
+    assert straight[0, 2] == pytest.approx(-9.80665 * (2.5 * 0.1 + 2.0 * 0.3))
+    assert straight[0, 0] == pytest.approx(-9.80665 * (9.0 * 0.22 + 6.0 * 0.7 + 2.5 * 1.05 + 2.0 * 1.25))
+
+
+@pytest.mark.parametrize(
+    ("masses", "centres"), [(1.4 * MASSES, CENTRES), (MASSES, CENTRES + np.array([0.0, 0.05, 0.1]))]
+)
+def test_the_written_file_has_the_weights_that_the_torques_show(masses: Array, centres: Array) -> None:
+    recording = recorded(1, masses, centres)
+    found = with_written(diagnose(file_arm(), recording), load_catalogue(user=False))
+
+    (finding,) = found.findings
+    assert (finding.effect, finding.at) == ("joint_compliance", (2,))
+    low, high = finding.parameters[0].interval
+    assert low < COMPLIANCE < high
+    assert found.written is not None
+    assert found.written.keeps(0.02)
+    assert found.written.lacks == ()
+    assert any("has the weights that the torques show" in note for note in found.notes)
+    # A file that makes the right loads foretells other poses and payloads without their torques.
+    other = replace(recorded(2, masses, centres), torque=None)
+    assert predict(found.corrected, other).rms < 1.15 * math.sqrt(2.0) * NOISE
+    if centres is CENTRES:
+        written = np.array([link.mass for link in found.corrected.links])
+        assert written == pytest.approx(masses, rel=0.02)
+        assert [link.center_of_mass for link in found.corrected.links] == pytest.approx(CENTRES)
+
+
+def test_what_no_weights_of_links_make_is_not_written() -> None:
+    """The payload is half as heavy again as the recording says: no arm file holds that."""
+    arm = file_arm()
+    found = with_written(diagnose(arm, recorded(1, MASSES, heavier=0.5)), load_catalogue(user=False))
+
+    assert any("How drive" in note and "is judged by the measured torque" in note for note in found.notes)
+    assert any("The corrected arm lacks how drive" in note for note in found.notes)
+    assert not any(entry.effect == "joint_compliance" for entry in found.corrected.effects)
+    assert found.corrected.links == arm.links
+    assert found.written is not None
+    assert any("compliance of the drives at joint 2" in each for each in found.written.lacks)
