@@ -143,8 +143,63 @@ def test_quick_commands_print_what_is_shown(page, monkeypatch, capsys, tmp_path)
     assert followed(page, tmp_path, monkeypatch, capsys, only=quick) == []
 
 
+def words(lines):
+    """Words and numbers, wherever lines break; rules and bars are none."""
+    return [word for line in lines for word in line.split() if not set(word) <= set("─█▉▊▋▌▍▎▏")]
+
+
+def same(word, other):
+    """Whether two words are the same, numbers in them within three per cent, which processors may differ by."""
+    one, two = (re.split(r"([0-9]+(?:\.[0-9]+)?(?:e−?[0-9]+)?)", each.rstrip(".,;:")) for each in (word, other))
+    numbers = [
+        (float(a.replace("−", "-")), float(b.replace("−", "-"))) for a, b in zip(one[1::2], two[1::2], strict=False)
+    ]
+    return one[::2] == two[::2] and all(abs(a - b) <= 0.03 * max(abs(a), abs(b)) for a, b in numbers)
+
+
+def told(printed, out):
+    """The paragraphs of a page that a command does not print, whatever the width; a line `...` leaves lines out."""
+    have, missing = words(out.splitlines()), []
+    for part in re.split(r"\n(?: *\n| *\.\.\. *\n)+", "\n" + "\n".join(printed) + "\n"):
+        wanted = words([line for line in part.splitlines() if line.strip() != "..."])
+        found = any(
+            all(same(*pair) for pair in zip(wanted, have[at:], strict=False)) and at + len(wanted) <= len(have)
+            for at in range(len(have))
+        )
+        missing += [] if found or not wanted else [" ".join(wanted)]
+    return missing
+
+
+@pytest.mark.parametrize("page", ["docs/diagnosis.md", "docs/recordings.md"])
+def test_diagnoses_print_what_is_shown(page, tmp_path, monkeypatch, capsys):
+    """All commands of a page, one after the other, where its example is; a watch needs a series of its own."""
+    shutil.copytree(ROOT / "examples" / "hidden-backlash", tmp_path / "here")
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    wrong = []
+    for each in shown(ROOT / page):
+        if each.words[0] == "watch":
+            continue
+        if "jumped.csv" in each.words:
+            before, after = (
+                Path(name).read_text("utf-8").splitlines(keepends=True) for name in ("before.csv", "after.csv")
+            )
+            Path("jumped.csv").write_text("".join([*before[:97], *after[-96:]]), "utf-8")
+        assert run(each.words) == 0, each
+        printed = capsys.readouterr()
+        wrong += [
+            f"{each}: {part}"
+            for part in told([line.removeprefix("# ") for line in each.printed], printed.err + printed.out)
+        ]
+    assert wrong == []
+
+
 def test_disagreement_is_seen():
     """The comparison compared."""
+    assert told(("a b 1.00 mm,", "c"), "x a b\n1.01 mm c d") == []
+    assert told(("a", "...", "d 5 %"), "a b d 5 %") == []
+    assert told(("a b 1.00 mm",), "a b 1.10 mm") == ["a b 1.00 mm"]
+    assert told(("a 1", "", "c"), "a 2 c") == ["a 1"]
     assert agree(("a  b", "...", "d"), 0, "a b\nc\nd\n", "") == ""
     assert agree(("a", "d"), 0, "d\na\n", "") != ""
     assert not Shown(ROOT / "README.md", "linkwright doctor", ("doctor",), ()).printed
