@@ -62,9 +62,7 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     return recording.without(bad)
 
 
-def _refuse_other_camera(
-    recording: Recording, found: View, view: Callable[[Recording], View], rules: Rules
-) -> None:
+def _refuse_other_camera(recording: Recording, found: View, view: Callable[[Recording], View], rules: Rules) -> None:
     """A camera that is where its target is said to be."""
     if found.sight is None:
         return

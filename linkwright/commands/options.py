@@ -37,6 +37,11 @@ OutFolder = Annotated[
 Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
+Direction = Annotated[
+    str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
+]
+Anchor = Annotated[str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")]
+
 Tip = Annotated[
     str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")
 ]

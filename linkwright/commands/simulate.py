@@ -14,7 +14,7 @@ from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, parse_yaml
 
-from .options import CatalogueFile, JsonFile, Tip, as_options, asked_of
+from .options import Anchor, CatalogueFile, Direction, JsonFile, Tip, as_options, asked_of
 
 HELP = """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
@@ -72,12 +72,8 @@ def simulate(
             help="position, some of x, y, z (xy), along, distance, same_point, plane, tilt, bar or camera.",
         ),
     ] = "position",
-    direction: Annotated[
-        str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
-    ] = None,
-    anchor: Annotated[
-        str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")
-    ] = None,
+    direction: Direction = None,
+    anchor: Anchor = None,
     anchor_free: Annotated[
         bool, typer.Option("--anchor-free", help="The settings do not tell where the anchor is.")
     ] = False,

@@ -59,7 +59,12 @@ NO_RULES = {
     "watch/estimates.py": {"_RIDGE"},
     "watch/evidence.py": {"_LEAST_SCALE", "_MEDIAN", "_NOTHING"},
     "simulate.py": {
-        "_ASKEW", "_BETWEEN_READINGS, _BETWEEN_VISITS", "_OUTLIERS", "_BASE_TARGET", "_DEEP, _TARGET", "_AWAY, _ON_TOOL"
+        "_ASKEW",
+        "_BETWEEN_READINGS, _BETWEEN_VISITS",
+        "_OUTLIERS",
+        "_BASE_TARGET",
+        "_DEEP, _TARGET",
+        "_AWAY, _ON_TOOL",
     },
 }
 

@@ -149,12 +149,13 @@ def words(lines):
 
 
 def same(word, other):
-    """Whether two words are the same, numbers in them within three per cent, which processors may differ by."""
+    """Whether two words are the same, numbers in them within three per cent, which processors may differ by; what is
+    nothing but for rounding is alike nothing."""
     one, two = (re.split(r"([0-9]+(?:\.[0-9]+)?(?:e−?[0-9]+)?)", each.rstrip(".,;:")) for each in (word, other))
     numbers = [
         (float(a.replace("−", "-")), float(b.replace("−", "-"))) for a, b in zip(one[1::2], two[1::2], strict=False)
     ]
-    return one[::2] == two[::2] and all(abs(a - b) <= 0.03 * max(abs(a), abs(b)) for a, b in numbers)
+    return one[::2] == two[::2] and all(abs(a - b) <= max(0.03 * max(abs(a), abs(b)), 1e-8) for a, b in numbers)
 
 
 def told(printed, out):

@@ -8,7 +8,16 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from linkwright.commands.options import (
+    Anchor,
+    CatalogueFile,
+    Direction,
+    JsonFile,
+    MarkdownFile,
+    as_options,
+    asked_of,
+    tell,
+)
 from linkwright.commands.simulate import listed, numbers, refuse_others_settings
 from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError
@@ -33,12 +42,8 @@ def plan(
         str,
         typer.Option("--instrument", help="tracker (x, y, z), x, y, z, xy, xz, yz, along or distance."),
     ] = "tracker",
-    direction: Annotated[
-        str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
-    ] = None,
-    anchor: Annotated[
-        str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")
-    ] = None,
+    direction: Direction = None,
+    anchor: Anchor = None,
     anchor_free: Annotated[
         bool, typer.Option("--anchor-free", help="The anchor is about there: the recording has to tell where.")
     ] = False,

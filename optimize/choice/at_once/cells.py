@@ -46,7 +46,7 @@ _GIVES = 1e-7
 """By how much a section may break its own limits and still count."""
 _NARROW = 0.3
 """A cell this narrow (in logarithms) whose corners are no sections is left out: what is possible ends far inside."""
-MOST_CELLS, MOST_CELLS_FREE = 100_000, 100_000
+MOST_CELLS, MOST_CELLS_FREE = 100_000, 60_000
 """So many cells are made of a link's options, with lengths that stay and free ones; from then on they stay as they
 are."""
 NARROWEST = 1e-5
