@@ -25,6 +25,22 @@ def table_text(columns: Sequence[str], rows: Iterable[Mapping[str, object]]) -> 
     return stream.getvalue()
 
 
+def marks_text(marks: Mapping[str, str]) -> str:
+    """What is said of each figure, such as that it could not be confirmed, in one cell: `mass: why; stiffness: why`."""
+    return "; ".join(f"{name}: {text.replace('; ', ', ')}" for name, text in marks.items())
+
+
+def marks_of(cell: str, names: Iterable[str], path: Path | str, where: str) -> dict[str, str]:
+    """What such a cell says of the figures called `names`. Raises `InputError`."""
+    known, found = list(names), dict[str, str]()
+    for part in (each for each in cell.split("; ") if each.strip()):
+        name, colon, text = (each.strip() for each in part.partition(":"))
+        if name not in known or not colon or not text:
+            raise InputError(path, where, f"needs a figure's name and text, not '{part}'{nearest(name, known)}")
+        found[name] = text
+    return found
+
+
 def read_rows(
     path: Path | str, columns: Sequence[str], needed: Sequence[str], entry: Callable[[dict[str, str], str], T]
 ) -> tuple[T, ...]:

@@ -14,6 +14,7 @@ from typing import Any, cast
 
 from catalogues.yaml_edit import YamlText
 from materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
+from materials.material import property_kinds
 from units.reading import load_yaml, read_text, shipped_files
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\nreferences: {{}}\nmaterials: {{}}\n"
@@ -130,8 +131,24 @@ def entry_in(data: MappingLike[str, Any], name: str, under: str = "materials") -
     if not isinstance(content, dict):
         return None
     references: dict[str, str] = data.get("references") or {}
-    used = _sources_of(cast(dict[str, Any], content))
-    return Entry(name, cast(dict[str, Any], content), {key: references[key] for key in used if key in references})
+    content = cast(dict[str, Any], content)
+    used = _sources_of(content)
+    found = _found_in(content, data.get("found_in")) if under == "materials" else {}
+    told = {**content, "found_in": found} if found else content
+    return Entry(name, told, {key: references[key] for key in used if key in references})
+
+
+def _found_in(content: MappingLike[str, Any], of_file: object) -> dict[str, str]:
+    """Where each property of a material was found: what the file says of its sources said of the properties."""
+    by_source = cast(dict[str, str], of_file) if isinstance(of_file, dict) else {}
+    missing, own = content.get("unconfirmed") or {}, dict[str, str](content.get("found_in") or {})
+    for key in (*property_kinds(), "magnetic"):
+        if key in content and key not in missing and key not in own:
+            value = content[key]
+            source = value.get("source") if isinstance(value, dict) else None  # type: ignore[reportUnknownMemberType]
+            text = by_source.get(source or content.get("source", ""))  # type: ignore[reportUnknownArgumentType]
+            own |= {key: text} if text else {}
+    return own
 
 
 def _sources_of(content: MappingLike[str, Any]) -> dict[str, None]:

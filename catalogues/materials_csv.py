@@ -1,7 +1,8 @@
 """Materials as a table of comma-separated values: a row a material, cells with their units.
 
-The columns are `name`, `title`, `family`, `isotropic`, one a property (`elastic_modulus`: `71 GPa`, at 20 degC) and
-`source`, one text for the whole row. Tables over temperature, spreads and notes have no place in it.
+The columns are `name`, `title`, `family`, `isotropic`, one a property (`elastic_modulus`: `71 GPa`, at 20 degC),
+`source`, one text for the whole row, and `unconfirmed` (`density: what was looked for; cost: ...`). Tables over
+temperature, spreads and notes have no place in it.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from catalogues.csv_table import read_rows, table_text
+from catalogues.csv_table import marks_of, marks_text, read_rows, table_text
 from catalogues.materials_as_text import Entry
 from materials.material import Material, property_kinds
 from units.quantities import InputError, format_quantity, read_quantity
@@ -18,7 +19,7 @@ from units.quantities import InputError, format_quantity, read_quantity
 
 def columns() -> tuple[str, ...]:
     """Return the columns of the table, in order."""
-    return ("name", "title", "family", "isotropic", *property_kinds(), "source")
+    return ("name", "title", "family", "isotropic", *property_kinds(), "source", "unconfirmed")
 
 
 def write_table(materials: Iterable[Material]) -> str:
@@ -35,6 +36,7 @@ def _row(material: Material) -> dict[str, str]:
         "isotropic": "yes" if material.isotropic else "no",
         **{name: format_quantity(material.need(name), kinds[name]) for name in kinds if name in material.properties},
         "source": "; ".join(" ".join(text.split()) for text in material.references.values()),
+        "unconfirmed": marks_text({k: item.unconfirmed for k, item in material.properties.items() if item.unconfirmed}),
     }
 
 
@@ -52,6 +54,8 @@ def read_table(path: Path | str) -> tuple[Entry, ...]:
             if key in cells:
                 value = read_quantity(cells[key], kind, file=path, key=f"{where}: {key}")
                 content[key] = value if kind == "dimensionless" else cells[key]
+        marks = marks_of(cells.get("unconfirmed", ""), property_kinds(), path, f"{where}: unconfirmed")
+        content |= {"unconfirmed": marks} if marks else {}
         return Entry(cells["name"], content, {"table": cells.get("source", "") or f"table {Path(path).name}"})
 
     return read_rows(path, columns(), ["name"], entry)

@@ -68,6 +68,8 @@ class MaterialsEditor(Editor[Entry]):
             for key, value in values.items():
                 keys = key.split(".")
                 _set(document, ["materials", name], keys, value)
+                if keys[-1] == keys[0] or keys[1] in _LAWS:
+                    _unmark(document, name, keys[0], "found_in")
                 if source:
                     _cite(document, name, keys[0], source, fresh=len(keys) == 1 and not isinstance(value, dict))
             set_ = ", ".join(f"{name}.{key}" for key in values)
@@ -113,10 +115,16 @@ def _cite(document: YamlText, name: str, property_name: str, source: str, *, fre
 
 
 def _confirm(document: YamlText, name: str, property_name: str) -> None:
-    """Take away that a property could not be confirmed, where that is said."""
-    marks = document.get(["materials", name, "unconfirmed"])
+    """Take away what is said of whether a property was found in its source."""
+    for mark in ("unconfirmed", "found_in"):
+        _unmark(document, name, property_name, mark)
+
+
+def _unmark(document: YamlText, name: str, property_name: str, mark: str) -> None:
+    marks = document.get(["materials", name, mark])
     if isinstance(marks, dict) and property_name in marks:
-        document.remove(["materials", name, "unconfirmed", property_name])
+        last = len(cast(dict[str, Any], marks)) == 1
+        document.remove(["materials", name, mark, *([] if last else [property_name])])
 
 
 def _set(document: YamlText, at: Sequence[str], keys: Sequence[str], value: Any) -> None:

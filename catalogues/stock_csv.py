@@ -1,7 +1,8 @@
 """Stock sizes as a table of comma-separated values.
 
-The columns are `name`, `family`, `shape`, `source`, one a dimension (`height_mm`) and the printed figures
-(`area_cm2`, `second_moment_y_cm4`, `second_moment_z_cm4`); a cell is empty where a shape has no such dimension.
+The columns are `name`, `family`, `shape`, `source`, one a dimension (`height_mm`), the printed figures (`area_cm2`,
+`second_moment_y_cm4`, `second_moment_z_cm4`) and where any row says so `found_in` and `unconfirmed`; a cell is empty
+where a shape has no such dimension.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from units.quantities import InputError
 from units.reading import nearest
 
 _HEAD = ("name", "family", "shape", "source")
+_MARKS = ("found_in", "unconfirmed")
 
 
 def _figures() -> list[str]:
@@ -29,8 +31,9 @@ def _figures() -> list[str]:
 def write_table(rows: Sequence[Row]) -> str:
     """The rows as comma-separated values, with the columns that any of them has."""
     used = {column for row in rows for column in row.cells}
-    cells = ({**{name: getattr(row, name) for name in _HEAD}, **row.cells} for row in rows)
-    return table_text([*_HEAD, *(column for column in _figures() if column in used)], cells)
+    marks = [name for name in _MARKS if any(getattr(row, name) for row in rows)]
+    cells = ({**{name: getattr(row, name) for name in (*_HEAD, *marks)}, **row.cells} for row in rows)
+    return table_text([*_HEAD, *(column for column in _figures() if column in used), *marks], cells)
 
 
 def read_table(path: Path | str) -> tuple[Row, ...]:
@@ -40,6 +43,7 @@ def read_table(path: Path | str) -> tuple[Row, ...]:
         name, family, shape, source = (texts.pop(column) for column in _HEAD)
         if shape not in SHAPES:
             raise InputError(path, f"{where}: shape", f"there is no shape '{shape}'{nearest(shape, list(SHAPES))}")
+        marks = [texts.pop(name, "") for name in _MARKS]
         cells: dict[str, float] = {}
         for column, text in texts.items():
             try:
@@ -49,6 +53,6 @@ def read_table(path: Path | str) -> tuple[Row, ...]:
             if not math.isfinite(value):
                 raise InputError(path, f"{where}: {column}", f"needs a number, not '{text}'")
             cells[column_of(shape, column)] = neat(value)
-        return Row(name, family, shape, source, {c: cells[c] for c in columns_of(shape) if c in cells})
+        return Row(name, family, shape, source, {c: cells[c] for c in columns_of(shape) if c in cells}, *marks)
 
-    return read_rows(path, [*_HEAD, *_figures()], _HEAD, row)
+    return read_rows(path, [*_HEAD, *_figures(), *_MARKS], _HEAD, row)

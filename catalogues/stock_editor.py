@@ -35,6 +35,8 @@ class Row:
         shape: of its table.
         source: of its table.
         cells: numbers by column: dimensions in mm (`diameter_mm`), printed figures (`area_cm2`).
+        found_in: the text in which it was found, empty where none is told.
+        unconfirmed: what was looked for in vain where nobody could find it in its source, else empty.
     """
 
     name: str
@@ -42,6 +44,8 @@ class Row:
     shape: str
     source: str
     cells: Mapping[str, float]
+    found_in: str = ""
+    unconfirmed: str = ""
 
     @property
     def entry(self) -> list[Any]:
@@ -52,7 +56,8 @@ class Row:
 def row_of(size: StockSize) -> Row:
     """The row that a size was read from."""
     cells = {f"{name}_mm": neat(1e3 * value) for name, value in size.dimensions.items()}
-    return Row(size.name, size.family, size.shape, size.source, {**cells, **size.printed})
+    marks = ("" if size.unconfirmed else size.found_in, size.unconfirmed)
+    return Row(size.name, size.family, size.shape, size.source, {**cells, **size.printed}, *marks)
 
 
 def neat(value: float) -> float:
@@ -158,9 +163,11 @@ class StockEditor(Editor[Row]):
             if len(table["rows"]) > 1:
                 self.take_out(document, place)
                 return False
-            for key, value in (("family", row.family), ("shape", row.shape), ("source", row.source)):
-                if table[key] != value:
+            for key, value in (("family", row.family), ("shape", row.shape), ("source", row.source), *_marks_of(row)):
+                if value and table.get(key) != value:
                     document.set([*head, key], value)
+                elif not value and key in table:
+                    document.remove([*head, key])
             if set(table["columns"]) != set(cells):
                 document.set([*head, "columns"], list(cells))
                 document.set(place, row.entry)
@@ -171,12 +178,26 @@ class StockEditor(Editor[Row]):
         return True
 
     def take_out(self, document: YamlText, place: Place) -> None:
-        """With its table where it is alone there."""
-        document.remove(place if len(document.get(place[:3])) > 1 else place[:2])
+        """With its table where it is alone there, else with what the table says of it by name."""
+        if len(document.get(place[:3])) == 1:
+            document.remove(place[:2])
+            return
+        table = document.get(place[:2])
+        name, marks = document.get(place)[_name_column(table)], table.get("unconfirmed")
+        if isinstance(marks, dict) and name in marks:
+            last = len(cast(dict[str, str], marks)) == 1
+            document.remove([*place[:2], "unconfirmed", *([] if last else [name])])
+        document.remove(place)
 
     def set_name(self, document: YamlText, place: Place, name: str) -> None:
-        """In its cell."""
-        document.set([*place, _name_column(document.get(place[:2]))], name)
+        """In its cell, and where the table names it beside."""
+        table = document.get(place[:2])
+        cell, marks = [*place, _name_column(table)], table.get("unconfirmed")
+        old = document.get(cell)
+        if isinstance(marks, dict) and old in marks:
+            said = cast(dict[str, str], marks).items()
+            document.set([*place[:2], "unconfirmed"], {name if key == old else key: text for key, text in said})
+        document.set(cell, name)
 
     def change_cells(self, path: Path | str, name: str, changes: Mapping[str, str], *, source: str = "") -> str:
         """Change dimensions, printed figures, `family` or `source` of one size."""
@@ -189,7 +210,8 @@ class StockEditor(Editor[Row]):
                 raise InputError(path, "shape", "cannot be changed: a size of another shape is another size; add it")
             cells = dict(cell(row.shape, key, value) for key, value in changes.items() if key not in texts)
             given = {"source": source} if source else {}
-            self.put(document, [replace(row, cells={**row.cells, **cells}, **given, **texts)])
+            told = replace(row, found_in="", unconfirmed="" if {*given, *texts} & {"source"} else row.unconfirmed)
+            self.put(document, [replace(told, cells={**row.cells, **cells}, **given, **texts)])
             done = ", ".join(f"{key} = {value}" for key, value in {**changes, **given}.items())
             return f"set {done} of {name}" + (", copied from the shipped tables" if copied else "")
 
@@ -213,7 +235,7 @@ class StockEditor(Editor[Row]):
         place = self.required(document, path, name)
         table = document.get(place[:2])
         cells = dict(zip(table["columns"], document.get(place), strict=True))
-        return Row(cells.pop("name"), table["family"], table["shape"], table["source"], cells)
+        return Row(cells.pop("name"), table["family"], table["shape"], table["source"], cells, *_told(table, name))
 
 
 STOCK = StockEditor()
@@ -239,15 +261,27 @@ def _tables(rows: Iterable[Row]) -> list[dict[str, Any]]:
     tables: dict[tuple[Any, ...], dict[str, Any]] = {}
     for row in rows:
         head = {"family": row.family, "shape": row.shape, "source": row.source, "columns": ["name", *row.cells]}
-        key = (row.family, row.shape, row.source, tuple(row.cells))
-        tables.setdefault(key, {**head, "rows": []})["rows"].append(row.entry)
+        marks = {key: value for key, value in _marks_of(row) if value}
+        key = (row.family, row.shape, row.source, tuple(row.cells), *marks.items())
+        tables.setdefault(key, {**head, **marks, "rows": []})["rows"].append(row.entry)
     return list(tables.values())
 
 
 def _fits(document: YamlText, number: int, row: Row) -> bool:
     table = _tables_of(document)[number]
-    head = (table["family"], table["shape"], table["source"], set(table["columns"]))
-    return head == (row.family, row.shape, row.source, set(_cells(row)))
+    head = (table["family"], table["shape"], table["source"], set(table["columns"]), *_told(table, row.name))
+    return head == (row.family, row.shape, row.source, set(_cells(row)), row.found_in, row.unconfirmed)
+
+
+def _marks_of(row: Row) -> tuple[tuple[str, str], ...]:
+    return (("found_in", row.found_in), ("unconfirmed", row.unconfirmed))
+
+
+def _told(table: Mapping[str, Any], name: str) -> tuple[str, str]:
+    """What a table says of the size of a name: where it was found, or what was looked for in vain."""
+    marks: str | dict[str, str] = table.get("unconfirmed", "")
+    unconfirmed = marks if isinstance(marks, str) else marks.get(name, "")
+    return "" if unconfirmed else table.get("found_in", ""), unconfirmed
 
 
 def _cells(row: Row) -> dict[str, Any]:

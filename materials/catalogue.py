@@ -7,6 +7,8 @@ format_version: 1
 family: steel                          # optional; the file's name without ending otherwise
 references:
   en-1993-1-1: "EN 1993-1-1:2005, Eurocode 3: ..."
+found_in:                              # optional: in which text the values of a source were found
+  en-1993-1-1: "eurocodeapplied.com, ..."
 materials:
   steel-s355:
     title: S355 structural steel
@@ -129,7 +131,10 @@ def read_layer(mapping: Mapping, default_family: str) -> Layer:
     """Return the checked layer that a catalogue file's mapping holds; raises `InputError`."""
     mapping.version(FORMAT_VERSION)
     family = mapping.text("family", default_family)
-    references = _read_references(mapping)
+    references = _texts(mapping, "references")
+    found_in = _texts(mapping, "found_in")
+    for key in set(found_in) - set(references):
+        raise mapping.error(f"found_in.{key}", f"is none of the file's references{nearest(key, list(references))}")
     materials: dict[str, Material] = {}
 
     def find(ply: str) -> Material | None:
@@ -143,17 +148,17 @@ def read_layer(mapping: Mapping, default_family: str) -> Layer:
         for name in entries.content:
             if not name.strip() or name != name.strip() or "\n" in name:
                 raise entries.error("", f"{name!r} cannot be a material's name")
-            materials[name] = read_entry(entries.mapping(name), name, references, family, find)
+            materials[name] = read_entry(entries.mapping(name), name, references, family, find, found_in)
     prices = read_prices(mapping, "cost_per_mass")
     mapping.close("materials")
     return Layer(str(mapping.file), family, MappingProxyType(materials), MappingProxyType(prices))
 
 
-def _read_references(mapping: Mapping) -> dict[str, str]:
-    if not mapping.has("references"):
+def _texts(mapping: Mapping, key: str) -> dict[str, str]:
+    if not mapping.has(key):
         return {}
-    references = mapping.mapping("references")
-    return {key: references.text(key) for key in references.content}
+    texts = mapping.mapping(key)
+    return {name: texts.text(name) for name in texts.content}
 
 
 def load_layer(path: Path | str) -> Layer:

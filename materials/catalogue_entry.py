@@ -13,7 +13,9 @@ elastic_modulus:
   note: where to be careful
 ```
 
-`unconfirmed: {density: what was looked for}` beside the properties marks those that nobody could find in their sources.
+`unconfirmed: {density: what was looked for}` beside the properties marks those that nobody could find in their sources,
+`found_in: {density: where}` tells in which text others were found; a file tells it of all that have a source, with
+`found_in: {en-1993-1-1: where}` beside its `references`.
 
 A laminate says what it is made of in place of the moduli, which follow from that (`materials.laminate`):
 
@@ -27,9 +29,10 @@ plies differ. Density, price and what else laminates have of their plies is take
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from collections.abc import Mapping as MappingLike
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TypeAlias, cast, get_args
 
 from materials.laminate import Ply, Unbalanced, wall_of
@@ -82,14 +85,19 @@ def read_inline(content: object, *, file: object, key: str, name: str = "", find
 
 
 def read_entry(
-    mapping: Mapping, name: str, references: MappingLike[str, str], family: str, find: Finder = nothing_found
+    mapping: Mapping,
+    name: str,
+    references: MappingLike[str, str],
+    family: str,
+    find: Finder = nothing_found,
+    found_in: MappingLike[str, str] | None = None,
 ) -> Material:
-    """Return the checked material of one catalogue entry; raises `InputError` naming the entry and its
-    key."""
+    """Return the checked material of one catalogue entry; `found_in` has the text in which the values of a source were
+    found, by the source's key. Raises `InputError` naming the entry and its key."""
     for required in () if mapping.has("laminate") else _REQUIRED:
         if not mapping.has(required):
             raise mapping.error(required, "is missing; every material needs it, with its source")
-    material = _read(mapping, name, references, family, find)
+    material = _read(mapping, name, references, family, find, found_in or {})
     mapping.close()
     return material
 
@@ -100,6 +108,7 @@ def _read(
     references: MappingLike[str, str] | None,
     family: str,
     find: Finder = nothing_found,
+    found_in: MappingLike[str, str] = MappingProxyType({}),
 ) -> Material:
     title = mapping.text("title", "") if mapping.has("title") else ""
     family = mapping.text("family", family)
@@ -110,8 +119,11 @@ def _read(
     for property_name in get_args(PropertyName):
         if mapping.has(property_name):
             properties[property_name] = _read_property(mapping, property_name, references, default_source)
-    if mapping.has("unconfirmed"):
-        properties |= _unconfirmed(mapping.mapping("unconfirmed"), properties)
+    sources: dict[str, str] = {key: item.source for key, item in properties.items()}
+    marks = _marks(mapping, sources if magnetic is None else {**sources, "magnetic": magnetic_source}, found_in)
+    for property_name, item in properties.items():
+        unconfirmed, found = marks[property_name]
+        properties[property_name] = replace(item, unconfirmed=unconfirmed, found_in=found)
     if mapping.has("laminate"):
         made = read_laminate(mapping, references, default_source, find)
         for follows in made.keys() & set(properties) & set(FOLLOWING):
@@ -119,17 +131,30 @@ def _read(
         properties, isotropic = made | properties, False
     used = [item.source for item in properties.values()] + [magnetic_source]
     cited = {key: references[key] for key in used if references is not None and key}
-    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited)
+    told = marks.get("magnetic", ("", ""))
+    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited, *told)
     _check_values(material, mapping)
     return material
 
 
-def _unconfirmed(marks: Mapping, properties: MappingLike[PropertyName, Property]) -> dict[PropertyName, Property]:
-    """The properties whose values could not be found in their sources, with what was looked for."""
-    with marks.reading():
-        return {
-            name: replace(item, unconfirmed=marks.text(name)) for name, item in properties.items() if marks.has(name)
-        }
+def _marks(
+    mapping: Mapping, sources: MappingLike[str, str], found_in: MappingLike[str, str]
+) -> dict[str, tuple[str, str]]:
+    """What was looked for in vain, and where it was found, for each value of an entry that names a source."""
+    missing, found = (_texts(mapping, key, sources) for key in ("unconfirmed", "found_in"))
+    for name in set(missing) & set(found):
+        raise mapping.error(f"found_in.{name}", "was found and is not confirmed; only one can be")
+    return {
+        name: (missing.get(name, ""), "" if name in missing else found.get(name, found_in.get(source, "")))
+        for name, source in sources.items()
+    }
+
+
+def _texts(mapping: Mapping, key: str, names: Iterable[str]) -> dict[str, str]:
+    if not mapping.has(key):
+        return {}
+    with mapping.mapping(key).reading() as marks:
+        return {name: marks.text(name) for name in names if marks.has(name)}
 
 
 def _source(mapping: Mapping, references: MappingLike[str, str] | None, default: str) -> str:

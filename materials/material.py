@@ -165,8 +165,8 @@ class Property:
     `source` is a key of the catalogue's references (empty for a material described in place); `spread` is the
     lowest and highest value to expect at the reference temperature, where known; `note` says what a reader
     should know; `date` is when a price was such (`2026-01`), empty for what is no price;
-    `unconfirmed` says what was looked for in vain where nobody could find the value in its source, empty where it was
-    found there or nobody looked.
+    `unconfirmed` says what was looked for in vain where nobody could find the value in its source, `found_in` in which
+    text that anybody can look up it was found; both are empty where nobody looked.
     """
 
     law: Law
@@ -176,6 +176,7 @@ class Property:
     note: str = ""
     date: str = ""
     unconfirmed: str = ""
+    found_in: str = ""
 
 
 @dataclass(frozen=True)
@@ -247,7 +248,8 @@ class Material:
 
     `magnetic` tells whether it is ferromagnetic (None: not known). `isotropic` materials have consistent E, G
     and nu; for others the elastic modulus is the one along the link. `family` is the catalogue file's name.
-    `references` holds the text of each source that a property names.
+    `references` holds the text of each source that a property names. `magnetic_unconfirmed` and `magnetic_found_in` say
+    of `magnetic` what those of a `Property` say of its value.
     """
 
     name: str
@@ -258,6 +260,8 @@ class Material:
     magnetic: bool | None = None
     magnetic_source: str = ""
     references: MappingLike[str, str] = field(default_factory=lambda: MappingProxyType(dict[str, str]()))
+    magnetic_unconfirmed: str = ""
+    magnetic_found_in: str = ""
 
     def __post_init__(self) -> None:
         """Freeze the mappings too."""
@@ -278,6 +282,14 @@ class Material:
         if name == "shear_modulus" and self.isotropic and name not in self.properties:
             return self.has("elastic_modulus") and self.has("poisson_ratio")
         return name in self.properties
+
+    def unconfirmed(self, name: PropertyName) -> str:
+        """What was looked for in vain where nobody could find a property in its source; a shear modulus that follows is
+        as sure as what it follows from."""
+        if name == "shear_modulus" and name not in self.properties:
+            marks = (self.unconfirmed(each) for each in ("elastic_modulus", "poisson_ratio"))
+            return next((mark for mark in marks if mark), "")
+        return self.properties[name].unconfirmed if name in self.properties else ""
 
     def need(self, name: PropertyName, temperature: float = REFERENCE_TEMPERATURE) -> float:
         """Return one property at `temperature` (K), in SI.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .catalogue import (
     ACTUATORS_VARIABLE,
+    CONFIRMABLE,
     Actuator,
     Actuators,
     load_actuators,
@@ -14,6 +15,7 @@ from .catalogue import (
 
 __all__ = [
     "ACTUATORS_VARIABLE",
+    "CONFIRMABLE",
     "Actuator",
     "Actuators",
     "load_actuators",

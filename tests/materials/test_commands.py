@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import pytest
 
@@ -198,7 +199,7 @@ def test_whether_it_is_magnetic_is_asked_listed_and_compared(materials):
     assert "steel-s355" not in out
     assert "paper-carbon-steel" not in out
     told = ok(materials("compare", "steel-s355", "stainless-304", "paper-carbon-steel"))
-    assert next(line.split()[1:] for line in told.splitlines() if "magnetic" in line) == ["yes", "no", "–"]
+    assert next(line.split()[1:] for line in told.splitlines() if "magnetic" in line) == ["yes", "?", "no", "?", "–"]
     wrong(materials("list", "--where", "magnetic > no"), "magnetic is yes or no")
     wrong(materials("list", "--where", "strength > 1 MPa"), "there is no property 'strength'")
 
@@ -302,5 +303,56 @@ def test_what_could_not_be_found_in_its_source_is_marked(materials, tmp_path):
     own = tmp_path / "configuration" / "linkwright" / "materials.yaml"
     edited = load_layer(own).materials["aluminium-7075-t6"].properties
     assert (edited["density"].unconfirmed, bool(edited["elastic_modulus"].unconfirmed)) == ("", True)
+    assert edited["yield_strength"].found_in.startswith("batz-burgel.com")
+    ok(materials("edit", "aluminium-7075-t6", "yield_strength", "450 MPa"))
+    assert load_layer(own).materials["aluminium-7075-t6"].properties["yield_strength"].found_in == ""
     assert "not confirmed" in " ".join(ok(materials("show", "aluminium-7075-t6")).split())
     wrong(materials("edit", "aluminium-7075-t6", "unconfirmed", "{no_such: x}"), "unknown key 'no_such'")
+
+
+def test_every_shipped_figure_was_found_or_is_marked():
+    """One or the other, whether it is magnetic included; nothing is unmarked."""
+    for material in load_catalogue(user=False):
+        marks = {name: (item.found_in, item.unconfirmed) for name, item in material.properties.items()}
+        if material.magnetic is not None:
+            marks["magnetic"] = (material.magnetic_found_in, material.magnetic_unconfirmed)
+        unclear = {name for name, (found, missing) in marks.items() if bool(found) == bool(missing)}
+        assert unclear == set(), material.name
+        if material.isotropic and "shear_modulus" not in material.properties and material.has("shear_modulus"):
+            follows = [material.unconfirmed(name) for name in ("elastic_modulus", "poisson_ratio")]
+            assert bool(material.unconfirmed("shear_modulus")) == any(follows)
+
+
+@pytest.mark.parametrize("kind", ["yaml", "csv"])
+def test_marks_go_with_what_is_exported_and_imported(materials, tmp_path, kind):
+    ok(materials("export", "aluminium-6061-t6", "--out", f"own.{kind}"))
+    text = (tmp_path / f"own.{kind}").read_text(encoding="utf-8")
+    (tmp_path / f"own.{kind}").write_text(text.replace("aluminium-6061-t6", "mine"), encoding="utf-8")
+    ok(materials("import", f"own.{kind}"))
+    catalogue = load_catalogue([tmp_path / "configuration" / "linkwright" / "materials.yaml"], user=False)
+    mine, shipped = (catalogue.find(name).properties for name in ("mine", "aluminium-6061-t6"))
+    assert {name: item.unconfirmed for name, item in mine.items()} == {
+        name: item.unconfirmed for name, item in shipped.items()
+    }
+    if kind == "yaml":
+        assert {name: item.found_in for name, item in mine.items()} == {
+            name: item.found_in for name, item in shipped.items()
+        }
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("found_in: {nobody: there}\n", "found_in.nobody: is none of the file's references"),
+        ("", "found_in.density: was found and is not confirmed; only one can be"),
+    ],
+)
+def test_marks_that_contradict_are_refused(tmp_path, text, words):
+    (tmp_path / "own.yaml").write_text(
+        "format_version: 1\nreferences: {s: a sheet}\n" + text + "materials:\n  mine:\n    source: s\n"
+        "    elastic_modulus: 70 GPa\n    density: 2700 kg/m^3\n"
+        "    found_in: {density: page 3}\n    unconfirmed: {density: looked for}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match=re.escape(words)):
+        load_layer(tmp_path / "own.yaml")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from catalogues.stock_csv import read_table, write_table
+from catalogues.stock_editor import STOCK, row_of
 from sections import SectionError, load_stock, section_from_name
 from sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
 
@@ -224,3 +227,39 @@ def test_sizes_cannot_be_changed() -> None:
     size = load_stock(user=False).find("IPE 80")
     with pytest.raises(TypeError):
         size.dimensions["height"] = 1.0  # type: ignore[index]
+
+
+def test_marks_go_with_a_size_that_is_copied_exported_renamed_or_removed(tmp_path: Path) -> None:
+    """Each in its own words; a new source takes them away."""
+    own, tube = tmp_path / "own.yaml", "CHS 60.3x3.2"
+    shipped = {plain_name(size.name): size for size in shipped_sizes()}
+    bar = next(size.name for size in shipped.values() if size.unconfirmed)
+    other = next(size.name for size in shipped.values() if size.unconfirmed and size.name != bar)
+    rows = [row_of(shipped[plain_name(name)]) for name in (bar, other, tube)]
+    assert [row.name for row in rows if row.found_in] == [tube]
+    STOCK.add(own, rows)
+    (tmp_path / "sizes.csv").write_text(write_table(rows), encoding="utf-8")
+    for read in ([row_of(size) for size in load_stock([own], user=False) if size.file == str(own)], list(rows)):
+        assert {row.name: (row.found_in, row.unconfirmed) for row in read} == {
+            row.name: (row.found_in, row.unconfirmed) for row in rows
+        }
+    assert [(row.found_in, row.unconfirmed) for row in read_table(tmp_path / "sizes.csv")] == [
+        (row.found_in, row.unconfirmed) for row in rows
+    ]
+    STOCK.rename(own, bar, "MINE 1")
+    STOCK.change_cells(own, other, {}, source="measured")
+    kept = {size.name: size.unconfirmed for size in load_stock([own], user=False) if size.file == str(own)}
+    assert (bool(kept["MINE 1"]), kept[other]) == (True, "")
+
+
+def test_a_mark_by_name_follows_a_new_name_and_goes_with_its_size(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    marked = TABLE.replace("    columns", "    unconfirmed: {CHS 60.3x3.2: in no list}\n    columns")
+    own.write_text(marked, encoding="utf-8")
+    STOCK.rename(own, "CHS 60.3x3.2", "MINE 1")
+    assert [(size.name, size.unconfirmed) for size in STOCK.check(own.read_text(encoding="utf-8"), own)] == [
+        ("MINE 1", "in no list")
+    ]
+    STOCK.add(own, [replace(row_of(load_stock([own], user=False).find("MINE 1")), name="MINE 2", unconfirmed="")])
+    STOCK.remove(own, "MINE 1")
+    assert [size.unconfirmed for size in STOCK.check(own.read_text(encoding="utf-8"), own)] == [""]

@@ -101,6 +101,7 @@ class MaterialsTable(CatalogueTable):
             figures = {name: value_of(each.model, name).replace("–", "") for name in QUERY.every}
             is_own = "yes" if each.name in own else ""
             marks = {name: item.unconfirmed for name, item in each.model.properties.items() if item.unconfirmed}
+            marks |= {"magnetic": each.model.magnetic_unconfirmed} if each.model.magnetic_unconfirmed else {}
             unconfirmed = "; ".join(f"{name.replace('_', ' ')}: {text}" for name, text in marks.items())
             row = {"name": each.name, "own": is_own, "title": each.model.title, **figures}
             found.append({**row, "unconfirmed": unconfirmed})

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
-from arm.actuators import read_actuators
+from arm.actuators import CONFIRMABLE, read_actuators
 from catalogues.editor import Editor, Place
 from catalogues.materials_as_text import Entry, entry_in, put, reference
 from catalogues.yaml_edit import YamlText
@@ -131,6 +131,8 @@ def _entry(data: Mapping[str, Any], name: str) -> Entry | None:
 def _confirm(document: YamlText, name: str, key: str) -> None:
     """Take away that a figure could not be confirmed: its new value has a source of its own."""
     marks = document.get(["actuators", name, "unconfirmed"])
+    if isinstance(marks, str) and key in CONFIRMABLE:  # of all figures
+        document.set(["actuators", name, "unconfirmed"], {each: marks for each in CONFIRMABLE if each != key})
     if isinstance(marks, dict) and key in marks:
         last = len(cast(dict[str, Any], marks)) == 1
         document.remove(["actuators", name, "unconfirmed", *([] if last else [key])])

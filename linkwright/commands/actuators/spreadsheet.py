@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from catalogues.csv_table import read_rows, table_text
+from arm.actuators import CONFIRMABLE
+from catalogues.csv_table import marks_of, marks_text, read_rows, table_text
 from catalogues.materials_as_text import Entry
 from units.quantities import InputError
 
@@ -25,17 +26,23 @@ COLUMNS = (
     "mass",
     "cost",
     "source",
+    "found_in",
+    "unconfirmed",
 )
 _NEEDED = ("name", "maker", "gear", "rated_torque", "stiffness", "backlash", "mass")
 
 
 def write_table(entries: Sequence[Entry]) -> str:
-    """Actuators as a table of comma-separated values; marks of what could not be confirmed stay out."""
+    """Actuators as a table of comma-separated values."""
     rows: list[dict[str, object]] = []
     for entry in entries:
         cells = {key: entry.content[key] for key in COLUMNS if key in entry.content}
         source = entry.references.get(str(cells.get("source", "")), "")
-        rows.append({"name": entry.name, **{key: _cell(value) for key, value in cells.items()}, "source": source})
+        said = cells.pop("unconfirmed", {})
+        names: tuple[str, ...] = CONFIRMABLE
+        marks = dict.fromkeys(names, said) if isinstance(said, str) else said
+        told = {"source": source, "unconfirmed": marks_text(marks)}
+        rows.append({"name": entry.name, **{key: _cell(value) for key, value in cells.items()}, **told})
     return table_text(COLUMNS, rows)
 
 
@@ -63,6 +70,8 @@ def read_table(path: Path | str) -> tuple[Entry, ...]:
             except ValueError:
                 raise InputError(path, f"{where}: ratio", f"needs a number, not '{cells['ratio']}'") from None
         content["source"] = "table"
+        marks = marks_of(content.pop("unconfirmed", ""), CONFIRMABLE, path, f"{where}: unconfirmed")
+        content |= {"unconfirmed": marks} if marks else {}
         return Entry(cells["name"], content, {"table": cells.get("source", "") or f"table {Path(path).name}"})
 
     return read_rows(path, COLUMNS, _NEEDED, entry)

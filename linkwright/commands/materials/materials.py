@@ -114,6 +114,8 @@ def show_material(
             shown.add_row("", "", "", "", f"not confirmed: {found.unconfirmed}")
     if material.magnetic is not None:
         shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
+        if material.magnetic_unconfirmed:
+            shown.add_row("", "", "", "", f"not confirmed: {material.magnetic_unconfirmed}")
     screen.print(shown)
     modulus = material.properties.get("elastic_modulus")
     if modulus is not None and _varies(modulus):
@@ -123,6 +125,8 @@ def show_material(
         screen.print()
     for key, text in material.references.items():
         screen.print(f"{key}: {text}")
+    for text in dict.fromkeys(item.found_in for item in material.properties.values() if item.found_in):
+        screen.print(f"found in: {text}", soft_wrap=True)
     screen.print(f"from {', then '.join(known.where(material.name))}", soft_wrap=True)
 
 
@@ -145,12 +149,12 @@ def compare_materials(
         if any(material.has(name) for material in found):
             shown.add_row(name.replace("_", " "), *(marked(material, name) for material in found))
     if any(material.magnetic is not None for material in found):
-        shown.add_row("magnetic", *(value_of(material, "magnetic") for material in found))
+        shown.add_row("magnetic", *(marked(material, "magnetic") for material in found))
     if all(material.has("elastic_modulus") and material.has("density") for material in found):
         ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in found)
         shown.add_row("E / density", *(f"{ratio:.4g} MN*m/kg" for ratio in ratios))
     console().print(shown)
-    if any(is_unconfirmed(material, name) for material in found for name in property_kinds()):
+    if any(is_unconfirmed(material, name) for material in found for name in QUERY.every):
         console().print(_UNCONFIRMED, soft_wrap=True)
 
 
@@ -227,6 +231,7 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
             "note": found.note or None,
             "date": found.date or None,
             "unconfirmed": found.unconfirmed or None,
+            "found_in": found.found_in or None,
         }
     return {
         "name": material.name,
@@ -234,6 +239,7 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
         "family": material.family,
         "isotropic": material.isotropic,
         "magnetic": material.magnetic,
+        "magnetic_unconfirmed": material.magnetic_unconfirmed or None,
         "properties": properties,
         "files": list(catalogue.where(material.name)),
     }

@@ -64,7 +64,7 @@ def value_of(material: Material, name: Asked) -> str:
 
 def is_unconfirmed(material: Material, name: Asked) -> bool:
     """Whether a material's property could not be found in the source that it names."""
-    return name != "magnetic" and name in material.properties and bool(material.properties[name].unconfirmed)
+    return bool(material.magnetic_unconfirmed if name == "magnetic" else material.unconfirmed(name))
 
 
 def marked(material: Material, name: Asked) -> str:

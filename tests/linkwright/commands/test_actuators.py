@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from arm.actuators import ACTUATORS_VARIABLE, load_actuators, read_actuators, shipped_actuators
+from arm.actuators import ACTUATORS_VARIABLE, CONFIRMABLE, load_actuators, read_actuators, shipped_actuators
 from arm.files.read import read_arm
 from units.reading import load_yaml
 
@@ -77,6 +77,26 @@ def test_a_figure_of_ones_own_is_confirmed(linkwright, bench):
     assert dict(load_actuators([bench / "own.yaml"]).find("CSG-25-100-2UH").unconfirmed).keys() == {"stiffness"}
     assert linkwright("actuators", "edit", "RV-20E", "stiffness", "50 N*m/arcmin", *edit)[0] == 0
     assert load_actuators([bench / "own.yaml"]).find("RV-20E").unconfirmed == ()
+    assert linkwright("actuators", "edit", "RV-6E", "mass", "2.6 kg", *edit)[0] == 0
+    assert "mass" not in dict(load_actuators([bench / "own.yaml"]).find("RV-6E").unconfirmed)
+    assert len(load_actuators([bench / "own.yaml"]).find("RV-6E").unconfirmed) == len(CONFIRMABLE) - 1
+
+
+def test_every_shipped_figure_was_found_or_is_marked():
+    for each in load_actuators(user=False):
+        assert each.found_in or {name for name, _ in each.unconfirmed} >= {
+            name for name in CONFIRMABLE if getattr(each, name) is not None
+        }
+
+
+@pytest.mark.parametrize("name", ["CSG-20-100-2UH", "RV-6E"])
+def test_marks_go_with_a_table(linkwright, bench, name):
+    assert linkwright("actuators", "export", name, "--out", "one.csv")[0] == 0
+    assert linkwright("actuators", "import", "one.csv", "--catalogue", "own.yaml")[0] == 0
+    one, shipped = load_actuators([bench / "own.yaml"]).find(name), load_actuators(user=False).find(name)
+    assert one.file.endswith("own.yaml")
+    assert one.unconfirmed == shipped.unconfirmed
+    assert one.found_in == ("" if name == "RV-6E" else shipped.found_in)
 
 
 @pytest.mark.parametrize(
