@@ -10,6 +10,7 @@ import contextlib
 import os
 import signal
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Generator, Sequence
@@ -52,9 +53,18 @@ _PREPARED: ContextVar[_Prepared] = ContextVar("prepared")
 
 
 def _begin(work: Work[Any, Any, Any] | bytes) -> None:
-    """Set a worker up. An interrupt is its parent's to deal with."""
+    """Set a worker up. An interrupt is its parent's to deal with; without its parent it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     _PREPARED.set(_Prepared(unpacked(work) if isinstance(work, bytes) else work))
+
+
+def _end_with_parent() -> None:
+    """Wait until the parent is gone, which a kill allows no last word: nobody would ever give this worker anything."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _step(item: bytes) -> bytes:
