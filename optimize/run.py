@@ -63,7 +63,8 @@ def optimise(
     """
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
-        nominal = optimise(replace(problem, uncertain=None), **settings, told=told, journal=journal)
+        settings["journal"] = journal
+        nominal = optimise(replace(problem, uncertain=None), **settings, told=told, executor=executor)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     if problem.sizes is not None and problem.actuators is not None:
         return optimise_driven_lists(problem, progress=progress, log=log)

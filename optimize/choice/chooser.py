@@ -79,7 +79,7 @@ class Chooser:
         """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
         `executor` bounds combinations; without one this process does. `journal` answers what it knows and notes what is
         found."""
-        self._answers = None if journal is None else Kept(journal, context.problem.arm)
+        self._answers = None if journal is None else Kept(journal, context.problem.arm, context.scenarios)
         self._executor, self._bounding = executor, bounding(context.problem)
         self.context, self.progress, self.known = context, progress, known
         self.history: list[Iteration] = []

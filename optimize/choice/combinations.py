@@ -78,6 +78,7 @@ def choose(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
+    journal: Journal | None = None,
     ties: bool = True,
 ) -> Choice | None:
     """The best combination of shapes and materials; None where none has a solution (better than `known`, SI). With
@@ -85,7 +86,7 @@ def choose(
 
     See `chosen`, which also says what became of the combinations then.
     """
-    found = chosen(context, progress=progress, log=log, known=known, ties=ties, executor=executor)
+    found = chosen(context, progress=progress, log=log, known=known, executor=executor, journal=journal, ties=ties)
     return found if isinstance(found, Choice) else None
 
 

@@ -22,6 +22,7 @@ from arm.worst.search import WorstCase, WorstPose
 from optimize.exchange.binding_poses import Pool, Room, pool_of
 from optimize.exchange.exchange import Exchanged
 from optimize.exchange.program import Solution
+from optimize.exchange.scenarios import Scenarios
 from optimize.journal import Journal, Record
 from optimize.problem import Problem
 from optimize.result import Iteration
@@ -62,10 +63,12 @@ class Ended:
 
 
 class Kept:
-    """The answers for one arm; the drives that are chosen make several."""
+    """The answers for one arm, and for the scenarios that a robust search holds designs against; the drives that are
+    chosen make several arms."""
 
-    def __init__(self, journal: Journal, arm: Arm) -> None:
-        self._journal, self._arm = journal, _digest([arm_to_yaml(arm)])
+    def __init__(self, journal: Journal, arm: Arm, scenarios: Scenarios | None = None) -> None:
+        held = [] if scenarios is None else [[asdict(each) for each in scenarios.held]]
+        self._journal, self._arm = journal, _digest([arm_to_yaml(arm), *held])
 
     def key(self, what: str, pick: Combination, pool: Pool, *given: Any) -> Key:
         """Under what an answer stands; `given` are numbers and arrays."""

@@ -18,6 +18,7 @@ from optimize.choice.combinations import Choice, Progress, choose
 from optimize.exchange.design import arm_of
 from optimize.exchange.exchange import Context, context_of
 from optimize.exchange.scenarios import Scenarios
+from optimize.journal import Journal
 from optimize.problem import Problem
 from optimize.result import Iteration
 from sections.numeric import Array
@@ -50,8 +51,10 @@ class RobustDesign:
 class RobustExchange:
     """Designs for scenarios, with one model for all of them."""
 
-    def __init__(self, problem: Problem, progress: Progress | None, log: Log | None) -> None:
-        self.problem, self.progress, self.log = problem, progress, log
+    def __init__(
+        self, problem: Problem, progress: Progress | None, log: Log | None, journal: Journal | None = None
+    ) -> None:
+        self.problem, self.progress, self.log, self._journal = problem, progress, log, journal
         self.context = context_of(problem)
         self.search = ScenarioSearch(problem)
         self.rounds = 0
@@ -64,7 +67,7 @@ class RobustExchange:
     def _designed(self, shares: list[Array]) -> RobustDesign | None:
         self.rounds += 1
         context = self.context_for(shares)
-        choice = choose(context, progress=self.progress, log=self.log)
+        choice = choose(context, progress=self.progress, log=self.log, journal=self._journal)
         if choice is None:
             return None
         arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)

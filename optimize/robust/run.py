@@ -11,6 +11,7 @@ from optimize.exchange.design import numeric_beams
 from optimize.explain import binding_limits
 from optimize.infeasible.answer import Infeasible
 from optimize.infeasible.needed import explained
+from optimize.journal import Journal
 from optimize.limits import excess
 from optimize.problem import Problem
 from optimize.result import OptimizationResult, Status
@@ -27,15 +28,21 @@ _SAME = 1e-9
 
 
 def robust_optimum(
-    problem: Problem, nominal: OptimizationResult, *, log: Log | None = None, progress: Progress | None = None
+    problem: Problem,
+    nominal: OptimizationResult,
+    *,
+    log: Log | None = None,
+    progress: Progress | None = None,
+    journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design of a problem for what is uncertain, as the nominal optimum's result is; drives are those of the
-    nominal optimum. Raises `Infeasible` where no design keeps the limits so."""
+    nominal optimum. `journal` answers what an earlier search has solved, and notes what is solved. Raises
+    `Infeasible` where no design keeps the limits so."""
     began = time.perf_counter()
     assert problem.uncertain is not None
     worst = problem.uncertain.worst
     problem = replace(problem, arm=replace(problem.arm, joints=nominal.arm.joints), actuators=None)
-    exchange = RobustExchange(problem, progress, log)
+    exchange = RobustExchange(problem, progress, log, journal)
     found = exchange.worst() if worst else exchange.share(nominal.arm)
     if not isinstance(found, Design):
         raise Infeasible(explained(found, progress=progress))

@@ -15,6 +15,8 @@ from optimize.choice.kept import search_journal
 from optimize.exchange.program import Program
 from optimize.problem import Problem
 from optimize.result import OptimizationResult
+from optimize.rounding.options import read_rounding
+from optimize.rounding.rounding import optimise_rounded
 from optimize.run import optimise
 from tests.optimize.builders import jointed, problem_of, ranged
 
@@ -27,6 +29,7 @@ STUFFS = ", ".join(
     for k in range(5)
 )
 CHOICE = "choose: {section: [circle, rectangle], material: [aluminium-6061-t6, steel-s355]}\n"
+UNCERTAIN = "robust: %s\nuncertain: {elastic_modulus: 10 %%, stiffness: [20 %%, 40 %%]}\n"
 PROBLEMS = {
     "every one": CHOICE + f"subject_to: {LIMITS % ''}",
     "bounds": f"choose: {{section: [circle], material: [{STUFFS}]}}\nsubject_to: {LIMITS % ''}",
@@ -35,6 +38,8 @@ PROBLEMS = {
         "choose: {section: [circle], material: [aluminium-6061-t6, steel-s355], actuator: [RV-6E, RV-20E]}\n"
         "subject_to: {mass: '<= 4 kg', section_size: [10 mm, 90 mm]}\n"
     ),
+    "worst": CHOICE + UNCERTAIN % "worst" + f"subject_to: {LIMITS % ''}",
+    "share": "choose: {section: [circle]}\n" + UNCERTAIN % "90 %" + f"subject_to: {LIMITS % ''}",
 }
 
 
@@ -97,6 +102,46 @@ def test_the_answer_is_that_of_no_stop(kind: str, tmp_path: Path, monkeypatch: p
         assert [each.objective for each in other.iterations] == [each.objective for each in whole.iterations]
         assert [tie.arm for tie in other.near_ties] == [tie.arm for tie in whole.near_ties]
         assert other.binding == whole.binding
+        assert other.robust == whole.robust
+
+
+def rounded(problem: Problem, path: Path, stop_at: int | None = None) -> tuple[OptimizationResult | None, list[str]]:
+    """As `searched`, with the stock sizes after it; what was told."""
+    told: list[str] = []
+
+    def tell(done: int, total: int, text: str) -> None:
+        del done, total
+        told.append(text)
+        if len(told) == stop_at:
+            raise KeyboardInterrupt
+
+    with search_journal(problem, path, VERSION) or nullcontext() as journal:
+        try:
+            return optimise_rounded(problem, read_rounding("stock"), progress=tell, journal=journal), told
+        except KeyboardInterrupt:
+            return None, told
+
+
+def test_rounding_goes_on_too(tmp_path: Path) -> None:
+    text = "choose: {section: [tube], material: [aluminium-6061-t6]}\n"
+    problem = problem_of(tmp_path, ARM, text + f"subject_to: {LIMITS % ', thickness: [1 mm, 8 mm]'}")
+    whole, told = rounded(problem, tmp_path / "whole.jsonl")
+    assert whole is not None
+    assert whole.rounded is not None
+    for number, stop_at in enumerate((len(told) // 2, len(told))):
+        path = tmp_path / f"stopped{number}.jsonl"
+        stopped, _ = rounded(problem, path, stop_at)
+        assert stopped is None or stopped.interrupted or (stopped.rounded is not None and stopped.rounded.interrupted)
+        known = path.read_bytes()
+        found, _ = rounded(problem, path)
+        assert known.count(b"\n") > 1
+        assert path.read_bytes().startswith(known)
+        assert found is not None
+        assert found.arm == whole.arm
+        assert found.rounded is not None
+        assert found.rounded.arm == whole.rounded.arm
+        assert found.rounded.objective == whole.rounded.objective
+        assert found.rounded.exhaustive == whole.rounded.exhaustive
 
 
 def test_what_is_of_another_problem_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
