@@ -142,7 +142,7 @@ def chosen(
             if chooser.best[0] != first and not interrupted:
                 chooser.polish()
             if among is not None:
-                gap = 0.0 if near.all_solved else among.gap
+                gap = 0.0 if near.all_solved else among.gap_of(chooser.objective)
         if among is not None:
             exhaustive = gap is not None and gap <= CLOSE
     except KeyboardInterrupt:

@@ -44,6 +44,12 @@ class Among:
     branching: Branching | None = None
     bounds: CombinationBounds | None = None
 
+    def gap_of(self, objective: float) -> float | None:
+        """How much better than an objective (SI) that was reached since one could be at most."""
+        if self.gap is None or self.proof is None or not math.isfinite(self.proof.bound):
+            return self.gap
+        return min(self.gap, max(0.0, 1.0 - self.proof.bound / objective))
+
     @property
     def bounded(self) -> bool:
         """Whether anything tells which combinations come near the best."""
