@@ -121,8 +121,8 @@ benchmark: $(DEV)
 
 # INSTRUMENTS_ARGS: --causes backlash payload, --sizes 2 8
 instruments: $(DEV)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.against $(INSTRUMENTS_ARGS)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments --page docs/recordings.md
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.against $(or $(INSTRUMENTS_ARGS),--page docs/recordings.md)
 
 results: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.results --page benchmarks/RESULTS.md $(RESULTS_ARGS)

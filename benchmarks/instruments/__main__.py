@@ -1,18 +1,21 @@
 """Which instrument shows which effect: sound recordings of one arm, and the smallest sizes that each would have shown.
 
-    python -m benchmarks.instruments
+    python -m benchmarks.instruments [--page docs/recordings.md]
 
-prints the table of docs/recordings.md: for each effect and instrument the least size that is found nine times in ten,
-`-` where the instrument, with what is free beside it, cannot show the effect at all.
+prints a table, and writes it into a page in place of the one there: for each effect and instrument the least size that
+is found nine times in ten, `-` where the instrument, with what is free beside it, cannot show the effect at all.
 """
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from arm.files.read import read_arm
+from benchmarks.instruments.page import table, write_table
 from diagnose.diagnosis import diagnose
 from diagnose.instruments.instrument import KINDS, Instrument
 from diagnose.result import Diagnosis
@@ -85,17 +88,21 @@ def shown(diagnosis: Diagnosis, effect: str, at: tuple[int, ...]) -> str:
     return format_quantity(found[0].value, found[0].kind, digits=2)
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--page", type=Path, help="the page whose table is written anew")
+    asked = parser.parse_args(arguments)
     with TemporaryDirectory() as folder:
         file = Path(folder) / "arm.yaml"
         file.write_text(ARM, encoding="utf-8")
         arm = read_arm(file)
     results = [diagnose(arm, plan.declared_in(simulate(arm, plan).recording)) for plan in INSTRUMENTS.values()]
-    print(f"| effect | {' | '.join(INSTRUMENTS)} |")
-    print(f"|---|{'---|' * len(INSTRUMENTS)}")
-    for name, effect, at in EFFECTS:
-        print(f"| {name} | {' | '.join(shown(each, effect, at) for each in results)} |", flush=True)
+    head = ("effect", *INSTRUMENTS)
+    rows = [(name, *(shown(each, effect, at) for each in results)) for name, effect, at in EFFECTS]
+    print("\n".join(table(head, rows)))
+    if asked.page is not None:
+        write_table(asked.page, head, rows)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,14 @@
 """Instruments against a tracker, on an arm of the second generator: which causes are found at which size.
 
-    python -m benchmarks.instruments.against [--causes backlash payload ...] [--sizes 1 2 4 8]
+    python -m benchmarks.instruments.against [--causes backlash ...] [--sizes 1 2 4 8] [--page docs/recordings.md]
 
 An arm of three joints in space is played by MuJoCo (`benchmarks.multibody`) with one cause at a time, so large that
 what frame and geometry leave of it moves the tip by so many times the noise (RMS, against the noise's length). Every
-instrument reads the same visits with 20 um (a level: 20 urad). A cause counts as `named` where it is a finding at its
-place, `listed` where it is among the names that the data cannot tell from a finding; what is named beside it or instead
-of it is counted as `wrong`.
+instrument reads the same visits with 20 um (a level: 20 urad; a camera: 100 um in depth and turns to 0.1 mrad; torques
+on the joints' side: 0.5 % of how far they spread). A cause counts as `named` where it is a finding at its place,
+`listed` where it is among the names that the data cannot tell from a finding; what is named beside it or instead of it
+is counted as `wrong`. With `--page` the page's table is written anew: the least size from which the cause is named with
+nothing beside it.
 """
 
 from __future__ import annotations
@@ -17,10 +19,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from arm.chain.chain import Arm
+from arm.effects import EFFECTS
 from arm.files.read import read_arm
 from benchmarks.blind.generator.arms import arm_file
+from benchmarks.instruments.page import write_table
 from benchmarks.multibody.arms import draw_arm
 from benchmarks.multibody.causes import Cause, Stage, draw_cause, possible
 from benchmarks.multibody.doses import dosed
@@ -41,7 +46,12 @@ CAUSES = (
     "encoder_eccentricity", "axis_misalignment", "joint_coupling",
 )  # fmt: skip
 
+DEEP, TURNS = 5.0 * NOISE, 5.0 * NOISE  # m and rad, of a camera
+TORQUES = 0.005  # of how far each drive's torque spreads
+
 Values = tuple[Array, tuple[int, ...], dict[str, object]]
+"""What is read at each visit without noise (V, W), of which slots, and what else the recording holds; arrays of it go
+by visit."""
 
 
 def tracker(tips: Tips, rng: np.random.Generator) -> Values:
@@ -77,12 +87,46 @@ def level(tips: Tips, rng: np.random.Generator) -> Values:
     return values, KINDS["tilt"], {"instrument": Instrument(("tilt",), tilt_link=LINKS)}
 
 
+def camera(tips: Tips, rng: np.random.Generator, *, on_tool: bool) -> Values:
+    """A camera that sees a target, one of both on the tool; where they are nobody knows."""
+    fixed, seat = (Rotation.random(rng=rng).as_matrix() for _ in range(2))
+    flange = np.stack([rest.turn for rest in tips.rests])
+    carried, at = flange @ seat, tips.reading.T + flange @ rng.uniform(-0.1, 0.1, 3)
+    away = rng.uniform(-1.5, 1.5, 3) - at
+    if on_tool:
+        values, turns = np.einsum("nab,na->nb", carried, away), np.transpose(carried, (0, 2, 1)) @ fixed
+    else:
+        values, turns = -away @ fixed, fixed.T @ carried
+    instrument = Instrument(("camera",), camera="on_tool" if on_tool else "fixed")
+    free = {"frame": "free", "tool": "free", "seat": "free"}
+    return values, KINDS["camera"], {"instrument": instrument, "orientation": turns, **free}
+
+
+def fixed_camera(tips: Tips, rng: np.random.Generator) -> Values:
+    """A camera that stands still, the target on the tool."""
+    return camera(tips, rng, on_tool=False)
+
+
+def carried_camera(tips: Tips, rng: np.random.Generator) -> Values:
+    """A camera on the tool, the target anywhere."""
+    return camera(tips, rng, on_tool=True)
+
+
+def torques(tips: Tips, rng: np.random.Generator) -> Values:
+    """The tracker, and what each joint holds."""
+    values, slots, held = tracker(tips, rng)
+    return values, slots, {**held, "torque": np.stack([rest.load for rest in tips.rests])}
+
+
 INSTRUMENTS: dict[str, Callable[[Tips, np.random.Generator], Values]] = {
     "tracker, frame free": tracker,
     "height gauge: z": heights,
     "wire, known anchor": wire,
     "ballbar, free anchor": ballbar,
     "level on the last link": level,
+    "camera, target on the tool": fixed_camera,
+    "camera on the tool": carried_camera,
+    "tracker and torques": torques,
 }
 
 
@@ -105,6 +149,13 @@ def recorded(stage: Stage, tips: Tips, instrument: str, seed: int) -> Recording:
     rows = np.repeat(np.arange(session.visits), session.repeats)
     values, slots, held = INSTRUMENTS[instrument](tips, rng)
     read = values[rows] + NOISE * rng.standard_normal((len(rows), values.shape[1]))
+    if slots == KINDS["camera"]:
+        read[:, 2] += np.sqrt(DEEP**2 - NOISE**2) * rng.standard_normal(len(rows))
+        shaken = Rotation.from_rotvec(TURNS * rng.standard_normal((len(rows), 3))).as_matrix()
+        held["orientation"] = shaken @ np.asarray(held["orientation"])[rows]
+    if "torque" in held:
+        load = -np.asarray(held["torque"])[:, list(stage.machine.drive)]
+        held["torque"] = (load + TORQUES * np.std(load, axis=0) * rng.standard_normal(load.shape))[rows]
     return Recording(
         instrument,
         session.q.T[rows],
@@ -127,20 +178,39 @@ def outcome(found: Diagnosis, cause: Cause) -> str:
     return ("named" if any(named) else "listed" if any(listed) else "-") + (f" +{wrong} wrong" if wrong else "")
 
 
+def least(found: Sequence[tuple[float, str]]) -> str:
+    """The least size from which a cause is named with nothing beside it, whatever the sizes beyond, and the least from
+    which it is named or listed so where that is less."""
+
+    def since(good: Callable[[str], bool]) -> float | None:
+        last = next((place for place, (_, how) in reversed(list(enumerate(found))) if not good(how)), -1)
+        return found[last + 1][0] if last + 1 < len(found) else None
+
+    named, listed = since(lambda how: how == "named"), since(lambda how: how in ("named", "listed"))
+    told = "-" if named is None else f"{named:g}"
+    return told if listed is None or listed == named else f"{told} (listed at {listed:g})"
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print a table: each cause and size by each instrument."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--causes", nargs="+", choices=CAUSES, default=CAUSES)
+    parser.add_argument("--instruments", nargs="+", choices=INSTRUMENTS, default=list(INSTRUMENTS))
     parser.add_argument("--sizes", type=float, nargs="+", default=[1.0, 2.0, 4.0, 8.0])
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--page", type=Path, help="the page whose table is written anew, of all causes")
     asked = parser.parse_args(arguments)
+    if asked.page is not None and (len(asked.causes), len(asked.instruments)) != (len(CAUSES), len(INSTRUMENTS)):
+        parser.error("--page: the page has all causes and instruments, of one run")
     arm, stage = stage_of(asked.seed)
-    print(f"| cause | times the noise | {' | '.join(INSTRUMENTS)} |")
-    print(f"|---|---|{'---|' * len(INSTRUMENTS)}")
+    print(f"| cause | times the noise | {' | '.join(asked.instruments)} |")
+    print(f"|---|---|{'---|' * len(asked.instruments)}", flush=True)
+    rows: list[Sequence[str]] = []
     for number, effect in enumerate(CAUSES):
         if effect not in asked.causes or not possible(effect, stage):
             continue
         drawn = draw_cause(effect, stage, np.random.default_rng((asked.seed, number)))
+        found: list[tuple[float, list[str]]] = []
         for size in asked.sizes:
             came = dosed(drawn, stage, size * NOISE * np.sqrt(3.0), frame_free=True, tool_free=False)
             if came is None:
@@ -148,8 +218,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
             plan = Plan(stage.machine, stage.session)
             came[0].write(plan)
             tips = played(plan)
-            found = [outcome(diagnose(arm, recorded(stage, tips, each, number)), came[0]) for each in INSTRUMENTS]
-            print(f"| {effect} {list(came[0].at) or ''} | {size:g} | {' | '.join(found)} |", flush=True)
+            each = [outcome(diagnose(arm, recorded(stage, tips, one, number)), came[0]) for one in asked.instruments]
+            found.append((size, each))
+            print(f"| {effect} {list(came[0].at) or ''} | {size:g} | {' | '.join(each)} |", flush=True)
+        by_instrument = [least([(size, each[k]) for size, each in found]) for k in range(len(asked.instruments))]
+        rows.append((f"{EFFECTS[effect].title}{_where(drawn)}", *by_instrument))
+    if asked.page is not None:
+        write_table(asked.page, ("cause", *asked.instruments), rows)
+
+
+def _where(cause: Cause) -> str:
+    return f" ({EFFECTS[cause.effect].place} {', '.join(map(str, cause.at))})" if cause.at else ""
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ DEPTHS = "depths of the camera"
 """What the nuisance is called that an error of the focal length makes."""
 
 
-_EACH = ("residual", "turned", "axes", "shown", "turning", "depths", "at", "away", "carried")
+_EACH = ("residual", "turned", "axes", "shown", "turning", "depths", "at", "away", "carried", "lever")
 """What a sight holds of each reading."""
 
 
@@ -46,7 +46,7 @@ class Sight:
     `depths` (N,), m, how deep in its view the target is. `rotation` and `translation` bring the measuring frame into
     the base's, `tool` is where on the last link the carried one is, beyond the arm's own, `depth` the share by which
     depths are read too long. `away` (N, 3), m, is the way from the camera to the target, `carried` (N,) where the
-    camera is on the tool.
+    camera is on the tool. `lever` (N, 3), m, is the way from the tip, at which loads act, to what is carried.
     """
 
     residual: Array
@@ -62,12 +62,20 @@ class Sight:
     depth: float
     away: Array
     carried: NDArray[np.bool_]
+    lever: Array
     undetermined: tuple[str, ...] = ()
 
     def change(self, moved: Array, turned: Array) -> Array:
-        """What displacements (N, 3), m, and turns (N, 3), rad, of the tool show, exactly, (N, 3)."""
-        now = Rotation.from_rotvec(turned).inv().apply(self.away - moved)
-        return np.einsum("nwa,na->nw", self.shown, np.where(self.carried[:, None], self.away - now, moved))
+        """What displacements of the tip (N, 3), m, and turns of the tool (N, 3), rad, show, exactly, (N, 3)."""
+        turn = Rotation.from_rotvec(turned)
+        there = moved + turn.apply(self.lever) - self.lever
+        now = turn.inv().apply(self.away - there)
+        return np.einsum("nwa,na->nw", self.shown, np.where(self.carried[:, None], self.away - now, there))
+
+    @property
+    def turning_about_tip(self) -> Array:
+        """What turns of the tool about the tip show, (N, 3, 3)."""
+        return self.turning - np.einsum("nwa,nab->nwb", self.shown, _crossed(self.lever))
 
 
 def joined_sights(sights: Sequence[Sight | None]) -> Sight | None:
@@ -128,7 +136,8 @@ class _Sighting:
 
     def seen(self, place: _Place) -> Sight:
         """The readings against what they should be."""
-        at = self.tips + np.einsum("nab,b->na", self.flange, place.tool)
+        lever = np.einsum("nab,b->na", self.flange, place.tool)
+        at = self.tips + lever
         axes = self.flange @ place.seat if self.carried else np.broadcast_to(place.rotation, self.flange.shape)
         away = place.translation - at if self.carried else at - place.translation
         within = np.einsum("nab,na->nb", axes, away)
@@ -150,6 +159,7 @@ class _Sighting:
             depth=place.depth,
             away=away,
             carried=np.full(len(at), self.carried),
+            lever=lever,
         )
 
     def _starts(self) -> list[_Place]:

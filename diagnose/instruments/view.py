@@ -63,9 +63,10 @@ class View:
 
     @property
     def turned(self) -> Array:
-        """What a turn about each axis of the base of what a level stands on or a camera is on shows, (N, W, 3)."""
+        """What a turn about each axis of the base of what a level stands on shows, or of the tool about the tip, which
+        carries a camera or its target, (N, W, 3)."""
         if self.sight is not None:
-            return self.sight.turning
+            return self.sight.turning_about_tip
         return np.cross(self.rises, self.up)
 
     def of_tip(self, moved: Array, turned: Array | None = None) -> Array:
@@ -134,12 +135,12 @@ def viewed(
     that stays in its plane is `flat`.
     """
     if is_camera(recording):
-        return _of_camera(sighted(recording, tips, directions, rules=rules))
+        return _of_camera(sighted(recording, tips, directions, rules=rules), tips)
     return _Viewing(recording, tips, directions, stand, flat, rules).view()
 
 
-def _of_camera(sight: Sight) -> View:
-    """The view of a camera, whose depths may be off in proportion besides."""
+def _of_camera(sight: Sight, tips: Array) -> View:
+    """The view of a camera on modelled tips (N, 3), m, whose depths may be off in proportion besides."""
     nowhere, none = np.zeros(sight.shown.shape), np.zeros(sight.residual.shape, dtype=bool)
     deep = np.zeros((*sight.residual.shape, 1))
     deep[:, 2, 0] = sight.depths
@@ -152,10 +153,10 @@ def _of_camera(sight: Sight) -> View:
         translation=sight.translation,
         tool=sight.tool,
         anchor=None,
-        at=sight.at,
+        at=tips,
         distances=none,
         framed=none,
-        settled=sight.at,
+        settled=tips,
         rises=nowhere,
         up=np.zeros(3),
         sight=sight,

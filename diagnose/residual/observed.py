@@ -235,6 +235,8 @@ class Observed:
             replace(link, mass=None) if index in self.unknown_masses else link
             for index, link in enumerate(self.arm.links)
         )
+        if self.sight is not None:
+            return self.arm.with_links(links)
         return replace(self.arm, tool=_moved(self.arm.tool, -self.alignment.tool)).with_links(links)
 
 
@@ -296,7 +298,9 @@ def observe(
     nominal, state, modelled, alignment, first, view = _placed(
         known, recording, asked, about, rules.residual, softening
     )
-    for _ in range(_TOOL_PASSES if recording.tool == "free" else 0):
+    # What a camera sees or is sits beside the tip, at which loads act.
+    beside = is_camera(recording)
+    for _ in range(_TOOL_PASSES if recording.tool == "free" and not beside else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         known = replace(known, tool=_moved(arm.tool, put))

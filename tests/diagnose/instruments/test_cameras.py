@@ -39,6 +39,23 @@ def test_both_frames_are_found_however_they_are_turned(on_tool, seed):
     assert seen.alignment.tool == pytest.approx(hand.carried[:3, 3], abs=1e-9)
 
 
+@BOTH
+def test_loads_act_at_the_tip_and_not_where_the_target_or_the_camera_sits(on_tool):
+    """Soft drives in the file, a target 0.1 m beside the tip: what they give under the payload is the tip's."""
+    soft = {1: 1e-5, 2: 3e-5, 3: 5e-5}
+    q, payload = session(12, 7)
+    arm = six_joint_arm()
+    joints = [replace(joint, stiffness=1.0 / soft[k] if k in soft else None) for k, joint in enumerate(arm.joints, 1)]
+    hand = Hand(compliance=soft, carried=transform(2, reach=0.1))
+    seen = observe(
+        replace(arm, joints=tuple(joints)), seen_by_camera(q, payload, hand, on_tool=on_tool, noise=(0, 0, 0))
+    )
+
+    rigid = observe(arm, seen.recording)
+    assert np.abs(rigid.residual).max() > 1e-4
+    assert np.abs(seen.residual).max() < 1e-7
+
+
 def _error_of(on_tool, joint, orientation):
     """The standard error (rad) of a joint's zero beside both frames and the depths, by the declared noise."""
     q, payload = session(30, 4)
