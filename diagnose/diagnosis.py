@@ -10,12 +10,14 @@ import numpy as np
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
 from diagnose.answer.sentences import of_branches, put_right
+from diagnose.answer.torques import of_unknown_weights
 from diagnose.fitting.origins import located
 from diagnose.fitting.prepare import prepare
 from diagnose.residual.free_origins import turned_by, with_origins_of
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
 from diagnose.residual.orientation import with_sound_orientation
+from diagnose.residual.unweighed import weighed_by_torque
 from diagnose.rules.rules import Rules
 from diagnose.search.coupling import coupled, through_what_is_named
 from diagnose.search.labels import mislabelled
@@ -50,6 +52,8 @@ def diagnose(
     """
     asked, tell = options or Options(), progress or _silent
     own = asked.rules.fitting
+    shown = weighed_by_torque(arm, recording, rules=asked.rules.residual)
+    arm = arm if shown is None else shown.arm
     if arm.unknown_origins:
         tell("finding the fixed transforms that are free", 0.0)
     placed = located(arm, recording, rules=asked.rules)

@@ -9,6 +9,7 @@ import numpy as np
 
 from diagnose.residual.observed import Observed
 from diagnose.residual.torque import DriveTorque, Factor
+from diagnose.residual.unweighed import Weighed
 from diagnose.rules.residual_rules import ResidualRules
 from units.quantities import format_quantity
 
@@ -21,6 +22,28 @@ def weights_by_torque(observed: Observed) -> tuple[str, ...]:
         before = f"{name}: " if name else ""
         said += [before + text for text in _of_one(list(group), observed)]
     return tuple(said)
+
+
+def of_unknown_weights(shown: Weighed) -> tuple[str, ...]:
+    """What the torques say that links of unknown mass weigh, and what of it they cannot say."""
+    links, most = _numbered("link", shown.links), list[str]()
+    for joint, load, _ in shown.drives:
+        kind = "torque" if shown.arm.joints[joint].revolute else "force"
+        most.append(f"{format_quantity(load, kind, digits=3)} on drive {joint + 1}")
+    sure = ", ".join(f"{196.0 * error:.2g} % at drive {joint + 1}" for joint, _, error in shown.drives)
+    said = [
+        f"What {links} of unknown mass weigh{'s' * (len(shown.links) == 1)} is fitted to the torques: up to "
+        f"{', '.join(most)}. Compliance is judged by that, and is no better known than that is: within {sure}.",
+        f"The written arm has masses of {links} that make these loads{', beside their lines too' * shown.beside}: "
+        "torques at rest tell first moments, and no masses by themselves.",
+    ]
+    if shown.untold:
+        said.append(f"What {_numbered('link', shown.untold)} weighs loads no drive: that stays unknown.")
+    return tuple(said)
+
+
+def _numbered(what: str, places: Sequence[int]) -> str:
+    return f"{what}{'s' * (len(places) > 1)} {', '.join(str(place + 1) for place in places)}"
 
 
 def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from arm.chain.chain import Arm
 from arm.chain.statics import solve
@@ -11,6 +11,7 @@ from diagnose.recording import Recording
 from diagnose.residual.observed import visits
 from diagnose.residual.recorded_conditions import conditions_of
 from diagnose.residual.torque import DriveTorque, Factor, drive_torques
+from diagnose.residual.unweighed import against_any_masses, unweighed
 from diagnose.rules.residual_rules import ResidualRules
 from units.quantities import InputError
 
@@ -18,9 +19,12 @@ from units.quantities import InputError
 def refuse_torques_of_another_sign(
     recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: ResidualRules
 ) -> None:
-    """Raise `InputError` where drives would pull with the load that they hold. Nothing is told where links of unknown
-    weight load them."""
-    if recording.torque is None or any(link.section is None and link.mass is None for link in arm.links):
+    """Raise `InputError` where drives would pull with the load that they hold: of links of unknown mass, with any load
+    that they could have."""
+    if recording.torque is None:
+        return
+    if unweighed(arm):
+        _refuse(recording, [each.joint for each in against_any_masses(arm, recording, rules=rules)], headers)
         return
     state = solve(
         arm,
@@ -31,10 +35,13 @@ def refuse_torques_of_another_sign(
         tip_force=None if recording.force is None else tuple(recording.force.T),
     )
     told = drive_torques(arm, recording, state, visits(recording, arm, rules=rules), rules)
-    against = [each for each in told if _is_against(each, rules)]
-    if not against:
+    _refuse(recording, [each.joint for each in told if _is_against(each, rules)], headers)
+
+
+def _refuse(recording: Recording, joints: Sequence[int], headers: Mapping[str, str]) -> None:
+    if not joints:
         return
-    names = [headers.get(f"tau{each.joint + 1}", f"tau{each.joint + 1}") for each in against]
+    names = [headers.get(f"tau{joint + 1}", f"tau{joint + 1}") for joint in joints]
     pairs = ", ".join(f"{name}: -1*{name}" for name in names)
     raise InputError(
         recording.file,

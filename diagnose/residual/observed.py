@@ -43,6 +43,7 @@ from .wander import clock, without_wander
 
 Array = NDArray[np.float64]
 
+_LEVEL = 1e-9
 _TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
 """m; a free tool is put into the arm and sought again until it moves by less than this."""
 
@@ -327,7 +328,8 @@ def observe(
         parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
     block = visits(recording, arm, rules=rules.residual)
-    torques = () if unknown else drive_torques(known, recording, nominal, block, rules.residual)
+    told = all(index == 0 and _upright(nominal) for index in unknown)
+    torques = drive_torques(known, recording, nominal, block, rules.residual) if told else ()
     measured = any(each.instead for each in torques)
     return Observed(
         known,
@@ -502,6 +504,14 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
         turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
     beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
     return beyond - observed.view.of_tip(first, level)
+
+
+def _upright(state: PoseState) -> bool:
+    """Whether nothing that the first link weighs loads its drive."""
+    joint, pull = state.joints[0], np.array(state.arm.gravity, dtype=float)
+    axis = columns(joint.axis, 1)[0]
+    across = np.cross(axis, pull) if joint.revolute else axis * float(axis @ pull)
+    return float(np.linalg.norm(across)) <= _LEVEL * float(np.linalg.norm(pull))
 
 
 def _moved(tool: FloatVector, by: Array) -> FloatVector:

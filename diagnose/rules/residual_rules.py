@@ -62,6 +62,12 @@ class ResidualRules:
         "Torque that goes so much against the load that it should hold is counted the other way.",
         JUDGED,
     )
+    mass_beside: float = rule(
+        0.1,
+        "share of the reach",
+        "Masses of links that nobody has weighed lie so far beside a link, or half its length: motors sit there.",
+        JUDGED,
+    )
     same_length: float = rule(2e-5, "m", "The same for slides.", JUDGED)
     same_payload: float = rule(1e-3, "kg", "A scale's noise is no new payload.", JUDGED)
     long_pause: float = rule(
