@@ -25,7 +25,7 @@ from diagnose.search.large_motions import about_large
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
 from diagnose.several.floors import floor_of_all
-from diagnose.several.other_arms import of_different_arms
+from diagnose.several.other_arms import of_different_arms, of_other_arms
 from diagnose.several.recordings import Several, together
 from executors import Executor
 
@@ -64,7 +64,7 @@ def diagnose(
             break
         placed = again
         found = _diagnosed(placed, recording, asked, tell, executor)
-    return found
+    return found if shown is None else replace(found, notes=(*of_unknown_weights(shown), *found.notes))
 
 
 def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, executor: Executor | None) -> Diagnosis:
@@ -121,8 +121,10 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
         return _with_labels(found, arm, searched, asked, known, tell)
     if searched.units or found.unknown is None:
         return found
-    said = of_different_arms(arm, searched, asked, known, found.rms_promised)
-    return replace(found, sentence=f"{found.sentence}{said}")
+    other = of_different_arms(arm, searched, asked, known, found.rms_promised)
+    if other is None:
+        return found
+    return replace(found, sentence=f"{of_other_arms(other)} {found.sentence}", other_arms=other)
 
 
 def cleaned_of(

@@ -291,6 +291,15 @@ class Difference:
 
 
 @dataclass(frozen=True)
+class OtherArms:
+    """Recordings that seem to be of different arms: the sizes of each one's own that tell them apart, in words, and
+    what these would leave (RMS, m)."""
+
+    names: str
+    leaves: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The whole result. Residuals are (N, 2 or 3), m, in the order of `recording`'s rows, in the base frame.
 
@@ -303,7 +312,8 @@ class Diagnosis:
     findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
     or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
     together (none named: one), `differences` what is not the same in all of them.
-    `origins` are fixed transforms that the arm file leaves free, as they were found.
+    `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
+    recordings that seem to be of different arms (None: they do not).
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -344,6 +354,7 @@ class Diagnosis:
     differences: tuple[Difference, ...] = ()
     shown: Array | None = None
     origins: tuple[FoundOrigin, ...] = ()
+    other_arms: OtherArms | None = None
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

@@ -11,26 +11,34 @@ from diagnose.fitting.fit import fit, remaining
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.residual.observed import observe, rms_length
+from diagnose.result import OtherArms
 from diagnose.search.naming import Namer
 from diagnose.several.recordings import Several
 
 
-def of_different_arms(arm: Arm, recordings: Several, asked: Options, floor: float | None, left: float) -> str:
-    """A sentence where sizes of each recording's own, of what stays the same as long as an arm does, explain what is
-    `left` (RMS, m) otherwise; else nothing. `floor` (m) is what repeats of a pose differ by."""
+def of_different_arms(
+    arm: Arm, recordings: Several, asked: Options, floor: float | None, left: float
+) -> OtherArms | None:
+    """What tells arms apart, where sizes of each recording's own, of what stays the same as long as an arm does,
+    explain what is `left` (RMS, m) otherwise; else None. `floor` (m) is what repeats of a pose differ by."""
     prepared = prepare(observe(arm, replace(recordings, units=True), rules=asked.rules), asked, floor)
     namer = Namer(prepared, thorough=False, seed=asked.seed)
     subsets = namer.best_of_library() if prepared.pool.groups else {}
     if not subsets:
-        return ""
+        return None
     best = min(subsets.values(), key=lambda subset: subset.criterion).members
     remains = remaining(prepared, fit(prepared, best))[:, : prepared.observed.components]
     own = [namer.pool.groups[member].candidate for member in best]
     lasting = [each for each in own if each.only is not None and EFFECTS[each.effect].lasts == "the arm"]
     if not lasting or rms_length(remains) > asked.rules.mistakes.label_leaves * left:
-        return ""
+        return None
     names = " and ".join(label_of(each, recordings) for each in lasting)
+    return OtherArms(names, rms_length(remains))
+
+
+def of_other_arms(told: OtherArms) -> str:
+    """The same as a sentence."""
     return (
-        f" It looks as if the recordings were of different arms: {names} would leave {mm(rms_length(remains))}, and "
-        "that stays as it is as long as an arm does. Diagnose each by itself; several arms of one type, with --units."
+        f"It looks as if the recordings were of different arms: {told.names} would leave {mm(told.leaves)}, and that "
+        "stays as it is as long as an arm does. Diagnose each by itself; several arms of one type, with --units."
     )

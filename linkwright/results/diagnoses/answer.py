@@ -59,6 +59,11 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
             times = figure(diagnosis.scatter, 2)
             return [f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"]
         return [f"Nothing is missing that this recording could show: the {mismatch} that remain are {floor}"]
+    if diagnosis.other_arms is not None:
+        leaves = mm(diagnosis.other_arms.leaves, 3)
+        return [
+            f"the recordings look as if they were of different arms: lasting sizes of each one's own leave {leaves}"
+        ]
     if diagnosis.labels is not None:
         return [f"it looks as if {diagnosis.labels.said}", f"; then {put_right(diagnosis.labels)}"]
     largest = _largest(diagnosis)
@@ -115,6 +120,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     lines: list[str] = []
     if diagnosis.labels is not None:
         lines.append(f"Look whether {diagnosis.labels.said}; put that right in the recording, and diagnose again.")
+    if diagnosis.other_arms is not None:
+        return ("Diagnose each recording by itself; several arms of one type together, with --units.",)
     logged = _to_log(diagnosis)
     if logged:
         named = listed([_with_meaning(each) for each in logged])

@@ -8,6 +8,7 @@ from arm.effects import EFFECTS
 from diagnose.diagnosis import diagnose
 from diagnose.several.recordings import together
 from linkwright.json.diagnosis import diagnosis_json
+from linkwright.results.diagnoses.answer import answer, to_do
 from tests.diagnose.recorded import LENGTHS
 from tests.diagnose.several.days import arm, day
 
@@ -67,6 +68,11 @@ def test_what_lasts_as_long_as_an_arm_differs_between_units_alone():
     assert days.verdict == "unknown"
     assert "of different arms" in days.sentence
     assert "--units" in days.sentence
+    # That is what is said first, and what to do about it.
+    assert answer(days).startswith("The recordings look as if they were of different arms: lasting sizes")
+    (line,) = to_do(days)
+    assert "by itself" in line
+    assert "--units" in line
     assert all(EFFECTS[each.effect].lasts != "the arm" for each in days.findings if each.recording)
     units = _diagnosed(*pair, units=True)
     own = {(each.effect, each.at): each.each for each in units.differences}
