@@ -25,7 +25,7 @@ from arm.limits.joint_loads import JointLoad, joint_loads
 from arm.limits.sideways import least_sideways
 from arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
-from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance
+from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance, tips_of
 from arm.limits.walls import WallsResult, slender_walls, walls_of
 from arm.limits.weakest_poses import weakest_poses
 from arm.worst.coverage import Unreached, unreached
@@ -155,7 +155,7 @@ def evaluate(
     `MissingProperty`, `OutOfRange` or `Unreachable` where the question cannot be put.
     """
     space = workspace or Workspace()
-    cases = tuple(load_cases) or (arm.payload,)
+    cases = tuple(load_cases) or arm.cases
     given, unweighed = arm, of_unknown_mass(arm)
     arm = unknown_taken_out(arm, cases)
     model = error_model(arm, cases)
@@ -164,7 +164,7 @@ def evaluate(
     search = worst_search(model, space, gap=gap)
     worst = search.of_loads(search.worst(p))
     masses = link_masses(beams)
-    carried = arm.carried_mass + max(case.mass for case in cases)
+    carried = heaviest_carried(arm, cases)
     poses = search.poses(p, _STRENGTH_POSES)
     poses = np.vstack([poses, [entry.q for entry in worst.poses]])
     strength = strength_over(arm, cases, poses, p, search)
@@ -172,7 +172,7 @@ def evaluate(
     cost = _cost(arm, masses, unknown)
     if strength.least_safety_factor is None:
         unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
-    give = tip_compliance(arm, planar=model.planar)
+    give = tip_compliance(arm, planar=model.planar, tips=tips_of(cases))
     walls = walls_of(arm)
     if walls.unknown is not None:
         unknown["wall_slenderness"] = walls.unknown
@@ -181,11 +181,9 @@ def evaluate(
         sideways = least_sideways(arm, cases, poses, search) if model.planar else None
     except MissingProperty as error:
         unknown["sideways_stiffness"] = str(error)
-    frequency = None if unweighed or arm.branches else least_frequency(arm, search, beams, p, cases)
+    frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
     if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
-    if arm.branches:
-        unknown["first_frequency"] = "the other arms on the torso would swing along, which is not in the model of modes"
     of_drives = None if frequency is None else frequency_of_drives(arm, search, beams, p, cases)
     drives = None
     if not unweighed and any(joint.actuator is not None for joint in arm.joints):
@@ -203,6 +201,8 @@ def evaluate(
     counted = projections_at(model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
     beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses, counted)
     where = top.q if pose is None else tuple(float(value) for value in pose)
+    tips = tips_of(cases)
+    own = give if len(tips) == 1 else tip_compliance(arm, planar=model.planar, tips=(cases[top.load_case].tip,))
     return Evaluation(
         arm=given,
         workspace=space,
@@ -216,12 +216,12 @@ def evaluate(
         mass=None if unweighed else sum(masses),
         total_mass=None if unweighed else sum(masses) + carried,
         cost=cost,
-        reach=sum(arm.lengths[index] for index in arm.to_tip),
+        reach=max(sum(arm.lengths[index] for index in arm.on(tip).to_tip) for tip in tips),
         strength=strength,
         walls=walls,
         frequency=frequency,
         stiffness=None if gives_unknown(given) else least_stiffness(give, poses, p, search),
-        compliance=_compliance(np.array(where), give.matrices(np.array([where]), p)[0]),
+        compliance=_compliance(np.array(where), own.matrices(np.array([where]), p)[0]),
         warnings=(
             *holes,
             *([] if growth is None else [growth.words(worst.error)]),
@@ -267,6 +267,12 @@ def doubtful_materials(arm: Arm) -> tuple[str, ...]:
     """What is hardly believable of the materials' figures, once for each material."""
     made_of = dict.fromkeys(link.material for link in arm.links if link.material is not None)
     return tuple(doubt for material in made_of for doubt in doubts_of(material))
+
+
+def heaviest_carried(arm: Arm, cases: Sequence[LoadCase]) -> float:
+    """The masses beside the links' (kg): joints, motors, what hangs on links, and payloads, where those of a load case
+    are the heaviest."""
+    return max(arm.on(case.tip).carried_mass + case.mass for case in cases)
 
 
 def link_masses(beams: Sequence[Beam]) -> tuple[float, ...]:
@@ -425,8 +431,15 @@ def error_map(search: WorstSearch, p: Array, *, poses: int | None = None, cells:
     wanted = poses or (_MAPPED_POSES if model.planar else _MAPPED_POSES // 3)
     seeds = [search.poses(p, search.scan, seed) for seed in range(1, 1 + max(1, wanted // search.scan))]
     q = np.vstack(seeds)
-    tips = search.tip(q, p)
-    error = np.max([search.errors(q, p, case).error for case in range(len(model.cases))], axis=0)
+    errors = [search.errors(q, p, case).error for case in range(len(model.cases))]
+    named = tips_of([case.load for case in model.cases])
+    own = {name: error_model(model.arm.on(name), (LoadCase(),)).tip for name in named if name}
+    if own:
+        # Of several tips each has its own places.
+        tips = np.vstack([own[case.load.tip](q, p)[0] for case in model.cases])
+        error, q = np.concatenate(errors), np.tile(q, (len(errors), 1))
+    else:
+        tips, error = search.tip(q, p), np.max(errors, axis=0)
     if model.planar:
         across, up = tips[:, 0], tips[:, 1]
     else:

@@ -14,6 +14,7 @@ from arm.actuators import Actuator, load_actuators
 from arm.chain.chain import Arm, Calibrated, LoadCase, askew
 from arm.chain.vectors import ZERO
 from arm.errors.parts import Part
+from arm.files.branches import tip_named
 from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import read_arm, read_load
 from arm.worst.workspace import Workspace
@@ -108,7 +109,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         objectives = [figure.name for figure in figures.values() if figure.minimised]
         minimize = mapping.choice("minimize", objectives, "max_error")
         workspace = _workspace(mapping, arm)
-        cases = _load_cases(mapping) or (arm.payload,)
+        cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
         uncertain = read_uncertain(mapping, arm)
@@ -176,6 +177,9 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
             raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
         if not points:
             raise body.error("path", "needs at least one point, [[x, y], ...]")
+        if arm.branches:
+            message = "is of one tip, and the arm has several; use the joint ranges (workspace: {joints: range})"
+            raise body.error(kinds[0], f"{message}, or write the arm of one branch by itself")
         if len(points) > _MOST_POINTS:
             message = f"has {len(points)} points; at most {_MOST_POINTS} are followed, straight from each to the next"
             raise body.error("path", f"{message}: leave out those in between")
@@ -219,8 +223,9 @@ def _point(value: object, body: Mapping, key: str) -> tuple[float, ...]:
     )
 
 
-def _load_cases(mapping: Mapping) -> tuple[LoadCase, ...]:
-    """Each case replaces the arm's payload wholly; a force may stand inside `payload` or beside it."""
+def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
+    """Each case replaces the arm's payload wholly; a force may stand inside `payload` or beside it. Of several arms on
+    one torso a case that names no `tip` is one of each tip that counts, the others with their own payloads."""
     if not mapping.has("load_cases"):
         return ()
     cases: list[LoadCase] = []
@@ -234,13 +239,19 @@ def _load_cases(mapping: Mapping) -> tuple[LoadCase, ...]:
             for name, empty in (("mass", 0.0), ("force", ZERO), ("moment", ZERO)):
                 if getattr(inner, name) != empty and getattr(beside, name) != empty:
                     raise body.error(name, "is given twice: inside payload and beside it")
-            cases.append(
-                LoadCase(
-                    mass=inner.mass or beside.mass,
-                    force=inner.force if any(inner.force) else beside.force,
-                    moment=inner.moment if any(inner.moment) else beside.moment,
-                )
+            case = LoadCase(
+                mass=inner.mass or beside.mass,
+                force=inner.force if any(inner.force) else beside.force,
+                moment=inner.moment if any(inner.moment) else beside.moment,
             )
+            if body.has("tip") and not arm.branches:
+                raise body.error("tip", "is of arms with branches, and this one has a single tip; leave it out")
+            if body.has("tip"):
+                cases.append(replace(case, tip=tip_named(body, arm.branches, body.text("tip"))))
+            elif arm.every_tip:
+                cases += [replace(case, tip=each.name) for each in arm.branches]
+            else:
+                cases.append(case)
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)
@@ -479,6 +490,9 @@ def _check_listed(mapping: Mapping, problem: Problem) -> None:
 
 
 def _check_reach(body: Mapping, problem: Problem) -> None:
+    if problem.arm.branches and problem.limit("reach"):
+        would_do = "bound the lengths of the links (link_length), or leave it out"
+        raise body.error("reach", f"is of one tip, and the arm has several; {would_do}")
     lengths: Sequence[tuple[float, float]] = [
         problem.link_length if problem.link_length is not None and link.elastic else (link.length, link.length)
         for link in problem.arm.links

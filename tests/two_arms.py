@@ -40,6 +40,27 @@ def arm_text() -> str:
     return "\n".join(lines) + "\n"
 
 
+def mujoco_text() -> str:
+    """The same as a model of MuJoCo: each mass is a ball of a tenth of a millimetre."""
+
+    def bodies(chain, at, payload):
+        text, close = "", ""
+        for number, (axis, vector, mass) in enumerate(chain):
+            x, y, z = (float(part) for part in AXES[axis])
+            middle = " ".join(str(0.5 * part) for part in vector)
+            geoms = f'<geom type="sphere" size="0.0001" pos="{middle}" mass="{mass}"/>'
+            if number == len(chain) - 1 and payload:
+                geoms += f'<geom type="sphere" size="0.0001" pos="{" ".join(map(str, vector))}" mass="{payload}"/>'
+            text += f'<body pos="{" ".join(map(str, at))}"><joint axis="{x} {y} {z}"/>{geoms}'
+            close, at = close + "</body>", vector
+        return text, close
+
+    torso, close = bodies(TORSO, (0, 0, 0), 0.0)
+    end = np.array(TORSO[-1][1])
+    arms = ["".join(bodies(chain, end + np.array(at), mass)) for at, chain, mass in (LEFT, RIGHT)]
+    return f'<mujoco><compiler angle="radian"/><worldbody>{torso}{"".join(arms)}{close}</worldbody></mujoco>'
+
+
 def turn(axis: str, angle: float) -> np.ndarray:
     """Rodrigues' rotation."""
     x, y, z = AXES[axis]

@@ -130,20 +130,23 @@ class Link:
 class LoadCase:
     """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame.
 
-    `relative_to` is the calibrated state that the error counts from; None counts the whole error.
+    `relative_to` is the calibrated state that the error counts from; None counts the whole error. Of several arms on
+    one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own.
     """
 
     mass: float = 0.0
     force: FloatVector = ZERO
     moment: FloatVector = ZERO
     relative_to: Calibrated | None = None
+    tip: str = ""
 
     @property
     def when_calibrated(self) -> LoadCase | None:
         """What acts at the tip in the calibrated state; None where the whole error counts."""
         if self.relative_to is None:
             return None
-        return replace(self, relative_to=None) if self.relative_to.payload is None else self.relative_to.payload
+        own = replace(self, relative_to=None)
+        return own if self.relative_to.payload is None else replace(self.relative_to.payload, tip=self.tip)
 
 
 @dataclass(frozen=True)
@@ -205,7 +208,8 @@ class Arm:
     """A serial arm with the loads it carries and the physics its model holds.
 
     Several arms on one torso are one `Arm` too: the torso's joints, then those of each of its `branches`. It is a
-    serial arm to one tip, `tip`; `on` another makes it that to another.
+    serial arm to one tip, `tip`; `on` another makes it that to another. With `every_tip` the errors of all of them
+    count, each a load case of its own (`cases`).
 
     `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
     count. `leave_out` names physics that the model does without; `effects` adds some. `machining` is what work on the
@@ -226,6 +230,7 @@ class Arm:
     tool: FloatVector = ZERO
     machining: Machining = Machining()
     branches: tuple[Branch, ...] = ()
+    every_tip: bool = False
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.links) or not self.joints:
@@ -285,10 +290,22 @@ class Arm:
         """The same as an arm to the tip of a branch, with that branch's payload and tool; as it is where it is that
         already, or has no branches."""
         own = next((each for each in self.branches if each.name == tip), None)
-        if own is None or self.tip == tip:
+        if own is None or (self.tip == tip and not self.every_tip):
             return self
         seen = tuple(replace(each, away=0.0 if each is own else 1.0) for each in self.branches)
-        return replace(self, branches=seen, tool=own.tool, payload=own.payload)
+        return replace(self, branches=seen, tool=own.tool, payload=own.payload, every_tip=False)
+
+    @property
+    def cases(self) -> tuple[LoadCase, ...]:
+        """The load cases that count where nobody names others: the arm's payload; with `every_tip` each branch's."""
+        if not self.every_tip:
+            return (self.payload,)
+        return tuple(replace(each.payload, tip=each.name) for each in self.branches)
+
+    def payloads(self, load: LoadCase) -> tuple[float, ...]:
+        """What hangs at the tips (kg) under a load case, branch by branch; of an arm without any the load's mass."""
+        tip = load.tip or self.tip
+        return tuple(load.mass if each.name == tip else each.payload.mass for each in self.branches) or (load.mass,)
 
     def away(self, index: int) -> Scalar:
         """Whether a joint (from 0) is of another branch than the tip: 0, 1 or a column of both."""

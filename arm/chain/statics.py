@@ -6,7 +6,7 @@ All forces are fixed in the base frame (dead loads), moments are those about the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +14,8 @@ from units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import End, PointMass
 from .beam import Beam
-from .chain import Arm, Branch, LoadCase, Zones
+from .branches import alone
+from .chain import Arm, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, ties_to, turns
 from .kinematics import Frames, LinkFrame, place, section_directions
@@ -120,16 +121,19 @@ def solve(
     payload_mass: Scalar | None = None,
     tip_force: Vector | None = None,
     point_forces: Sequence[Vector] | None = None,
+    point_moments: Mapping[int, Vector] | None = None,
     frames: Frames | None = None,
 ) -> PoseState:
     """The state of the arm at joint coordinates q (rad, m) under a load case.
 
     `beams` gives each link's rigidities and length (floats or symbols). `payload_mass` (kg) and `tip_force` (N)
     replace those of the load case, as symbols say. `point_forces` (N, one per link) act at the links' far ends in
-    addition. `warming` is the temperature above 20 degC of all links (K), the arm's own by default; that of
+    addition, `point_moments` (N*m) at those of some. Of several arms on one torso the load case says whose tip it is.
+    `warming` is the temperature above 20 degC of all links (K), the arm's own by default; that of
     `conditions` goes before it. `gravity` (m/s^2) replaces the arm's own.
     """
     case = arm.payload if load is None else load
+    arm = arm.on(case.tip)
     rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
     # On a shape that is given, beams are as long as they have run out to there.
@@ -155,6 +159,8 @@ def solve(
         moment = couplings.taken_on(index, moment)
         if point_forces is not None:
             force = add(force, point_forces[index])
+        if point_moments is not None and index in point_moments:
+            moment = add(moment, point_moments[index])
         ends[index] = moment
         own = [_chosen(each, beam) if each.chosen else each for each in arm.links[index].masses]
         force, moment = _hung(own, "end", frame, pull, force, moment)
@@ -267,20 +273,14 @@ def _with_branches(
         if isinstance(branch.away, float) and branch.away == 0.0:
             continue
         rows = slice(branch.first, branch.end)
-        alone = _alone(arm, branch)
-        state = solve(alone, list(q)[rows], beams[rows], LoadCase(branch.payload.mass), gravity=down)
+        weighs = LoadCase(branch.payload.mass)
+        state = solve(alone(arm, branch), list(q)[rows], beams[rows], weighs, gravity=down)
         first = state.joints[0]
         weight = add(first.force, scale(first.mass, down))
         turning = add(first.moment, cross(state.leads[0], weight))
         force = add(force, scale(branch.away, to_base(weight)))
         moment = add(moment, scale(branch.away, to_base(turning)))
     return force, moment
-
-
-def _alone(arm: Arm, branch: Branch) -> Arm:
-    """A branch as an arm of its own, on a torso that stands still."""
-    rows = slice(branch.first, branch.end)
-    return replace(arm, joints=arm.joints[rows], links=arm.links[rows], effects=(), tool=branch.tool, branches=())
 
 
 def _only(here: Scalar, link: LinkState) -> LinkState:

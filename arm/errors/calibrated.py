@@ -35,7 +35,7 @@ def calibrated_temperature(loads: Sequence[LoadCase]) -> float | None:
 
 def planar_in(arm: Arm, load: LoadCase) -> bool:
     """Whether everything stays in the x-y plane under a load case, and where its error counts from."""
-    calibrated = load.when_calibrated
+    arm, calibrated = arm.on(load.tip), load.when_calibrated
     return arm.planar(load) and (calibrated is None or arm.planar(calibrated))
 
 

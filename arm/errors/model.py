@@ -72,7 +72,7 @@ def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
     A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
     """
     asked = {each.effect.shear_modulus for each in active_effects(arm)}
-    planar = all(planar_in(arm, load) for load in (loads or (arm.payload,)))
+    planar = all(planar_in(arm, load) for load in (loads or arm.cases))
     return "always" in asked or ("in space" in asked and not planar)
 
 
@@ -227,10 +227,12 @@ def error_model(
 
     With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.
     """
-    cases = tuple(_case(arm, load, only, drives) for load in (loads or (arm.payload,)))
+    cases = tuple(_case(arm, load, only, drives) for load in (loads or arm.cases))
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
-    planar = all(planar_in(arm, case.load) for case in cases)
+    # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.
+    alike = arm.play != "worst" or len({round(float(case.radii.sum()), 15) for case in cases}) == 1
+    planar = alike and all(planar_in(arm, case.load) for case in cases)
     return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]), drives)
 
 

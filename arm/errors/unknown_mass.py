@@ -47,7 +47,7 @@ def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
     told = _without_what_products_say(bare)
     lower, upper = np.array([joint.range for joint in arm.joints]).T
     q = lower + (upper - lower) * np.random.default_rng(_SEED).random((_POSES, arm.size))
-    cases = tuple(loads) or (arm.payload,)
+    cases = tuple(loads) or arm.cases
     for link in unknown:
         heavier = _with_masses(told, unknown, {link: 1.0})
         for active in active_effects(told):

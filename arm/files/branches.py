@@ -54,6 +54,12 @@ def read_branches(mapping: Mapping, catalogue: Catalogue, torso: int) -> Branche
             entries = _entries(body, catalogue)
             own_joints, own_links = joined(body, entries)
             first = torso + len(joints)
+            # A branch's joints are numbered within it, as its columns are.
+            whole = dict(zip(range(len(own_joints)), range(first, first + len(own_joints)), strict=True))
+            own_joints = tuple(
+                joint if joint.follows is None else replace(joint, follows=joint.follows.moved(whole))
+                for joint in own_joints
+            )
             tool = _tool(body)
             payload = _payload(body)
             found.append(Branch(name, first, first + len(own_joints), tool, payload, 1.0 if found else 0.0))
@@ -68,11 +74,9 @@ def _entries(body: Mapping, catalogue: Catalogue) -> list[Entry]:
         raise body.error("chain", "is empty; a branch has at least one joint with its link")
     entries = [read_entry(each, catalogue, number, len(chain)) for number, each in enumerate(chain, start=1)]
     for number, entry in enumerate(entries, start=1):
-        for name, there in (("follows", entry.joint.follows), ("motor", entry.motor)):
-            if there is not None:
-                raise body.error(
-                    f"chain[{number}].joint.{name}", "is not read in a branch, but in the torso; leave it out"
-                )
+        if entry.motor is not None:
+            message = "is not read in a branch, but in the torso; give its mass as one of a link's masses"
+            raise body.error(f"chain[{number}].joint.motor", message)
     if body.has("origin"):
         if entries[0].origin is not None:
             raise body.error("origin", "is given by the branch's first joint already; leave one of them out")
@@ -99,17 +103,13 @@ def _payload(body: Mapping) -> LoadCase:
 
 
 def tip_named(mapping: Mapping, branches: Sequence[Branch], tip: str | None) -> str:
-    """The branch asked for: the first for an empty name, none where there are no branches. Raises `InputError` where a
-    branch must be named (None) or there is no such."""
+    """The branch asked for: the first for an empty name, none where there are no branches. Raises `InputError` where
+    there is no such."""
     names = [each.name for each in branches]
     if not names:
         if tip:
             raise mapping.error("branches", f"are not in the file, so it has no tip {shown(tip)}; leave it out")
         return ""
-    if tip is None:
-        listed = ", ".join(names)
-        reason = f"end in several tips ({listed}): evaluate and simulate take one by --tip, predict and diagnose"
-        raise mapping.error("branches", f"{reason} recordings that name theirs; nothing else takes such arms")
     if tip and tip not in names:
         raise mapping.error("branches", f"have no tip {shown(tip)}, but {', '.join(names)}{nearest(tip, names)}")
     return tip or names[0]

@@ -5,12 +5,14 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 
+from arm.chain.branches import ways
 from arm.chain.chain import Arm, Joint
 from arm.chain.following import Following, Tie
 from arm.chain.kinematics import place
@@ -116,11 +118,15 @@ def tied(mapping: Mapping, arm: Arm) -> Arm:
         joints.append(joint if joint.follows is None else _checked(mapping, arm, index, joint, joint.follows))
     arm = replace(arm, joints=tuple(joints))
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (_POSES, arm.size))
-    axes = [np.stack(np.broadcast_arrays(*each.axis, np.zeros(_POSES))[:3]) for each in place(arm, list(q.T)).joints]
-    for index, joint in enumerate(joints):
-        if joint.follows is not None and joint.revolute:
-            ties = tuple(replace(tie, along=_parallel(axes[tie.joint], axes[index])) for tie in joint.follows.ties)
-            joints[index] = replace(joint, follows=replace(joint.follows, ties=ties))
+    for way in ways(arm):
+        placed = place(way.arm, list(q.T[list(way.joints)])).joints
+        axes = [np.stack(np.broadcast_arrays(*each.axis, np.zeros(_POSES))[:3]) for each in placed]
+        at = dict(zip(way.joints, axes, strict=True))
+        for index in way.joints:
+            joint = joints[index]
+            if joint.follows is not None and joint.revolute:
+                ties = tuple(replace(tie, along=_parallel(at[tie.joint], at[index])) for tie in joint.follows.ties)
+                joints[index] = replace(joint, follows=replace(joint.follows, ties=ties))
     return replace(arm, joints=tuple(joints))
 
 
@@ -129,17 +135,21 @@ def _parallel(one: object, other: object) -> bool:
 
 
 def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Following) -> Joint:
+    given, base, key = _given(mapping, arm, index)
+
     def refused(reason: str) -> InputError:
-        return mapping.error(f"chain[{index + 1}].joint.follows", reason)
+        return mapping.error(f"{key}.follows", reason)
 
     own = next((tie.weight for tie in follows.ties if tie.joint == index), None)
     if own is not None and abs(own - 1.0) > 1e-12:
-        raise refused(f"has its own coordinate q{index + 1} {own:g} times; once, or not at all where it only follows")
+        raise refused(
+            f"has its own coordinate q{index + 1 - base} {own:g} times; once, or not at all where it only follows"
+        )
     if own is not None and follows.constant:
         raise refused("has a constant beside its own coordinate; write it as the joint's zero")
     ties = tuple(tie for tie in follows.ties if tie.joint != index)
     for tie in ties:
-        other, name = arm.joints[tie.joint], f"q{tie.joint + 1}"
+        other, name = arm.joints[tie.joint], f"q{tie.joint + 1 - base}"
         if tie.joint > index:
             raise refused(f"names {name}, which comes after it; a joint follows those nearer the base")
         if other.follows is not None and not any(each.joint == tie.joint for each in other.follows.ties):
@@ -147,12 +157,10 @@ def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Foll
         if other.revolute != joint.revolute:
             raise refused(f"names {name}, which {'turns' if other.revolute else 'slides'} where it does not")
     found = Following(ties, follows.constant, driven=own is not None)
-    given = mapping.mappings("chain")[index].mapping("joint").content
     if found.driven and not joint.revolute and "range" not in given:
-        raise mapping.error(f"chain[{index + 1}].joint.range", "is missing; a slide needs its range, e.g. [0 mm, 1 m]")
+        raise mapping.error(f"{key}.range", "is missing; a slide needs its range, e.g. [0 mm, 1 m]")
     if not found.driven and "range" in given:
-        key = f"chain[{index + 1}].joint.range"
-        raise mapping.error(key, "comes of the joints that this one follows; leave it out")
+        raise mapping.error(f"{key}.range", "comes of the joints that this one follows; leave it out")
     if found.driven:
         return replace(joint, follows=found if ties else None)
     if joint.actuator is not None or joint.counterbalance is not None:
@@ -161,14 +169,25 @@ def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Foll
     return replace(joint, follows=found, range=_reached(arm, found))
 
 
+def _given(mapping: Mapping, arm: Arm, index: int) -> tuple[MappingLike[str, object], int, str]:
+    """What the file says of a joint (from 0), the number from which its coordinates count there, and its key."""
+    for number, branch in enumerate(arm.branches):
+        if branch.first <= index < branch.end:
+            own = mapping.mappings("branches")[number].mappings("chain")[index - branch.first]
+            key = f"branches[{number + 1}].chain[{index - branch.first + 1}].joint"
+            return own.mapping("joint").content, branch.first, key
+    return mapping.mappings("chain")[index].mapping("joint").content, 0, f"chain[{index + 1}].joint"
+
+
 def _reached(arm: Arm, follows: Following) -> tuple[float, float]:
     """Where a joint that only follows can come, whatever the joints that it follows do."""
     ends = [sorted(tie.weight * end for end in arm.joints[tie.joint].range) for tie in follows.ties]
     return follows.constant + sum(low for low, _ in ends), follows.constant + sum(high for _, high in ends)
 
 
-def following_text(index: int, joint: Joint) -> str | None:
-    """The expression that an arm file has for what a joint (from 0) follows; None where it follows nothing."""
+def following_text(index: int, joint: Joint, base: int = 0) -> str | None:
+    """The expression that an arm file has for what a joint (from 0) follows; None where it follows nothing. `base` is
+    the joint whose coordinate is q1 there: the first of its branch."""
     follows = joint.follows
     if follows is None:
         return None
@@ -177,7 +196,7 @@ def following_text(index: int, joint: Joint) -> str | None:
     text = ""
     for weight, other in terms:
         size = "" if abs(weight) == 1.0 else f"{abs(weight)!r}*"
-        text += f" {'-' if weight < 0.0 else '+'} {size}q{other + 1}"
+        text += f" {'-' if weight < 0.0 else '+'} {size}q{other + 1 - base}"
     if follows.constant:
         size = format_quantity(abs(follows.constant), "angle" if joint.revolute else "length")
         text += f" {'-' if follows.constant < 0.0 else '+'} {size}"

@@ -25,7 +25,7 @@ from .prices import read_machining
 def read_arm(path: Path | str, catalogue: Catalogue | None = None, *, tip: str | None = None) -> Arm:
     """The arm that a YAML file describes (see docs/formats). Raises `InputError`, one line, for anything wrong.
 
-    Of several arms on one torso `tip` names the one that counts (empty: the first).
+    Of several arms on one torso `tip` names the one that counts (empty: the first); None: all of them do.
     """
     return arm_from(load_yaml(path), catalogue or load_catalogue(), tip=tip)
 
@@ -48,7 +48,8 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
         joints, links = joined(mapping, entries)
         branches = read_branches(mapping, catalogue, len(joints))
         joints, links = (*joints, *branches.joints), (*links, *branches.links)
-        tip = tip_named(mapping, branches.each, tip)
+        every = tip is None and bool(branches.each)
+        tip = tip_named(mapping, branches.each, tip or "")
         if mapping.has("tool"):
             with mapping.mapping("tool").reading() as offset:
                 tool = read_vector(offset, "xyz", "length", ZERO)
@@ -80,7 +81,8 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
                 if EFFECTS[entry.effect].place == "tip":
                     message = f"{entry.effect} is of one tip, and there are several; write the branch's payload or tool"
                     raise mapping.error(f"effects[{number}].effect", message)
-            arm = replace(arm, tool=branches.each[0].tool, payload=branches.each[0].payload).on(tip)
+            arm = replace(arm, tool=branches.each[0].tool, payload=branches.each[0].payload)
+            arm = replace(arm.on(tip), every_tip=every)
     _check_absolute(mapping, arm)
     return tied(mapping, arm)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
@@ -80,13 +80,13 @@ def arm_to_yaml(arm: Arm) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _entries(arm: Arm, indices: Iterable[int], motors: Mapping[int | None, tuple[float, int]]) -> list[str]:
+def _entries(arm: Arm, indices: range, motors: Mapping[int | None, tuple[float, int]]) -> list[str]:
     """The entries of a chain with these joints (from 0) and their links."""
     lines: list[str] = []
     for index in indices:
         number, joint, link = index + 1, arm.joints[index], arm.links[index]
         own = _joint(joint)
-        if (follows := following_text(number - 1, joint)) is not None:
+        if (follows := following_text(index, joint, indices[0] if arm.branches else 0)) is not None:
             own["follows"] = follows
         mass, on = motors.get(number, (joint.motor_on_base, "base"))
         if mass:

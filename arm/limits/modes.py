@@ -17,10 +17,11 @@ from typing import Literal
 import numpy as np
 
 from arm.chain.beam import QUARTERS, Beam
+from arm.chain.branches import ways
 from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.kinematics import section_directions
+from arm.chain.kinematics import Frames, place, section_directions
 from arm.chain.statics import run_out, solve
-from arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, minus, times
+from arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, add, cross, minus, times
 from arm.effects import EFFECTS, Settings
 from arm.errors.tip import ActiveEffect, active_effects, displacements
 from sections.numeric import Array
@@ -34,23 +35,57 @@ SegmentKind = Literal["head", "part", "before", "after"]
 
 
 @dataclass(frozen=True)
+class CutWay:
+    """A serial arm to one tip whose links are cut, with the numbers of its segments in the whole arm (see `Way`); the
+    first `shared` of them are the torso's."""
+
+    arm: Arm
+    nodes: tuple[int, ...]
+    shared: int
+
+
+@dataclass(frozen=True)
 class SegmentedArm:
     """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics.
 
     `kinds` says what each segment is: a `part` of an elastic link, or of a rigid one the stretch `before` its centre of
     mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets
-    apart from the end of the link before. `whole` is the arm before it was cut.
+    apart from the end of the link before. `before` gives the segment on which each link stands, none for the first.
+    `whole` is the arm before it was cut, `ways` the serial arms in segments that it is: one to each tip.
     """
 
     whole: Arm
-    arm: Arm
+    ways: tuple[CutWay, ...]
     owner: tuple[int, ...]
     kinds: tuple[SegmentKind, ...]
+    before: tuple[int | None, ...]
     effects: tuple[ActiveEffect, ...]
 
 
 def segmented(arm: Arm) -> SegmentedArm:
     """The arm in segments, weightless, with the elastic physics of its model (bending and slopes always)."""
+    owner: list[int] = []
+    kinds: list[SegmentKind] = []
+    before: list[int | None] = [None] * arm.size
+    cuts: list[CutWay] = []
+    for way in ways(arm):
+        serial, own, kind = _cut(way.arm)
+        shared = own.index(way.shared) if way.shared < way.arm.size else len(own)
+        first = shared if cuts else 0
+        nodes = (*range(first), *range(len(owner), len(owner) + len(own) - first))
+        owner += [way.joints[each] for each in own[first:]]
+        kinds += kind[first:]
+        for link in range(1, way.arm.size):
+            before[way.joints[link]] = nodes[own.index(link) - 1]
+        cuts.append(CutWay(serial, nodes, shared))
+    active = {each.effect.id for each in active_effects(arm)}
+    elastic = [each for each in EFFECTS.values() if each.flexible and each.automatic]
+    effects = tuple(ActiveEffect(each, Settings()) for each in elastic if each.in_modes or each.id in active)
+    return SegmentedArm(arm, tuple(cuts), tuple(owner), tuple(kinds), tuple(before), effects)
+
+
+def _cut(arm: Arm) -> tuple[Arm, list[int], list[SegmentKind]]:
+    """A serial arm in segments, with the link and the kind of each."""
     joints: list[Joint] = []
     links: list[Link] = []
     owner: list[int] = []
@@ -73,11 +108,8 @@ def segmented(arm: Arm) -> SegmentedArm:
         piece = replace(piece, runs_out=False)
         links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
         owner += [index] * pieces
-    active = {each.effect.id for each in active_effects(arm)}
-    elastic = [each for each in EFFECTS.values() if each.flexible and each.automatic]
-    effects = tuple(ActiveEffect(each, Settings()) for each in elastic if each.in_modes or each.id in active)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
-    return SegmentedArm(arm, whole, tuple(owner), tuple(kinds), effects)
+    return whole, owner, kinds
 
 
 def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
@@ -85,7 +117,7 @@ def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
     out: list[Scalar] = []
     for index, owner in enumerate(arm.owner):
         first = index == 0 or arm.owner[index - 1] != owner
-        absolute = arm.arm.angles == "absolute" and arm.arm.joints[index].revolute
+        absolute = arm.whole.angles == "absolute" and (not first or arm.whole.joints[owner].revolute)
         out.append(q[owner] if (first and not arm.whole.links[owner].runs_out) or absolute else 0.0)
     return out
 
@@ -113,16 +145,16 @@ def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
     return Beam(length=beam.lumped_at if kind == "before" else minus(beam.length, beam.lumped_at))
 
 
-def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload: Scalar) -> list[Scalar]:
-    """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, payload. Links that run
-    out of a sleeve count as if they had done so whole: elsewhere the arm is no slower than that."""
+def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payloads: Sequence[Scalar]) -> list[Scalar]:
+    """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, the payload of each tip.
+    Links that run out of a sleeve count as if they had done so whole: elsewhere the arm is no slower than that."""
     masses: list[Scalar] = [0.0] * len(segments.owner)
     for index, beam in enumerate(beams):
         nodes = [k for k, owner in enumerate(segments.owner) if owner == index]
-        start = nodes[0] - 1
+        start = segments.before[index]
         if segments.kinds[nodes[0]] == "head":
             start = nodes.pop(0)
-        if start >= 0:
+        if start is not None:
             masses[start] = masses[start] + arm.joints[index].mass
         for node, mass in _hung(arm.links[index], beam, start, nodes):
             masses[node] = masses[node] + mass
@@ -132,13 +164,14 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
         total = times(beam.mass_per_length, beam.length)
         density = beam.taper.density or (1.0,) * len(_SIMPSON)
         for node, weight, share in zip([start, *nodes], _SIMPSON, density, strict=True):
-            if node >= 0:
+            if node is not None:
                 masses[node] = masses[node] + weight * share * total
-    masses[-1] = masses[-1] + payload
+    for way, payload in zip(segments.ways, payloads, strict=True):
+        masses[way.nodes[-1]] = masses[way.nodes[-1]] + payload
     return masses
 
 
-def _hung(link: Link, beam: Beam, start: int, nodes: Sequence[int]) -> Iterator[tuple[int, Scalar]]:
+def _hung(link: Link, beam: Beam, start: int | None, nodes: Sequence[int]) -> Iterator[tuple[int, Scalar]]:
     """What hangs on a link, as masses at the nodes along it.
 
     A mass at the joint's end keeps its moment of inertia about the joint: part of it sits at a node at least as far out
@@ -163,7 +196,7 @@ def _hung(link: Link, beam: Beam, start: int, nodes: Sequence[int]) -> Iterator[
             reach = times(shares[k], beam.length)
             part = own * away**2 / (reach * reach)
             yield nodes[k], part
-        if start >= 0:
+        if start is not None:
             # A mass beyond the far end counts by more than itself there, and no less at the joint.
             yield start, (own if not far and away > 0.0 else own - part)
 
@@ -174,9 +207,54 @@ def response(
     """The displacements (m) of the segments' far ends under forces (N) there; `q` and `beams` are the whole arm's."""
     beams = run_out(segments.whole, beams, q)
     places, pieces = segment_coordinates(segments, q), segment_beams(segments, beams)
-    state = solve(segments.arm, places, pieces, LoadCase(), warming=0.0, point_forces=forces)
-    twists = [twist for each in segments.effects for twist in each.effect.twists(state, each.settings)]
-    return displacements(state, twists)
+    own = [[places[k] for k in way.nodes] for way in segments.ways]
+    parts = [[pieces[k] for k in way.nodes] for way in segments.ways]
+    loads = [[forces[k] for k in way.nodes] for way in segments.ways]
+    frames = [
+        place(way.arm, at, [beam.length for beam in beams])
+        for way, at, beams in zip(segments.ways, own, parts, strict=True)
+    ]
+    pulls = [_pull(way, at, load) for way, at, load in zip(segments.ways, frames, loads, strict=True)]
+    found: dict[int, Vector] = {}
+    for number, way in enumerate(segments.ways):
+        pushed, turning = list(loads[number]), None
+        if len(segments.ways) > 1:
+            end = way.shared - 1
+            others = [pull for k, pull in enumerate(pulls) if k != number]
+            pushed[end] = _sum_of([pushed[end], *(force for force, _ in others)])
+            turning = {end: _sum_of([moment for _, moment in others])}
+        state = solve(
+            way.arm,
+            own[number],
+            parts[number],
+            LoadCase(),
+            warming=0.0,
+            point_forces=pushed,
+            point_moments=turning,
+            frames=frames[number],
+        )
+        twists = [twist for each in segments.effects for twist in each.effect.twists(state, each.settings)]
+        found.update(zip(way.nodes, displacements(state, twists), strict=True))
+    return tuple(found[k] for k in range(len(segments.owner)))
+
+
+def _pull(way: CutWay, frames: Frames, forces: Sequence[Vector]) -> tuple[Vector, Vector]:
+    """What forces (N) at the ends of a branch's segments come to at the torso's end: force, and moment about it."""
+    away: Vector = ZERO
+    force: Vector = ZERO
+    moment: Vector = ZERO
+    for k in range(way.shared, len(way.nodes)):
+        away = add(add(away, frames.joints[k].lead), frames.links[k].vector)
+        force = add(force, forces[k])
+        moment = add(moment, cross(away, forces[k]))
+    return force, moment
+
+
+def _sum_of(vectors: Sequence[Vector]) -> Vector:
+    total: Vector = ZERO
+    for vector in vectors:
+        total = add(total, vector)
+    return total
 
 
 def compliance_matrices(segments: SegmentedArm, beams: Sequence[Beam], q: Array) -> Array:
@@ -196,6 +274,10 @@ def responses(segments: SegmentedArm, beams: Sequence[Beam], q: Array, forces: A
     return np.stack([np.broadcast_to(part, len(q)) for shift in moved for part in shift], axis=1)
 
 
+def _each(payload: float | Sequence[float]) -> Sequence[float]:
+    return (payload,) if isinstance(payload, float | int) else payload
+
+
 @dataclass(frozen=True)
 class Modes:
     """The first mode at N poses: frequency (N,) in Hz, and the displacements of the nodes (N, 3 s), largest entry 1."""
@@ -204,24 +286,25 @@ class Modes:
     shape: Array
 
 
-def first_frequencies(arm: Arm, beams: Sequence[Beam], payload: float, q: Array) -> Array:
+def first_frequencies(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float], q: Array) -> Array:
     """The first bending frequency (N,) in Hz at poses q (N, n), as `first_modes` has it."""
     segments = segmented(arm)
-    root = np.sqrt(np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, payload)]), 3))
+    root = np.sqrt(np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, _each(payload))]), 3))
     compliance = compliance_matrices(segments, beams, q)
     values = np.linalg.eigvalsh(0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :])
     with np.errstate(divide="ignore"):
         return 1.0 / (2.0 * math.pi * np.sqrt(np.maximum(values[:, -1], 0.0)))
 
 
-def first_modes(arm: Arm, beams: Sequence[Beam], payload: float, q: Array) -> Modes:
-    """The first bending frequency and mode at poses q (N, n) with a payload (kg) at the tip.
+def first_modes(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float], q: Array) -> Modes:
+    """The first bending frequency and mode at poses q (N, n) with a payload (kg) at the tip, or one at each of the tips
+    of several arms on one torso, which swing together.
 
     The tool's offset beyond the last link counts as rigid and massless but for the payload, which sits at the last
     link's end. Where nothing gives, the frequency is infinite.
     """
     segments = segmented(arm)
-    masses = np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, payload)]), 3)
+    masses = np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, _each(payload))]), 3)
     root = np.sqrt(masses)
     compliance = compliance_matrices(segments, beams, q)
     symmetric = 0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :]
@@ -240,7 +323,7 @@ def inertia_excess(
     segments: SegmentedArm,
     q: Sequence[float],
     beams: Sequence[Beam],
-    payload: Scalar,
+    payloads: Sequence[Scalar],
     shape: Sequence[float],
     frequency: float,
 ) -> Scalar:
@@ -250,7 +333,7 @@ def inertia_excess(
     For the true mode it is exact; for any other shape it is a valid cut (Rayleigh), so an optimiser may use shapes
     found at earlier designs. `beams` may hold symbols.
     """
-    work, inertia = work_and_inertia(arm, segments, q, beams, payload, shape)
+    work, inertia = work_and_inertia(arm, segments, q, beams, payloads, shape)
     return work * (2.0 * math.pi * frequency) ** 2 / inertia - 1.0
 
 
@@ -259,11 +342,11 @@ def work_and_inertia(
     segments: SegmentedArm,
     q: Sequence[float],
     beams: Sequence[Beam],
-    payload: Scalar,
+    payloads: Sequence[Scalar],
     shape: Sequence[float],
 ) -> tuple[Scalar, Scalar]:
     """(M phi)' F (M phi) and phi' M phi for a trial shape; `beams` may hold symbols, or arrays of many designs."""
-    masses = node_masses(arm, segments, beams, payload)
+    masses = node_masses(arm, segments, beams, payloads)
     forces: list[Vector] = [
         (times(mass, shape[3 * k]), times(mass, shape[3 * k + 1]), times(mass, shape[3 * k + 2]))
         for k, mass in enumerate(masses)

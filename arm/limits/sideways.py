@@ -13,7 +13,7 @@ from arm.chain.chain import Arm, LoadCase
 from arm.errors.model import beam_values, beams_of
 from sections.numeric import Array
 
-from .tip_stiffness import TipCompliance, TipStiffness, compliance_along, least_stiffness
+from .tip_stiffness import TipCompliance, TipStiffness, compliance_along, least_stiffness, tips_of
 
 if TYPE_CHECKING:
     from arm.worst.search import WorstSearch
@@ -22,9 +22,10 @@ SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
 """One newton across the plane."""
 
 
-def sideways_compliance(arm: Arm) -> TipCompliance:
-    """A planar arm's compliance at its tip across its plane, as a function of poses and designs."""
-    return compliance_along(arm, (2,))
+def sideways_compliance(arm: Arm, tips: Sequence[str] = ()) -> TipCompliance:
+    """A planar arm's compliance at its tip across its plane, as a function of poses and designs; `tips` are as for
+    `compliance_along`."""
+    return compliance_along(arm, (2,), tips)
 
 
 def least_sideways(arm: Arm, cases: Sequence[LoadCase], poses: Array, search: WorstSearch) -> TipStiffness | None:
@@ -34,7 +35,7 @@ def least_sideways(arm: Arm, cases: Sequence[LoadCase], poses: Array, search: Wo
     Raises `MissingProperty` for what a planar model does without: a shear modulus, say, for links that twist.
     """
     p = beam_values(beams_of(arm, [*cases, SIDEWAYS]))
-    return least_stiffness(sideways_compliance(arm), poses, p, search)
+    return least_stiffness(sideways_compliance(arm, tips_of(cases)), poses, p, search)
 
 
 def sideways_rigidities(arm: Arm) -> tuple[float | None, ...]:

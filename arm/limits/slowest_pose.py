@@ -52,9 +52,9 @@ def least_frequency(
     """
     poses = search.poses(p, _POSES)
     best: Frequency | None = None
-    payloads = {case.mass: number for number, case in reversed(list(enumerate(cases)))}
-    for payload, number in payloads.items():
-        slow = Slowness(arm, beams, payload)
+    carried = {arm.payloads(case): number for number, case in reversed(list(enumerate(cases)))}
+    for payloads, number in carried.items():
+        slow = Slowness(arm, beams, payloads)
         scanned = slow.estimates(poses)
         if not scanned.any():
             continue
@@ -62,7 +62,7 @@ def least_frequency(
         if search.workspace.kind == "joints":
             reached = climb(slow.derivatives, candidates, *climbing_bounds(arm, search.lower, search.upper))[0]
             candidates = np.vstack([candidates, wrapped(arm, reached, search.lower, search.upper)])
-        values = first_frequencies(arm, beams, payload, candidates)
+        values = first_frequencies(arm, beams, payloads, candidates)
         lowest = int(np.argmin(values))
         if best is None or values[lowest] < best.value:
             best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
@@ -124,11 +124,11 @@ def _starts(poses: Array, slowness: Array) -> list[int]:
 
 
 class Slowness:
-    """1/omega^2 (s^2) of an arm's first mode with a payload (kg) at its tip: the largest eigenvalue of F M."""
+    """1/omega^2 (s^2) of an arm's first mode with payloads (kg) at its tips: the largest eigenvalue of F M."""
 
-    def __init__(self, arm: Arm, beams: Sequence[Beam], payload: float) -> None:
+    def __init__(self, arm: Arm, beams: Sequence[Beam], payloads: Sequence[float]) -> None:
         self._beams, self._segments = beams, segmented(arm)
-        masses = np.array([float(mass) for mass in node_masses(arm, self._segments, beams, payload)])
+        masses = np.array([float(mass) for mass in node_masses(arm, self._segments, beams, payloads)])
         self._masses = np.repeat(masses, 3)
         self._root = np.sqrt(self._masses)
         size = arm.size

@@ -49,13 +49,28 @@ class TipStiffness:
     direction: tuple[float, ...]
 
 
-def tip_compliance(arm: Arm, *, planar: bool) -> TipCompliance:
-    """An arm's compliance at its tip; with `planar` in the x-y plane alone."""
-    return compliance_along(arm, range(2 if planar else 3))
+def tip_compliance(arm: Arm, *, planar: bool, tips: Sequence[str] = ()) -> TipCompliance:
+    """An arm's compliance at its tip; with `planar` in the x-y plane alone. `tips` are as for `compliance_along`."""
+    return compliance_along(arm, range(2 if planar else 3), tips)
 
 
-def compliance_along(arm: Arm, axes: Sequence[int]) -> TipCompliance:
-    """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them."""
+def tips_of(cases: Sequence[LoadCase]) -> tuple[str, ...]:
+    """The tips that load cases name, each once."""
+    return tuple(dict.fromkeys(case.tip for case in cases))
+
+
+def compliance_along(arm: Arm, axes: Sequence[int], tips: Sequence[str] = ()) -> TipCompliance:
+    """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them.
+
+    Of several `tips` each gives for itself, one after the other along the diagonal: the largest singular value is then
+    that of the softest, and the direction of its force is nought at the others.
+    """
+    if len(tips) > 1:
+        each = [compliance_along(arm.on(tip), axes) for tip in tips]
+        q, p = each[0].inputs
+        blocks = [ca.reshape(one.function(q, p), one.size, one.size) for one in each]
+        return TipCompliance((q, p), (ca.densify(ca.vec(ca.diagcat(*blocks))),), sum(one.size for one in each))
+    arm = arm.on(tips[0]) if tips else arm
     drives = tuple(replace(joint, zones=()) for joint in arm.joints)  # each with the stiffness of its softest zone
     still = replace(arm, gravity=(0.0, 0.0, 0.0), joints=drives)
     forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in axes)]

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from arm.chain.chain import Arm as Model
-from arm.files.branches import tip_named
 from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import arm_from
 from arm.files.write import arm_to_yaml, write_arm
@@ -196,7 +195,7 @@ class Arm:
         knows, with the nearest known one.
         """
         content = edited(self.content, key, value, "Arm")
-        model = _read(content, self.catalogue, self.model.tip)
+        model = _read(content, self.catalogue, None if self.model.every_tip else self.model.tip)
         return Arm.of(model, content, self.catalogue)
 
     def to_yaml(self) -> str:
@@ -211,8 +210,13 @@ class Arm:
         """One line."""
         size = self.model.size
         joints = f"{size} joint{'s' if size > 1 else ''}"
-        reach = f"reach {mm(sum(self.model.lengths[index] for index in self.model.to_tip))}"
-        reach += f" to {self.model.tip}" if self.model.branches else ""
+        reaches = [(each.name, self.model.on(each.name).to_tip) for each in self.model.branches]
+        if not self.model.every_tip:
+            reaches = [(self.model.tip, self.model.to_tip)]
+        reach = "reach " + ", ".join(
+            mm(sum(self.model.lengths[index] for index in way)) + (f" to {name}" if name else "")
+            for name, way in reaches
+        )
         return f"<Arm: {' '.join(self.name.split())}, {joints}, {reach}>"
 
     def _repr_html_(self) -> str:
@@ -222,7 +226,7 @@ class Arm:
         return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.to_html(index=False, border=0)}"
 
 
-def _read(content: dict[str, Any], catalogue: File | None, tip: str = "") -> Model:
+def _read(content: dict[str, Any], catalogue: File | None, tip: str | None = None) -> Model:
     """The arm that content describes, its materials in place given their units in it."""
     chain: object = content.get("chain")
     for each in cast(list[object], chain) if isinstance(chain, list) else []:
@@ -255,8 +259,9 @@ def catalogue_of(path: File | None) -> Catalogue:
 def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = None) -> Arm:
     """The arm that an arm file describes; `catalogue` is a file of materials laid over the shipped ones.
 
-    Of several arms on one torso (`branches`) `tip` names the one that counts; empty: the first, which will do where
-    recordings name theirs. Raises `InputError`, one line with the file, the key and what would do, for anything wrong.
+    Of several arms on one torso (`branches`) `tip` names the one that counts; empty: the first; None: the worst of all
+    of them does, where a command can take them so. Raises `InputError`, one line with the file, the key and what would
+    do, for anything wrong.
 
     >>> import linkwright as lw
     >>> arm = lw.read_arm("examples/welding-arm/arm.yaml")
@@ -279,15 +284,29 @@ def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None
     return learned_from(path, model)
 
 
-def arm_of(given: Arm | File, *, tip: str | None = None, unknown_origins: bool = False) -> Arm:
-    """An arm as given, or read from the file that is named. With a `tip` it may be of several arms on one torso, which
-    are refused otherwise, and with `unknown_origins` of fixed transforms that are free, which a diagnosis alone can do
-    with."""
-    arm = given if isinstance(given, Arm) else read_arm(given, tip=tip)
+Tips = Literal["every", "first", "one", "none"]
+"""What a command can do with several arms on one torso: with all their tips at once, with those that recordings name
+(the first will do), with one that must be named, or nothing."""
+
+
+def arm_of(given: Arm | File, *, tips: Tips = "none", unknown_origins: bool = False) -> Arm:
+    """An arm as given, or read from the file that is named. It may be of several arms on one torso as `tips` says, and
+    with `unknown_origins` of fixed transforms that are free, which a diagnosis alone can do with."""
+    arm = given if isinstance(given, Arm) else read_arm(given)
     if arm.model.unknown_origins and not unknown_origins:
         index = arm.model.unknown_origins[0]
         file = "Arm" if isinstance(given, Arm) else str(given)
         raise InputError(file, f"chain[{index + 1}].origin", UNKNOWN_ORIGIN)
-    if isinstance(given, Arm) and tip is None and given.model.branches:
-        tip_named(Reader(dict(given.content), file="Arm"), given.model.branches, None)
+    if tips == "first" and arm.model.every_tip:
+        return Arm.of(arm.model.on(arm.model.tip), arm.content, arm.catalogue, arm.learned)
+    if arm.model.branches and (tips == "none" or (tips == "one" and arm.model.every_tip)):
+        listed = ", ".join(each.name for each in arm.model.branches)
+        would_do = f"name one of them (--tip, or read_arm(..., tip={arm.model.branches[0].name!r}))"
+        if tips == "none":
+            would_do = "write the arm of one of them by itself, the others as masses on the torso's last link"
+        raise InputError(
+            "Arm" if isinstance(given, Arm) else given,
+            "branches",
+            f"end in several tips ({listed}), and this takes one; {would_do}",
+        )
     return arm

@@ -201,7 +201,7 @@ def diagnose(
     >>> dia
     <Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>
     """
-    given = arm_of(arm, tip="", unknown_origins=True)
+    given = arm_of(arm, tips="first", unknown_origins=True)
     read = recordings_of(recording, given, settings, units=units)
     options = Options(thorough=thorough, without=_known(without))
     with told(progress) as tell, at_work(executor, workers) as crew:

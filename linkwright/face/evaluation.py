@@ -131,7 +131,7 @@ def evaluate(
     >>> list(found.by_effect.columns)
     ['effect', 'title', 'error_mm']
     """
-    given = arm_of(arm, tip="" if isinstance(arm, Arm) else None)
+    given = arm_of(arm, tips="every")
     at = None if pose is None else pose_of(given.model, pose)
     if problem is None:
         return Evaluation(given, evaluated(given.model, pose=at))
@@ -143,7 +143,12 @@ def evaluate(
     if asked.uncertain is not None and asked.arm.size != given.model.size:
         message = f"is for {asked.arm.size} joints; {given.name} has {given.model.size}"
         raise InputError(asked.file, "uncertain", message)
-    found = evaluated(given.model, asked.workspace, asked.load_cases, pose=at)
+    cases = asked.load_cases
+    if given.model.branches and not given.model.every_tip:
+        cases = tuple(case for case in cases if case.tip == given.model.tip)
+        if not cases:
+            raise InputError(asked.file, "load_cases", f"hold none of the tip {given.model.tip}")
+    found = evaluated(given.model, asked.workspace, cases, pose=at)
     robust = None if asked.uncertain is None else robust_figure(given.model, asked)
     return Evaluation(given, found, robust)
 

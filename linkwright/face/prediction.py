@@ -129,7 +129,7 @@ def predict(
     >>> told.rows, told.frame, 0.0 < told.rms_mm < told.nominal_rms_mm
     (192, 'known', True)
     """
-    given = arm_of(arm, tip="")
+    given = arm_of(arm, tips="first")
     read = recording_of(recording, given, settings)
     asked = replaced(read.found, frame=frame or read.found.frame, tool=tool or read.found.tool)
     return Prediction(given, read, predicted(given.model, asked, given.learned))

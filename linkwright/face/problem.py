@@ -40,7 +40,7 @@ class Problem:
     _content: Mapping[str, Any] = field(compare=False)
 
     def __init__(self, arm: Arm | File, minimize: str = "max_error", **keys: object) -> None:
-        given = arm_of(arm)
+        given = arm_of(arm, tips="every")
         content: dict[str, Any] = plain({"minimize": minimize, **keys})
         self._fill(given, Reader(content, file="Problem"))
 
@@ -68,7 +68,7 @@ class Problem:
         Raises `InputError` for a key that nobody knows, with the nearest known one.
         """
         if key == "arm" and isinstance(value, Arm | str | Path):
-            return Problem.of(arm_of(value), Reader(self._content, file=self.model.file))
+            return Problem.of(arm_of(value, tips="every"), Reader(self._content, file=self.model.file))
         return Problem.of(self.arm, Reader(edited(self._content, key, value, "Problem"), file="Problem"))
 
     def __repr__(self) -> str:

@@ -105,7 +105,7 @@ def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings:
     >>> lw.read_recording(rec.table, arm).found.size
     192
     """
-    given = arm_of(arm, tip="", unknown_origins=True)
+    given = arm_of(arm, tips="first", unknown_origins=True)
     if isinstance(recording, str) or not hasattr(recording, "columns"):
         place = Path(str(recording))
         return Recording(given, read_file(place, given.model, None if settings is None else Path(settings)))
@@ -126,7 +126,7 @@ def read_recordings(
     >>> [each.found.size for each in lw.read_recordings(files, f"{folder}/arm.yaml")]
     [192, 192]
     """
-    given = arm_of(arm, tip="", unknown_origins=True)
+    given = arm_of(arm, tips="first", unknown_origins=True)
     return tuple(read_recording(each, given, settings=settings) for each in recordings)
 
 
@@ -192,7 +192,7 @@ def simulate(
     ... )
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
-    given = with_effects(arm_of(arm, tip="" if isinstance(arm, Arm) else None), with_)
+    given = with_effects(arm_of(arm, tips="one"), with_)
     if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)

@@ -217,7 +217,8 @@ def _seam(evaluation: Evaluation) -> dict[str, Any]:
 
 
 def _load(case: LoadCase) -> dict[str, Any]:
-    return fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment")
+    tip = {"tip": case.tip} if case.tip else {}
+    return {**tip, **fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment")}
 
 
 def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:

@@ -50,7 +50,7 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
     what = "position error" if part == "whole" else f"error {part} the path"
     brief = f"worst {what} {mm(evaluation.max_error)}"
     headline = f"Worst {what}  {mm(evaluation.max_error, 5)}"
-    name = f"{arm.name}, tip of {arm.tip}" if arm.tip else arm.name
+    name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
     return Description(name, headline, tuple(items), brief, f"{name}\n")
 
 

@@ -99,7 +99,7 @@ def load_case_words(case: LoadCase) -> str:
         parts.append(f"force ({', '.join(figure(value) for value in case.force)}) N")
     if any(case.moment):
         parts.append(f"moment ({', '.join(figure(value) for value in case.moment)}) N·m")
-    return ", ".join(parts)
+    return f"{f'tip {case.tip}: ' if case.tip else ''}{', '.join(parts)}"
 
 
 def calibrated_words(state: Calibrated) -> str:

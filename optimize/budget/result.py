@@ -102,7 +102,7 @@ def budget(
     Raises `PropertyNeeded` or `MissingProperty` where the arm lacks a figure, `Unreachable` where the workspace cannot
     be reached, `InputError` where errors count from a calibrated state.
     """
-    cases = tuple(load_cases) or (arm.payload,)
+    cases = tuple(load_cases) or arm.cases
     if any(case.relative_to is not None for case in cases):
         raise InputError("", "relative_to", "goes without a budget, which is of the whole error")
     heard = progress or _silent

@@ -240,7 +240,8 @@ def inertia_products(
     own = p.reshape(size, len(BEAM_FIELDS))
     weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]
     soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
-    payload, shape = cut.more[0], cut.more[1:]
+    tips = len(segments.ways)
+    payloads, shape = cut.more[:tips], cut.more[tips:]
     omega = 2.0 * np.pi * frequency
 
     def measured(designs: Array) -> tuple[Array, Array]:
@@ -250,7 +251,7 @@ def inertia_products(
                 name: designs[:, k, place] for place, name in enumerate(BEAM_FIELDS) if own[k, place] != 0.0
             }
             varied.append(Beam(**values) if beam.lumped_mass == 0.0 else beam)
-        work, inertia = work_and_inertia(arm, segments, cut.q, varied, payload, shape)
+        work, inertia = work_and_inertia(arm, segments, cut.q, varied, payloads, shape)
         return omega**2 * np.broadcast_to(work, len(designs)), np.broadcast_to(inertia, len(designs))
 
     return _inertia_terms(measured, own, weights, soft)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from arm.chain.prices import fixed_price, price_by_length
 from arm.errors.model import ErrorModel
+from arm.evaluation import heaviest_carried
 from arm.worst.workspace import climbing_bounds, joint_box
 from optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
 from optimize.problem import Problem
@@ -110,7 +111,7 @@ class Solution:
 def carried_mass(problem: Problem) -> float:
     """The mass (kg) that counts in `total_mass` beside that of the links: joints, motors, what hangs on links, and the
     heaviest payload."""
-    return problem.arm.carried_mass + max(case.mass for case in problem.load_cases)
+    return heaviest_carried(problem.arm, problem.load_cases)
 
 
 def drives_cost(problem: Problem) -> float:

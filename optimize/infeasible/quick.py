@@ -22,7 +22,7 @@ from arm.errors.rigid_links import rigid as rigid_beam
 from arm.errors.rigid_links import values_of_rigid
 from arm.limits.sideways import sideways_compliance
 from arm.limits.slowest_pose import least_frequency
-from arm.limits.tip_stiffness import least_stiffness, tip_compliance
+from arm.limits.tip_stiffness import least_stiffness, tip_compliance, tips_of
 from arm.worst.parts import worst_search
 from arm.worst.search import WorstPose, WorstSearch
 from arm.worst.workspace import Unreachable
@@ -266,7 +266,9 @@ def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit
         planar = all(arm.planar(load) for load in problem.load_cases)
         if limit.name == "sideways_stiffness" and not planar:
             return None
-        compliance = tip_compliance(arm, planar=planar) if limit.name == "tip_stiffness" else sideways_compliance(arm)
+        tips = tips_of(problem.load_cases)
+        stiff = limit.name == "tip_stiffness"
+        compliance = tip_compliance(arm, planar=planar, tips=tips) if stiff else sideways_compliance(arm, tips)
         softest = least_stiffness(compliance, search.poses(p, _POSES) if limit.poses is None else limit.poses, p)
         return None if softest is None else softest.value
     if limit.name == "max_error":

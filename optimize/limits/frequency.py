@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Modes(PoseFamily):
-    """Rayleigh's quotient of trial shapes: a cut holds the payload (kg) and the shape beside the pose."""
+    """Rayleigh's quotient of trial shapes: a cut holds the payloads (kg) and the shape beside the pose."""
 
     name: ClassVar[str] = "modes"
     bounds_many: ClassVar[bool] = False
@@ -40,8 +40,8 @@ class Modes(PoseFamily):
         return 1
 
     def more(self, prepared: tuple[Arm, SegmentedArm]) -> int:
-        """The payload and the shape."""
-        return 1 + 3 * len(prepared[1].owner)
+        """The payload of each tip, and the shape."""
+        return len(prepared[1].ways) + 3 * len(prepared[1].owner)
 
     def rows(
         self,
@@ -55,9 +55,10 @@ class Modes(PoseFamily):
         del group
         arm, segments = prepared
         q, more = pose
-        places, shapes = [q[k] for k in range(arm.size)], [more[k] for k in range(1, more.numel())]
+        places, tips = [q[k] for k in range(arm.size)], len(segments.ways)
+        payloads, shapes = [more[k] for k in range(tips)], [more[k] for k in range(tips, more.numel())]
         for number, value, slack in held.on(FIRST_FREQUENCY.name):
-            excess = inertia_excess(arm, segments, places, design.beams, more[0], shapes, value)
+            excess = inertia_excess(arm, segments, places, design.beams, payloads, shapes, value)
             yield number, excess + 1.0 - ca.exp(2.0 * slack)
 
     def worst(
@@ -69,16 +70,15 @@ class Modes(PoseFamily):
         slowest = least_frequency(arm, search, beams, p, problem.load_cases)
         if slowest is None:
             return []
-        payload = problem.load_cases[slowest.load_case].mass
-        modes = first_modes(arm, beams, payload, np.array([slowest.q]))
-        cut = Cut(slowest.q, 0, (payload, *modes.shape[0].tolist()))
+        payloads = arm.payloads(problem.load_cases[slowest.load_case])
+        modes = first_modes(arm, beams, payloads, np.array([slowest.q]))
+        cut = Cut(slowest.q, 0, (*payloads, *modes.shape[0].tolist()))
         return [Worst(FIRST_FREQUENCY.name, float(modes.frequency[0]), cut)]
 
     def at_cut(self, prepared: tuple[Arm, SegmentedArm], problem: Asked, arm: Arm, cut: Cut) -> float:
-        """The first frequency (Hz) at the cut's pose with its payload."""
-        del prepared
-        beams = beams_of(arm, problem.load_cases)
-        return float(first_frequencies(arm, beams, cut.more[0], np.array([cut.q]))[0])
+        """The first frequency (Hz) at the cut's pose with its payloads."""
+        beams, payloads = beams_of(arm, problem.load_cases), cut.more[: len(prepared[1].ways)]
+        return float(first_frequencies(arm, beams, payloads, np.array([cut.q]))[0])
 
 
 def _pose(evaluation: Evaluation) -> tuple[float, ...] | None:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from arm.errors.model import needs_shear_modulus
 from arm.limits.sideways import SIDEWAYS, sideways_compliance
-from arm.limits.tip_stiffness import TipCompliance
+from arm.limits.tip_stiffness import TipCompliance, tips_of
 from units.quantities import InputError
 
 from .figure import Asked, Figure, ThroughPoses
@@ -28,7 +28,7 @@ class Sideways(Stiffness):
         if needs_shear_modulus(arm, [SIDEWAYS]) and not needs_shear_modulus(arm, cases):
             message = "needs links that shear: leave out torsion too, or do not leave out shear_deformation"
             raise InputError("", f"subject_to.{self.limited}", message)
-        return sideways_compliance(arm)
+        return sideways_compliance(arm, tips_of(cases))
 
 
 SIDEWAYS_STIFFNESS = Figure(

@@ -21,6 +21,7 @@ from arm.limits.tip_stiffness import (
     stiffness_at,
     stiffnesses,
     tip_compliance,
+    tips_of,
 )
 from sections.numeric import Array
 
@@ -29,7 +30,7 @@ from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, W
 from .strength import POSES
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
+    from arm.chain.chain import Arm, LoadCase
     from arm.evaluation import Evaluation
     from arm.worst.search import WorstSearch
 
@@ -55,8 +56,7 @@ class Stiffness(PoseFamily):
 
     def compliance(self, problem: Asked) -> TipCompliance:
         """The compliance of the problem's arm."""
-        planar = all(problem.arm.planar(load) for load in problem.load_cases)
-        return tip_compliance(problem.arm, planar=planar)
+        return _compliance(problem.arm, problem.load_cases)
 
     def prepare(self, problem: Asked) -> PreparedStiffness:
         """The compliance, and the numbers of the limits on it."""
@@ -116,11 +116,15 @@ class Stiffness(PoseFamily):
         return np.min([stiffnesses(prepared.compliance.matrices(q, designs.p)) for q in places], axis=0)
 
 
+def _compliance(arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+    """The compliance at the tips that load cases name; where all is planar, in its plane."""
+    planar = all(arm.on(load.tip).planar(load) for load in cases)
+    return tip_compliance(arm, planar=planar, tips=tips_of(cases))
+
+
 def _at_poses(evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> float | None:
-    arm = evaluation.arm
-    planar = all(arm.planar(load) for load in evaluation.load_cases)
-    p = beam_values(beams_of(arm, evaluation.load_cases))
-    found = least_stiffness(tip_compliance(arm, planar=planar), poses, p)
+    p = beam_values(beams_of(evaluation.arm, evaluation.load_cases))
+    found = least_stiffness(_compliance(evaluation.arm, evaluation.load_cases), poses, p)
     return None if found is None else found.value
 
 

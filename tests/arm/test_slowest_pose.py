@@ -48,7 +48,7 @@ def eigenvalues(arm: Arm, q: Array) -> Array:
 def test_gradient_with_the_mode_held_is_that_of_the_eigenvalue(slide: bool) -> None:
     arm = tangled(slide)
     q = np.random.default_rng(3).uniform(-0.8, 0.8, (5, 4))
-    value, gradient, hessian = Slowness(arm, beams_of(arm), 3.0).derivatives(q)
+    value, gradient, hessian = Slowness(arm, beams_of(arm), (3.0,)).derivatives(q)
     assert value == pytest.approx(eigenvalues(arm, q), rel=1e-12)
     step = 2e-3
     for j in range(4):
@@ -66,7 +66,7 @@ def test_gradient_with_the_mode_held_is_that_of_the_eigenvalue(slide: bool) -> N
 def test_estimates_are_lower_bounds_and_near(slide: bool) -> None:
     arm = tangled(slide)
     q = np.random.default_rng(4).uniform(-1.0, 1.0, (40, 4))
-    exact, found = eigenvalues(arm, q), Slowness(arm, beams_of(arm), 3.0).estimates(q)
+    exact, found = eigenvalues(arm, q), Slowness(arm, beams_of(arm), (3.0,)).estimates(q)
     assert np.all(found <= exact * (1.0 + 1e-9))
     assert found == pytest.approx(exact, rel=1e-2)
 

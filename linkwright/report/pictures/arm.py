@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from arm.chain.branches import ways
 from arm.chain.chain import Arm, Joint
 from arm.chain.kinematics import place
 from arm.evaluation import Evaluation
@@ -62,32 +63,39 @@ class Window:
 
 def skeleton(evaluation: Evaluation) -> Skeleton:
     """The arm of an evaluation at its worst pose: in the x-y plane, or in the upright plane through the tip."""
-    return skeleton_at(evaluation.arm, evaluation.worst.poses[0])
+    worst = evaluation.worst.poses[0]
+    return skeleton_at(evaluation.arm.on(evaluation.load_cases[worst.load_case].tip), worst)
 
 
 def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip."""
-    frames = place(arm, worst.q)
-    project = page_of(arm, np.array(frames.tip(), dtype=float))
-    here = np.zeros(3)
+    tip = np.array(place(arm, worst.q).tip(), dtype=float)
+    project = page_of(arm, tip)
     leads: list[tuple[Point, Point]] = []
     links: list[tuple[Point, Point, float]] = []
     joints: list[tuple[Point, Joint]] = []
-    for joint, link, lead, frame in zip(arm.joints, arm.links, frames.joints, frames.links, strict=True):
-        start = here + np.array(lead.lead, dtype=float)
-        end = start + np.array(frame.vector, dtype=float)
-        if np.abs(start - here).max() > 1e-9:
-            leads.append((project(here), project(start)))
-        joints.append((project(start), joint))
-        if link.section is None:
-            leads.append((project(start), project(end)))
-        else:
-            outer = link.section.outline()[0]
-            links.append((project(start), project(end), 1e3 * float(np.ptp(outer[:, 1]))))
-        here = end
-    tip = here + np.array(frames.tool, dtype=float)
-    if any(arm.tool):
-        leads.append((project(here), project(tip)))
+    for number, way in enumerate(ways(arm)):
+        own = way.arm
+        frames = place(own, [worst.q[joint] for joint in way.joints])
+        here = np.zeros(3)
+        for k, (joint, link, lead, frame) in enumerate(
+            zip(own.joints, own.links, frames.joints, frames.links, strict=True)
+        ):
+            start = here + np.array(lead.lead, dtype=float)
+            end = start + np.array(frame.vector, dtype=float)
+            before, here = here, end
+            if number and k < way.shared:
+                continue  # the torso is drawn once
+            if np.abs(start - before).max() > 1e-9:
+                leads.append((project(before), project(start)))
+            joints.append((project(start), joint))
+            if link.section is None:
+                leads.append((project(start), project(end)))
+            else:
+                outer = link.section.outline()[0]
+                links.append((project(start), project(end), 1e3 * float(np.ptp(outer[:, 1]))))
+        if any(own.tool):
+            leads.append((project(here), project(here + np.array(frames.tool, dtype=float))))
     error = project(np.array(worst.vector, dtype=float))
     return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
 

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+import yaml
 
 import linkwright as lw
+from arm.chain.kinematics import tip_position
 from arm.chain.statics import solve
 from arm.chain.vectors import ZERO
+from arm.compensation import model_error
 from arm.effects import EFFECTS, Settings
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, seen
@@ -59,25 +62,7 @@ def test_a_torso_that_gives_is_where_the_equilibrium_of_all_weights_is(soft, tip
 
 def test_the_weight_on_the_torso_against_mujoco(file):
     mujoco = pytest.importorskip("mujoco")
-
-    def bodies(chain, at, payload):
-        text, close = "", ""
-        for number, (axis, vector, mass) in enumerate(chain):
-            x, y, z = (float(part) for part in two_arms.AXES[axis])
-            middle = " ".join(str(0.5 * part) for part in vector)
-            geoms = f'<geom type="sphere" size="0.001" pos="{middle}" mass="{mass}"/>'
-            if number == len(chain) - 1 and payload:
-                geoms += f'<geom type="sphere" size="0.001" pos="{" ".join(map(str, vector))}" mass="{payload}"/>'
-            text += f'<body pos="{" ".join(map(str, at))}"><joint axis="{x} {y} {z}"/>{geoms}'
-            close, at = close + "</body>", vector
-        return text, close
-
-    torso, close = bodies(two_arms.TORSO, (0, 0, 0), 0.0)
-    end = np.array(two_arms.TORSO[-1][1])
-    arms = ["".join(bodies(chain, end + np.array(at), mass)) for at, chain, mass in (two_arms.LEFT, two_arms.RIGHT)]
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><compiler angle="radian"/><worldbody>{torso}{"".join(arms)}{close}</worldbody></mujoco>'
-    )
+    model = mujoco.MjModel.from_xml_string(two_arms.mujoco_text())
     data, arm = mujoco.MjData(model), read_arm(file, tip="right")
     for q in poses(5, seed=7):
         data.qpos[:] = q
@@ -167,9 +152,81 @@ def test_files_that_cannot_be(tmp_path, old, new, said):
 
 
 def test_what_takes_no_several_tips_says_so(file):
-    with pytest.raises(InputError, match=r"end in several tips \(left, right\)"):
-        read_arm(file)
+    whole = lw.read_arm(file)
+    assert whole.model.every_tip
+    assert [case.tip for case in whole.model.cases] == ["left", "right"]
+    with pytest.raises(InputError, match=r"end in several tips \(left, right\), and this takes one; name one of them"):
+        lw.simulate(whole)
     with pytest.raises(InputError, match="no tip 'lefd', but left, right; did you mean 'left'"):
         read_arm(file, tip="lefd")
-    with pytest.raises(InputError, match="nothing else takes such arms"):
+    with pytest.raises(InputError, match="write the arm of one of them by itself"):
         lw.inverse(lw.read_arm(file, tip="left"), 0.3, 0.2, 0.9)
+
+
+def test_without_a_tip_the_worst_of_all_counts(soft):
+    each = {tip: lw.evaluate(lw.read_arm(soft, tip=tip)) for tip in ("left", "right")}
+    found = lw.evaluate(lw.read_arm(soft))
+    assert found.max_error_mm == pytest.approx(max(one.max_error_mm for one in each.values()), rel=1e-9)
+    assert found.found.total_mass == pytest.approx(each["left"].found.total_mass)
+    stiff = [one.found.stiffness.value for one in each.values()]
+    assert found.found.stiffness.value == pytest.approx(min(stiff), rel=1e-6)
+
+
+WRIST = """      - joint: {axis: y, range: [-80 deg, 10 deg], stiffness: 6 kN*m/rad}
+        link: {length: 400 mm, rigid: true, mass: 2 kg}
+      - joint: {axis: y, range: [10 deg, 100 deg], stiffness: 5 kN*m/rad}
+        link: {length: 300 mm, rigid: true, mass: 1 kg}
+      - joint: {axis: y, follows: "-(q1 + q2)", stiffness: 2 kN*m/rad}
+        link: {length: 150 mm, rigid: true, mass: 0.5 kg}
+"""
+FOLLOWING = """
+name: level wrists
+gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+chain:
+  - joint: {axis: z, range: [-90 deg, 90 deg], stiffness: 30 kN*m/rad}
+    link: {length: 500 mm, direction: [0, 0, 1], rigid: true, mass: 8 kg}
+branches:
+  - name: left
+    origin: {xyz: [0 m, 0.2 m, 0 m]}
+    payload: {mass: 3 kg}
+    chain:
+ARM  - name: right
+    origin: {xyz: [0 m, -0.2 m, 0 m]}
+    payload: {mass: 3 kg}
+    chain:
+ARM""".replace("ARM", WRIST)
+
+
+def test_a_branch_may_follow_itself(tmp_path):
+    """Each arm alone, its torso a joint of its own, errs as within the two; its tip stays level."""
+    path, alone = tmp_path / "two.yaml", tmp_path / "one.yaml"
+    path.write_text(FOLLOWING)
+    lines = yaml.safe_load(FOLLOWING)
+    branch = lines.pop("branches")[1]
+    chain = [*lines["chain"], *branch["chain"]]
+    chain[1]["origin"] = branch["origin"]
+    chain[3]["joint"]["follows"] = "-(q2 + q3)"
+    alone.write_text(yaml.safe_dump({**lines, "chain": chain, "payload": branch["payload"]}))
+    two, one = read_arm(path, tip="right"), read_arm(alone)
+    write_arm(two, tmp_path / "back.yaml")
+    assert "follows: -q1 - q2" in (tmp_path / "back.yaml").read_text()
+    assert read_arm(tmp_path / "back.yaml", tip="right") == two
+    q = np.random.default_rng(4).uniform([-1.5, -1.4, 0.2, 0.0], [1.5, 0.2, 1.7, 0.0], (20, 4))
+    whole = np.insert(q, [1, 1, 1], [0.3, 0.9, 0.0], axis=1)
+    there, here = (model_error(arm, at, 3.0) for arm, at in ((two, whole), (one, q)))
+    assert np.abs(there).max() > 1e-4
+    # The torso turns about the plumb axis, so that the other arm's weight moves nothing.
+    assert there == pytest.approx(here, abs=1e-12)
+    drop = np.array(tip_position(two, whole))[:, 2]
+    assert drop == pytest.approx(0.5 - 0.4 * np.sin(q[:, 1]) - 0.3 * np.sin(q[:, 1] + q[:, 2]), abs=1e-12)
+
+
+def test_a_branch_cannot_follow_what_it_has_not(tmp_path):
+    path = tmp_path / "arm.yaml"
+    for given, said in (
+        ("q4", r"branches\[1\].chain\[3\].joint.follows: names q4, but the arm has 3 joints"),
+        ("q3 - q1 + 2*q3", r"branches\[1\].chain\[3\].joint.follows: has its own coordinate q3 3 times"),
+    ):
+        path.write_text(FOLLOWING.replace("-(q1 + q2)", given))
+        with pytest.raises(InputError, match=said):
+            read_arm(path)
