@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -90,15 +90,42 @@ def stock_rows(problem: Problem, shape: str) -> list[StockSize]:
 
 def _in_bounds(problem: Problem, section: Section) -> bool:
     """Whether outer sizes and walls (not the radii of fillets and corners) lie within the problem's bounds."""
+    return not _out_of_bounds(problem, section)
+
+
+def _out_of_bounds(problem: Problem, section: Section) -> dict[str, float]:
+    """The outer sizes and walls beyond the problem's bounds, each with how far in logarithms."""
     bounds = {"outer": problem.section_size, "wall": problem.thickness}
+    found: dict[str, float] = {}
     for dimension in section.dimensions:
         value = getattr(section, dimension.name)
         if value is None or dimension.kind not in bounds:
             continue
         low, high = bounds[dimension.kind]
         if not low * (1.0 - _WITHIN) <= float(value) <= high * (1.0 + _WITHIN):
-            return False
-    return True
+            found[dimension.name] = max(math.log(low / value), math.log(value / high))
+    return found
+
+
+def why_no_stock(problem: Problem, shapes: Sequence[str], materials: Sequence[Material]) -> str:
+    """Why no stock size of these shapes can be had in these materials within the problem's bounds, and which comes
+    nearest to them."""
+    named = " or ".join(material.name for material in materials)
+    every = [size for size in load_stock() if size.shape in shapes]
+    what = f"no stock size of shape {' or '.join(shapes)}"
+    if not every:
+        return f"there is {what}"
+    had = [size for size in every if any(comes_in(size, material) for material in materials)]
+    if not had:
+        return f"{what} comes in {named}"
+    beyond = {size.name: _out_of_bounds(problem, size.section) for size in had}
+    near = min(had, key=lambda size: sum(beyond[size.name].values()))
+    sizes = [
+        f"{name} {format_quantity(float(getattr(near.section, name)), 'length', digits=4)}"
+        for name in beyond[near.name]
+    ]
+    own = f"; the nearest, {near.name}, has {' and '.join(sizes)}" if sizes else ""
+    return f"{what} within section_size and thickness comes in {named}{own}"
 
 
 def comes_in(size: StockSize, material: Material) -> bool:

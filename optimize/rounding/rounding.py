@@ -41,6 +41,7 @@ from .options import (
     moved_lengths,
     on_grid,
     stock_options,
+    why_no_stock,
 )
 
 Integers = NDArray[np.intp]
@@ -216,8 +217,7 @@ def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
             pick for name in names for pick in itertools.product(*[[o for o in own if o.stock == name] for own in each])
         ]
     if not options:
-        named = " or ".join(material.name for material in allowed_materials(problem, problem.arm.links[links[0]]))
-        what = f"no stock size of shape {' or '.join(shapes)} within section_size and thickness comes in {named}"
+        what = why_no_stock(problem, shapes, allowed_materials(problem, problem.arm.links[links[0]]))
         raise NoAnswer(f"link {links[0] + 1}: {what}; `linkwright sections list` has them all")
     options.sort(key=lambda option: _distance(option, problem, links))
     return Group(tuple(links), tuple(options), len(options))

@@ -256,7 +256,11 @@ NONE = {
     "mass": ("mass: '<= 2.7 kg', section_size: [42 mm, 90 mm]", "25 mm", "mass <= 2.7 kg"),
     "no multiple": ("mass: '<= 6 kg', section_size: [52 mm, 58 mm]", "10 mm", "section_size .* no multiple of 10 mm"),
     "reach": ("mass: '<= 6 kg', reach: '== 700.5 mm', link_length: [200 mm, 500 mm]", "1 mm", r"reach == 700\.5 mm"),
-    "stock": ("mass: '<= 6 kg', section_size: [20 mm, 21 mm], thickness: [4 mm, 5 mm]", "stock", "no stock size"),
+    "stock": (
+        "mass: '<= 6 kg', section_size: [20 mm, 21 mm], thickness: [4 mm, 5 mm]",
+        "stock",
+        "nearest, ALU TUBE 20x3, ",
+    ),
 }
 
 
