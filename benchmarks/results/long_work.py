@@ -34,7 +34,7 @@ def millions(*, quick: bool) -> list[Row]:
         gap = math.inf if proof is None else 100.0 * proof.gap
         rows.append(at_most(what, gap, "%", 100.0 * GAP, f"in {seconds:.1f} s"))
     for name, limits in COMMANDS.items():
-        answer = commanded(limits, 10 if quick else 30)
+        answer = commanded(limits)
         what = f"linkwright optimize, {answer.combinations:,} combinations, {name}: proven gap"
         note = f"in {answer.cpu:.0f} s, near ties solved too, {answer.seconds:.0f} s by the wall"
         rows.append(at_most(what, 100.0 * answer.gap, "%", 100.0 * GAP, note))
