@@ -454,6 +454,8 @@ def _check(mapping: Mapping, problem: Problem) -> None:
     if twice:
         would_do = "name its drive in the arm file, or leave out its motor"
         raise mapping.error("choose.motor", f"joint {twice[0]} chooses its actuator as well; {would_do}")
+    if any(place.rods is not None for each in problem.motors for place in each.places):
+        _check_rods(mapping, problem)
     if problem.sizes is not None:
         _check_listed(mapping, problem)
         return
@@ -475,6 +477,17 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if problem.shapes is None and not _can_be_chosen(shape):
             would_do = "name other shapes: choose: {section: [...]}"
             raise mapping.error("choose", f"the dimensions of a {shape} cannot be optimised; {would_do}")
+
+
+def _check_rods(mapping: Mapping, problem: Problem) -> None:
+    """Poses that a problem lists by their coordinates would be others with rods."""
+    if problem.workspace.ranges is not None:
+        would_do = "write joints: range; each place with rods has its own"
+        raise mapping.error("workspace.joints", f"lists ranges of coordinates, which rods change; {would_do}")
+    listed = next((limit.name for limit in problem.limits if limit.poses is not None), None)
+    if listed is not None:
+        would_do = "give the limit for the whole workspace"
+        raise mapping.error(f"subject_to.{listed}", f"names poses by coordinates, which rods change; {would_do}")
 
 
 def _check_listed(mapping: Mapping, problem: Problem) -> None:

@@ -100,7 +100,7 @@ class PlaceCandidate:
 
     places: tuple[str, ...]
     objective: float | None
-    outcome: Literal["best", "solved", "bounded out", "infeasible"]
+    outcome: Literal["best", "solved", "bounded out", "infeasible", "reaches less"]
 
 
 @dataclass(frozen=True)

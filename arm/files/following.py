@@ -116,7 +116,12 @@ def tied(mapping: Mapping, arm: Arm) -> Arm:
                 )
                 raise mapping.error(f"chain[{index + 1}].joint.follows", message)
         joints.append(joint if joint.follows is None else _checked(mapping, arm, index, joint, joint.follows))
-    arm = replace(arm, joints=tuple(joints))
+    return along_links(replace(arm, joints=tuple(joints)))
+
+
+def along_links(arm: Arm) -> Arm:
+    """The arm with whether each coupling runs along the links between (see `Tie.along`), which its axes tell."""
+    joints = list(arm.joints)
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (_POSES, arm.size))
     for way in ways(arm):
         placed = place(way.arm, list(q.T[list(way.joints)])).joints

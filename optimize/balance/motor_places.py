@@ -9,6 +9,8 @@ from arm.chain.chain import Arm
 from units.quantities import shown
 from units.reading import Mapping
 
+from .parallelogram import Parallelogram, read_parallelogram
+
 MOST_PLACES = 64
 """So many combinations of places are looked at, every one."""
 
@@ -16,7 +18,8 @@ MOST_PLACES = 64
 @dataclass(frozen=True)
 class MotorPlace:
     """Where a motor stands: on link `on` at that link's joint (from 1), on the base (0) or at its own joint (None);
-    its mass (kg), and what the transmission there makes of the drive (None: what the arm has), in SI."""
+    its mass (kg), what the transmission there makes of the drive (None: what the arm has), in SI, and the rods by which
+    it turns its link, if so."""
 
     on: int | None
     mass: float
@@ -24,6 +27,7 @@ class MotorPlace:
     stiffness: float | None = None
     backlash: float | None = None
     cost: float | None = None
+    rods: Parallelogram | None = None
 
 
 @dataclass(frozen=True)
@@ -70,10 +74,17 @@ def _places(body: Mapping, arm: Arm, joint: int) -> tuple[MotorPlace, ...]:
                 if min(backlash or 0.0, cost or 0.0) < 0.0:
                     raise own.error("backlash" if (backlash or 0.0) < 0.0 else "cost", "cannot be negative")
                 plain = _place(own, own.raw("on", "joint, base, or the number of a link"), _mass(own), arm, joint)
-                places.append(MotorPlace(plain.on, plain.mass, plain.words, stiffness, backlash, cost))
+                rods = read_parallelogram(own, arm, joint)
+                words = plain.words if rods is None else f"{plain.words}, by rods {_along(rods.first, joint)}"
+                places.append(MotorPlace(plain.on, plain.mass, words, stiffness, backlash, cost, rods))
     if not places:
         raise body.error("on" if body.has("on") else "places", "is empty; list where the motor may stand")
     return tuple(places)
+
+
+def _along(first: int, joint: int) -> str:
+    """Along which links rods run to a joint (from 1), from the link `first` (from 0) on."""
+    return f"along link {first + 1}" if first + 2 == joint else f"along links {first + 1} to {joint - 1}"
 
 
 _DRIVE = ("stiffness", "backlash", "cost")

@@ -10,18 +10,25 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from arm.chain.balance import PointMass
 from arm.chain.chain import Arm
+from arm.errors.model import error_model
+from arm.worst.coverage import unreached
+from arm.worst.search import WorstSearch
 from executors import Executor
 from optimize.choice.actuators import Driven, choose_driven
 from optimize.choice.combinations import Progress
+from optimize.exchange.design import numeric_beams
 from optimize.journal import Journal
 from optimize.problem import Problem
 from optimize.result import Iteration, PlaceCandidate
+from units.quantities import InputError
 
 from .motor_places import MotorPlace
+from .parallelogram import with_parallelogram
 
 
 def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:
@@ -45,7 +52,11 @@ def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:
         if place.on:
             link = links[place.on - 1]
             links[place.on - 1] = replace(link, masses=(*link.masses, PointMass(place.mass, motor_of=number + 1)))
-    return replace(arm, joints=tuple(joints), links=tuple(links))
+    arm = replace(arm, joints=tuple(joints), links=tuple(links))
+    for number, place in places:
+        if place.rods is not None:
+            arm = with_parallelogram(arm, number, place.rods)
+    return arm
 
 
 @dataclass(frozen=True)
@@ -80,6 +91,9 @@ def choose_placed(
         known = math.inf if best is None or best.choice is None else best.choice.objective
         places = tuple((choice.joint, place) for choice, place in zip(problem.motors, pick, strict=True))
         own = replace(problem, arm=with_places(problem.arm, places), motors=())
+        if any(place.rods is not None for place in pick) and _reaches_less(own, problem):
+            found.append((math.inf, PlaceCandidate(words, None, "reaches less")))
+            continue
         driven = choose_driven(own, **settings, known=known, ties=False)
         first = first or driven
         if driven.choice is None:
@@ -96,6 +110,22 @@ def choose_placed(
     candidates = [each for _, each in found]
     if best is not None:
         candidates[0] = replace(candidates[0], outcome="best")
-    assert first is not None
+    if first is None:
+        message = "leaves more of the workspace unreached with rods at any of these places than the arm as given does"
+        raise InputError(problem.file, "choose.motor", f"{message}; give the joint a wider range")
     chosen = best or first
     return Placed(chosen, tuple(candidates))
+
+
+def _reaches_less(problem: Problem, given: Problem) -> bool:
+    """Whether an arm of other coordinates leaves more of a box or path unreached than the arm as given does; with
+    lengths to choose, and for joint ranges, nothing is left out for that."""
+    if problem.workspace.kind == "joints" or problem.link_length is not None:
+        return False
+    shares: list[float] = []
+    for each in (problem, given):
+        search = WorstSearch(error_model(each.arm, each.load_cases), each.workspace)
+        tip = partial(search.tip, p=numeric_beams(each.arm, each.load_cases))
+        missed = unreached(each.workspace, tip, search.lower, search.upper)
+        shares.append(0.0 if missed is None else missed.share)
+    return shares[0] > shares[1]
