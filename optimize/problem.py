@@ -443,13 +443,9 @@ def _check(mapping: Mapping, problem: Problem) -> None:
         if not other:
             would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
             raise mapping.error("minimize", f"{problem.minimize} alone ends at the smallest sections; {would_do}")
-    if problem.taper is not None and problem.uncertain is not None:
-        would_do = "leave out one of them, and ask `evaluate --problem` of the answer"
-        raise body.error("taper", f"is chosen for the arm as it is, not for one that is uncertain; {would_do}")
-    if (problem.balances or problem.motors) and (problem.uncertain is not None or problem.sizes is not None):
-        other = "uncertain" if problem.uncertain is not None else "sizes"
+    if (problem.balances or problem.motors) and problem.sizes is not None:
         would_do = "write what the arm has of them into its file, and leave them out here"
-        raise mapping.error("choose", f"balancer, counterweight and motor go without {other}; {would_do}")
+        raise mapping.error("choose", f"balancer, counterweight and motor go without sizes; {would_do}")
     twice = [each.joint + 1 for each in problem.motors if problem.actuators and problem.actuators[each.joint]]
     if twice:
         would_do = "name its drive in the arm file, or leave out its motor"

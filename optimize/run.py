@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from arm.actuators import Actuator
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import Evaluation, error_map, evaluate, link_masses, material_cost
-from arm.limits.slowest_pose import least_frequency
+from arm.evaluation import Evaluation, error_map, evaluate
 from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.balance.balance import settled
 from optimize.balance.chosen import balance_of
 from optimize.balance.motors import choose_placed
-from optimize.choice.actuators import first_driven, with_actuators
+from optimize.choice.actuators import first_driven
 from optimize.choice.combinations import Choice, Progress, count
-from optimize.choice.near_ties import Tie
 from optimize.exchange.design import arm_of, numeric_beams
-from optimize.exchange.exchange import Context, context_of
+from optimize.exchange.exchange import Context
 from optimize.journal import Journal
 from units.quantities import NoAnswer
 
@@ -31,10 +28,12 @@ from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
-from .result import Iteration, NearTie, OptimizationResult, Status
+from .result import Iteration, OptimizationResult, Status
+from .robust.places import robust_places
 from .robust.run import robust_optimum
 from .sizes.driven import optimise_driven_lists
 from .sizes.run import optimise_listed
+from .ties import near_ties_of
 from .trust import doubts_of, optimum_of
 
 _NOUGHT = 1e-5
@@ -64,6 +63,9 @@ def optimise(
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
         settings["journal"] = journal
+        # With motors to place, each combination of places has a nominal and a robust optimum of its own.
+        if problem.motors:
+            return robust_places(problem, partial(optimise, **settings, told=told, executor=executor), **settings)
         nominal = optimise(replace(problem, uncertain=None), **settings, told=told, executor=executor)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     if problem.sizes is not None and problem.actuators is not None:
@@ -125,7 +127,7 @@ def optimise(
         combinations=count(problem),
         gap=choice.gap,
         bound_of="all_designs" if everywhere else "binding_poses",
-        near_ties=_near_ties(context, choice.ties.solved),
+        near_ties=near_ties_of(context, choice.ties.solved),
         near_ties_left=choice.ties.left,
         drives=found.candidates,
         drives_exhaustive=found.exhaustive,
@@ -139,42 +141,6 @@ def optimise(
 def _looked_at(names: str) -> str:
     """With which actuators the limits were looked at, for the end of a line."""
     return f" (looked at with {names})" if names else ""
-
-
-def _near_ties(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
-    """The near ties, each with an error model of its own drives."""
-    arm = context.problem.arm
-    contexts: dict[tuple[Actuator | None, ...], Context] = {tuple(joint.actuator for joint in arm.joints): context}
-    found: list[NearTie] = []
-    for tie in ties:
-        drives = tuple(joint.actuator for joint in tie.arm.joints)
-        if drives not in contexts:
-            others = tuple(
-                None if own == joint.actuator else own for own, joint in zip(drives, arm.joints, strict=True)
-            )
-            contexts[drives] = context_of(replace(context.problem, arm=with_actuators(arm, others)))
-        found.append(_near_tie(contexts[drives], tie))
-    return tuple(found)
-
-
-def _near_tie(context: Context, tie: Tie) -> NearTie:
-    """A near tie with the figures that people compare."""
-    problem, arm = context.problem, tie.arm
-    beams = beams_of(arm, problem.load_cases)
-    p = beam_values(beams)
-    slowest = least_frequency(arm, context.search, beams, p, problem.load_cases)
-    masses = link_masses(beams)
-    return NearTie(
-        tie.combination.shapes,
-        tuple(None if material is None else material.name for material in tie.combination.materials),
-        tuple(None if joint.actuator is None else joint.actuator.name for joint in arm.joints),
-        tie.objective,
-        context.search.worst(p, certify=False).error,
-        sum(masses),
-        material_cost(arm, masses),
-        None if slowest is None else slowest.value,
-        settled(arm),
-    )
 
 
 def _status(choice: Choice, context: Context, *, searched: bool) -> Status:

@@ -14,7 +14,7 @@ import numpy as np
 from arm.chain.chain import Arm
 from arm.effects import BACKLASH, JOINT_COMPLIANCE
 from sections.numeric import Array
-from sections.taper import Tapered
+from sections.taper import Tapered, size_ratio
 from units.quantities import InputError, read_number, shown
 from units.reading import Mapping, load_json
 
@@ -112,8 +112,9 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
     if arm.play == "statistical" and any(widths["backlash"]):
         raise mapping.error("uncertain", "backlash goes with play: worst or loaded, not with statistical play")
     for k, link in enumerate(arm.links):
-        if isinstance(link.section, Tapered) and widths["thickness"][k] + widths["size"][k] > 0.0:
-            raise mapping.error("uncertain", f"link {k + 1} is tapered, whose dimensions cannot be uncertain")
+        if isinstance(link.section, Tapered) and size_ratio(link.section) is None and widths["thickness"][k] > 0.0:
+            message = f"link {k + 1} tapers to another form, which walls that are off would change; leave out thickness"
+            raise mapping.error("uncertain", message)
     return Uncertain(MappingProxyType(widths), share)
 
 

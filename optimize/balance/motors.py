@@ -91,7 +91,7 @@ def choose_placed(
         known = math.inf if best is None or best.choice is None else best.choice.objective
         places = tuple((choice.joint, place) for choice, place in zip(problem.motors, pick, strict=True))
         own = replace(problem, arm=with_places(problem.arm, places), motors=())
-        if any(place.rods is not None for place in pick) and _reaches_less(own, problem):
+        if any(place.rods is not None for place in pick) and reaches_less(own, problem):
             found.append((math.inf, PlaceCandidate(words, None, "reaches less")))
             continue
         driven = choose_driven(own, **settings, known=known, ties=False)
@@ -117,7 +117,7 @@ def choose_placed(
     return Placed(chosen, tuple(candidates))
 
 
-def _reaches_less(problem: Problem, given: Problem) -> bool:
+def reaches_less(problem: Problem, given: Problem) -> bool:
     """Whether an arm of other coordinates leaves more of a box or path unreached than the arm as given does; with
     lengths to choose, and for joint ranges, nothing is left out for that."""
     if problem.workspace.kind == "joints" or problem.link_length is not None:

@@ -11,12 +11,15 @@ import numpy as np
 
 from arm.chain.beam import Beam, elastic_beam
 from arm.chain.chain import Arm, Link, LoadCase
+from arm.chain.similar_taper import similar_beam
 from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of
 from arm.worst.search import WorstCase, WorstSearch
+from optimize.balance.balance import FIELDS
 from optimize.limits import DesignExpressions
 from optimize.uncertain import Scenario
 from sections import Section
 from sections.numeric import Array
+from sections.taper import Tapered
 
 _RIGIDITIES = np.array(["rigidity" in name for name in BEAM_FIELDS])
 
@@ -52,6 +55,8 @@ def resized(section: Section, size: Any, thickness: Any) -> Section:
     """A section with all its dimensions times one factor, and its walls times another besides."""
     if isinstance(size, float) and isinstance(thickness, float) and size == thickness == 1.0:
         return section
+    if isinstance(section, Tapered):
+        return type(section)(*(resized(end, size, thickness) for end in (section.near, section.far)))
     scaled = section.scaled(size)
     walls = {each.name for each in section.dimensions if each.kind == "wall"}
     if not walls or thickness == 1.0:
@@ -89,7 +94,10 @@ def _beam(design: DesignExpressions, link: int, scenario: Scenario) -> Beam:
     size, thickness = scenario.size[link], scenario.thickness[link]
     if size != 1.0 or thickness != 1.0:
         properties = resized(section, size, thickness).properties(material.poisson_ratio)
-        beam = elastic_beam(beam.length, properties, material, shear=True)
+        plain = elastic_beam(beam.length, properties, material, shear=True)
+        if not isinstance(beam.log_taper, float):
+            plain = similar_beam(plain, beam.log_taper)  # both ends are off by the same, so that they stay alike
+        beam = replace(plain, **{name: getattr(beam, name) for name in FIELDS})
     factor = scenario.elastic_modulus[link]
     names = [name for name in BEAM_FIELDS if "rigidity" in name and getattr(beam, name) is not None]
     return replace(beam, **{name: factor * getattr(beam, name) for name in names})

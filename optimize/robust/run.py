@@ -5,8 +5,12 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+from arm.chain.chain import Arm
 from arm.evaluation import error_map, evaluate
+from optimize.balance.balance import settled
+from optimize.balance.chosen import balance_of
 from optimize.choice.combinations import Progress
+from optimize.choice.near_ties import NEAR
 from optimize.exchange.design import numeric_beams
 from optimize.explain import binding_limits
 from optimize.infeasible.answer import Infeasible
@@ -14,7 +18,8 @@ from optimize.infeasible.needed import explained
 from optimize.journal import Journal
 from optimize.limits import excess
 from optimize.problem import Problem
-from optimize.result import OptimizationResult, Status
+from optimize.result import NearTie, OptimizationResult, Status
+from optimize.ties import near_ties_of
 from optimize.trust import GAP
 from units.quantities import format_quantity
 
@@ -22,9 +27,12 @@ from .exchange import SAMPLES, Log, RobustExchange
 from .exchange import RobustDesign as Design
 from .figure import robust_figure
 from .result import Robust, RobustFigure
+from .search import ScenarioSearch
 
 _POSES = 50_000
 _SAME = 1e-9
+_MOST_TIES = 20
+"""So many near ties are held against what is uncertain."""
 
 
 def robust_optimum(
@@ -41,19 +49,30 @@ def robust_optimum(
     began = time.perf_counter()
     assert problem.uncertain is not None
     worst = problem.uncertain.worst
-    problem = replace(problem, arm=replace(problem.arm, joints=nominal.arm.joints), actuators=None)
+    problem = replace(problem, arm=_driven(problem.arm, nominal.arm), actuators=None)
     exchange = RobustExchange(problem, progress, log, journal)
     found = exchange.worst() if worst else exchange.share(nominal.arm)
     if not isinstance(found, Design):
         raise Infeasible(explained(found, progress=progress))
     # Both designs are judged alike, by scenarios that neither was made with.
-    own, before = (robust_figure(arm, problem, exchange.search) for arm in (found.arm, nominal.arm))
+    own = robust_figure(found.arm, problem, exchange.search)
+    # Of an arm with nothing left to choose, balances are constants of its model.
+    plain = ScenarioSearch(problem, nominal.arm) if problem.balances else exchange.search
+    before = robust_figure(nominal.arm, problem, plain)
     by_error = problem.minimize == "max_error"
     if by_error and before.value < own.value * (1.0 - _SAME) and _keeps(problem, before):
-        return _kept(
-            nominal, Robust(before, before, before.value, (), found.rounds, _samples(problem), True, ()), began
-        )
+        robust = Robust(before, before, before.value, (), found.rounds, _samples(problem), True, ())
+        return _kept(problem, nominal, robust, began)
     return _result(problem, nominal, found, own, before, began)
+
+
+def _driven(arm: Arm, nominal: Arm) -> Arm:
+    """The arm with the drives of the nominal optimum, and with what is to be chosen of balances as it was."""
+    pairs = zip(arm.joints, nominal.joints, strict=True)
+    joints = tuple(
+        replace(new, counterbalance=old.counterbalance, balancer_chosen=old.balancer_chosen) for old, new in pairs
+    )
+    return replace(arm, joints=joints)
 
 
 def _samples(problem: Problem) -> int:
@@ -65,10 +84,15 @@ def _keeps(problem: Problem, figure: RobustFigure) -> bool:
     return all(excess(limit, figure.value) <= GAP for limit in problem.limit("max_error"))
 
 
-def _kept(nominal: OptimizationResult, robust: Robust, began: float) -> OptimizationResult:
+def _kept(problem: Problem, nominal: OptimizationResult, robust: Robust, began: float) -> OptimizationResult:
     """The nominal optimum as the answer: no design was found that is better for what is uncertain."""
+    first = nominal.near_ties[:_MOST_TIES]
+    valued = (replace(each, objective=_judged(problem, each.arm).value) for each in first)
+    near = (each for each in valued if each.objective <= robust.design.value * (1.0 + NEAR))
     return replace(
         nominal,
+        near_ties=tuple(sorted(near, key=lambda each: each.objective)),
+        near_ties_left=nominal.near_ties_left + len(nominal.near_ties) - len(first),
         status=_status(nominal.status, settled=True),
         objective=robust.design.value,
         optimum="local",
@@ -87,11 +111,13 @@ def _result(
     problem: Problem, nominal: OptimizationResult, found: Design, own: RobustFigure, before: RobustFigure, began: float
 ) -> OptimizationResult:
     choice, context = found.choice, found.context
-    after = evaluate(found.arm, problem.workspace, problem.load_cases)
+    arm = settled(found.arm)
+    after = evaluate(arm, problem.workspace, problem.load_cases)
     doubts = _doubts(problem, found, own)
     for limit in problem.limits:
         if limit.name != "max_error" and excess(limit, limit.of(after)) > GAP:
             doubts = (*doubts, f"{limit.text} is not kept")
+    ties, left = _near_ties(problem, found, own)
     robust = Robust(
         own,
         before,
@@ -110,7 +136,7 @@ def _result(
     status = "interrupted" if choice.interrupted else "doubtful" if doubts else status
     return replace(
         nominal,
-        arm=found.arm,
+        arm=arm,
         after=after,
         status=status,
         objective=objective,
@@ -123,10 +149,30 @@ def _result(
         optimum="local",
         doubts=doubts,
         gap=choice.gap,
+        balance=balance_of(problem, choice),
+        near_ties=ties,
+        near_ties_left=left,
         interrupted=choice.interrupted,
         robust=robust,
         seconds=nominal.seconds + time.perf_counter() - began,
     )
+
+
+def _near_ties(problem: Problem, found: Design, own: RobustFigure) -> tuple[tuple[NearTie, ...], int]:
+    """The near ties of the last choice, each with what it does for what is uncertain where the error is minimised, and
+    how many more there may be."""
+    ties = found.choice.ties
+    solved = ties.solved[:_MOST_TIES]
+    left = ties.left + len(ties.solved) - len(solved)
+    if problem.minimize == "max_error":
+        valued = [replace(each, objective=_judged(problem, each.arm).value) for each in solved]
+        near = [each for each in valued if each.objective <= own.value * (1.0 + NEAR)]
+        solved = tuple(sorted(near, key=lambda each: each.objective))
+    return near_ties_of(found.context, solved), left
+
+
+def _judged(problem: Problem, arm: Arm) -> RobustFigure:
+    return robust_figure(arm, problem, ScenarioSearch(problem, settled(arm)))
 
 
 def _doubts(problem: Problem, found: Design, own: RobustFigure) -> tuple[str, ...]:

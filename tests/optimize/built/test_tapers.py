@@ -255,6 +255,5 @@ def test_what_does_not_go_with_tapers_says_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--round"):
         optimise_rounded(problem, read_rounding("stock"))
     arm = (tmp_path / "arm.yaml").read_text(encoding="utf-8")
-    for more, told in (("choose: {sizes: stock}\n", "sizes"), ("uncertain: {stiffness: 20 %}\n", "uncertain")):
-        with pytest.raises(InputError, match=told):
-            problem_of(tmp_path, arm, f"{more}subject_to: {{mass: '<= 5 kg', taper: [0.4, 1]}}\n")
+    with pytest.raises(InputError, match="sizes"):
+        problem_of(tmp_path, arm, "choose: {sizes: stock}\nsubject_to: {mass: '<= 5 kg', taper: [0.4, 1]}\n")
