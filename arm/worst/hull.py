@@ -89,6 +89,16 @@ class Pins:
 
 
 @dataclass(frozen=True)
+class Within:
+    """Functions that stay within `center` +- `half` (m, a of them) wherever a pose counts: coefficients (a, basis of
+    axis 1, ...)."""
+
+    functions: Array
+    center: Array
+    half: Array
+
+
+@dataclass(frozen=True)
 class PlayedVector:
     """vector + sum_j s_j interval_j with any -1 <= s_j <= 1, and pins: coefficients (3, basis of axis 1, ...) of the
     vector, and (k, 3, basis of axis 1, ...) of the intervals."""
@@ -99,6 +109,7 @@ class PlayedVector:
     pins: Pins
     neglected: float = 0.0
     """What left-out coefficients and rounding may add, m."""
+    within: Within | None = None
 
     @property
     def points(self) -> int:
@@ -108,7 +119,8 @@ class PlayedVector:
     @property
     def effort(self) -> int:
         """The control points of a cell, those of its play too, and what takes as long beside them."""
-        return _BESIDE + self.points * (1 + len(self.intervals) + len(self.pins.radii))
+        within = 0 if self.within is None else 1
+        return _BESIDE + self.points * (1 + within + len(self.intervals) + len(self.pins.radii))
 
     @property
     def curvature(self) -> Array:
@@ -147,10 +159,18 @@ class PlayedVector:
         intervals = _controlled(self.intervals.reshape(3 * plays, *self.vector.shape[1:]), matrices)
         normals = _controlled(self.pins.normals.reshape(3 * pins, *self.vector.shape[1:]), matrices)
         discs = _Discs(self.pins.radii, normals.reshape(count, pins, 3, self.points))
-        return _farthest(vector, intervals.reshape(count, plays, 3, self.points), discs) + self.neglected
+        intervals = intervals.reshape(count, plays, 3, self.points)
+        more = np.zeros(count)
+        if self.within is not None:
+            places = _controlled(self.within.functions, matrices).reshape(count, -1, self.points)
+            vector, more = _tilted(vector, places - self.within.center[:, None], self.within.half)
+        found = _farthest(vector, intervals, discs) + more
+        return found + self.neglected
 
 
-def played_vector(axes: Sequence[Axis], vector: Array, intervals: Array, pins: Pins | None = None) -> PlayedVector:
+def played_vector(
+    axes: Sequence[Axis], vector: Array, intervals: Array, pins: Pins | None = None, within: Within | None = None
+) -> PlayedVector:
     """A `PlayedVector` of no higher degree than it takes: what no angle turns twice as fast has fewer points."""
     pins = Pins(np.zeros(0), np.zeros((0, *vector.shape))) if pins is None else pins
     # Normals count by how far they are shifted at most.
@@ -159,17 +179,23 @@ def played_vector(axes: Sequence[Axis], vector: Array, intervals: Array, pins: P
     size = float(np.abs(rows).sum())
     neglected = _OUTWARD * size
     kept, normals = list(axes), pins.normals
+    functions, room = None if within is None else within.functions, 0.0
+    reached = 0.0 if functions is None else float(np.abs(functions).sum())
     for j, axis in enumerate(axes):
         if not axis.turns or axis.degree != 2:
             continue
         rest = float(np.abs(np.take(rows, (3, 4), axis=j + 2)).sum())
-        if rest <= _OUTWARD * size:
-            neglected += rest
+        beside = 0.0 if functions is None else float(np.abs(np.take(functions, (3, 4), axis=j + 1)).sum())
+        if rest <= _OUTWARD * size and beside <= _OUTWARD * reached:
+            neglected, room = neglected + rest, room + beside
             kept[j] = replace(axis, degree=1)
             rows, normals = (np.take(each, (0, 1, 2), axis=j + 2) for each in (rows, normals))
-    return PlayedVector(
-        tuple(kept), rows[0], rows[1 : 1 + len(intervals)], Pins(pins.radii, normals), neglected=neglected
-    )
+            functions = None if functions is None else np.take(functions, (0, 1, 2), axis=j + 1)
+    confined = None
+    if within is not None and functions is not None:
+        confined = replace(within, functions=functions, half=within.half + room)
+    pins = Pins(pins.radii, normals)
+    return PlayedVector(tuple(kept), rows[0], rows[1 : 1 + len(intervals)], pins, neglected, confined)
 
 
 def _controlled(tensor: Array, matrices: Sequence[Array]) -> Array:
@@ -188,6 +214,28 @@ def _controlled(tensor: Array, matrices: Sequence[Array]) -> Array:
         out = np.matmul(both[:, None], out.reshape(len(out), before, both.shape[2], -1))
         before *= both.shape[1]
     return out
+
+
+def _tilted(vector: Array, places: Array, half: Array) -> tuple[Array, Array]:
+    """The vector (N, 3, points) less what of it goes with the places (N, a, points), and by how much (N,) it may be
+    longer where those are within +-half.
+
+    |v| <= |v - d (k . y)| + |k . y| for every unit vector d and every k: what is far from the places that count no
+    longer makes the bound. d is the direction of the longest control point, k the slope of v . d over the places.
+    """
+    rows = np.arange(len(vector))
+    longest = vector[rows, :, (vector * vector).sum(axis=1).argmax(axis=1)]
+    toward = longest / np.maximum(_norm(longest), 1e-300)
+    along = np.einsum("ni,nip->np", toward, vector)
+    aside = places - places.mean(axis=2, keepdims=True)
+    squares = np.einsum("nap,nbp->nab", aside, aside)
+    size = np.trace(squares, axis1=1, axis2=2)[:, None, None]
+    squares += (1e-9 * size + 1e-300) * np.eye(places.shape[1])
+    slopes = np.linalg.solve(squares, np.einsum("nap,np->na", aside, along)[:, :, None])[:, :, 0]
+    # Where all places of a cell are about within what counts there is nothing to take off.
+    slopes[~(np.abs(aside).max(axis=2) > half).any(axis=1)] = 0.0
+    taken = np.einsum("na,nap->np", slopes, places)
+    return vector - toward[:, :, None] * taken[:, None], np.abs(slopes) @ half
 
 
 @dataclass(frozen=True)

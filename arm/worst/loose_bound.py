@@ -18,7 +18,7 @@ from arm.errors.model import CaseModel
 from sections.numeric import Array
 
 from .dependence import all_round, joints_that_matter
-from .hull import Axis, Pins, PlayedVector, bound, played_vector
+from .hull import Axis, Pins, PlayedVector, Within, bound, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
 from .workspace import RegionCells
 
@@ -30,6 +30,8 @@ CONFINED = 400_000_000
 _MOST_OF_A_CELL = 20_000
 _FRAMES = 4
 """Frames of joints, from the base on, in which the error may be looked at."""
+_OUTSIDE = 1e-9
+"""So far (m) outside of a box a tip still counts as in it."""
 _ALONGSIDE = 1e-9
 """Normals that differ by less are the same."""
 
@@ -51,7 +53,7 @@ def loose_bound(
     """
     matter = _matter(case, p, coordinates) if cells is None else tuple(coordinates.moving)
     try:
-        played = _played(case, p, coordinates, matter, pins=not planar)
+        played = _played(case, p, coordinates, matter, pins=not planar, cells=cells)
     except NotPolynomial:
         return None
     # In the plane pins add up, whatever the pose.
@@ -92,7 +94,15 @@ def _rows(vector: Vector, count: int) -> Array:
     return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in vector], axis=1)
 
 
-def _played(case: CaseModel, p: Array, coordinates: Coordinates, matter: Sequence[int], *, pins: bool) -> PlayedVector:
+def _played(
+    case: CaseModel,
+    p: Array,
+    coordinates: Coordinates,
+    matter: Sequence[int],
+    *,
+    pins: bool,
+    cells: RegionCells | None = None,
+) -> PlayedVector:
     """The error with its play, its `pins` too, in the frame where it curves least; raises `NotPolynomial`."""
     if 5 ** len(matter) > _MOST_OF_A_CELL:
         raise NotPolynomial("the error depends on too many joints")
@@ -113,7 +123,7 @@ def _played(case: CaseModel, p: Array, coordinates: Coordinates, matter: Sequenc
     for frame in range(min(case.state.arm.size, _FRAMES)):
         turned = _Turned(case.state.arm, frame)
         try:
-            found.append(_in_frame(turned, columns, coordinates, matter, radii))
+            found.append(_in_frame(turned, columns, coordinates, matter, radii, cells))
         except NotPolynomial:
             if frame == 0:
                 raise
@@ -138,7 +148,12 @@ class _Turned:
 
 
 def _in_frame(
-    turned: _Turned, columns: Callable[[Array], Array], coordinates: Coordinates, matter: Sequence[int], radii: Array
+    turned: _Turned,
+    columns: Callable[[Array], Array],
+    coordinates: Coordinates,
+    matter: Sequence[int],
+    radii: Array,
+    cells: RegionCells | None,
 ) -> PlayedVector:
     own = coordinates.of(matter)
 
@@ -151,4 +166,9 @@ def _in_frame(
     ends = own.scaled(np.array(own.ranges).T)
     axes = [Axis(turns, 2, float(low), float(high)) for turns, (low, high) in zip(own.revolute, ends.T, strict=True)]
     pins = len(vectors) - len(radii)
-    return played_vector(axes, vectors[0], vectors[1:pins], Pins(radii, vectors[pins:]))
+    within = None
+    if cells is not None:
+        low, high = cells.box
+        tips = fit(lambda q: cells.tips(own.scaled(q)), own).in_reals
+        within = Within(tips, 0.5 * (low + high), 0.5 * (high - low) + _OUTSIDE)
+    return played_vector(axes, vectors[0], vectors[1:pins], Pins(radii, vectors[pins:]), within)

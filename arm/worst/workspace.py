@@ -268,6 +268,17 @@ class RegionCells:
         possible[possible] &= self.keep(center[possible], wide[possible])
         return center, wide, possible
 
+    def tips(self, centers: Array) -> Array:
+        """The tips (N, 2 or 3) at poses (N, n), m."""
+        places, _ = self._tips(centers, np.zeros_like(centers))
+        return places[:, : 2 if self.workspace.in_plane else 3]
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """The corners (2 or 3) of the box, or of that around the path, m."""
+        points = np.array(self.workspace.points)[:, : 2 if self.workspace.in_plane else 3]
+        return points.min(axis=0), points.max(axis=0)
+
     def holds(self, centers: Array) -> NDArray[np.bool_]:
         """Whether the poses themselves have their tip in the box; a path has no inside."""
         if self.workspace.kind == "path":

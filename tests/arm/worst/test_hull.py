@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import Arm, Joint, LoadCase
-from arm.worst.hull import Axis, Pins, PlayedVector, bound, played_vector
+from arm.worst.hull import Axis, Pins, PlayedVector, Within, bound, played_vector
 from arm.worst.loose_bound import THOROUGH, loose_bound
 from arm.worst.polynomial import Coordinates, fit
 from sections.numeric import Array
@@ -68,6 +68,31 @@ def test_no_point_of_a_cell_is_longer_than_its_bound(plays: int, half: float) ->
     assert np.all(tops >= reached * (1.0 - 1e-12))
     if half == 0.01 and plays < 6:
         assert tops == pytest.approx(reached, rel=0.05)
+
+
+@pytest.mark.parametrize("plays", [0, 2])
+@pytest.mark.parametrize("half", [0.7, 0.5])
+def test_no_point_within_is_longer_than_the_bound_of_a_cell_that_lies_mostly_outside(plays: int, half: float) -> None:
+    """A vector that goes with two functions is much shorter where those are near nought than at a cell's far ends."""
+    generator = np.random.default_rng(5)
+    free = random_vector(3, plays)
+    functions = generator.normal(size=(2, 5, 3, 3))
+    along = np.einsum("ia,abcd->ibcd", generator.normal(size=(3, 2)), functions)
+    vector = 2.0 * along + 0.1 * free.vector
+    center, room = np.array([0.3, -0.2]), np.array([0.3, 0.4])
+    axes = (Axis(True, 2, -2.0, 3.1), Axis(False, 2, -1.0, 1.0), Axis(True, 1, -np.pi, np.pi))
+    plain = played_vector(axes, vector, 0.1 * free.intervals)
+    played = played_vector(axes, vector, 0.1 * free.intervals, within=Within(functions, center, room))
+    centers = generator.uniform(-0.5, 0.5, (40, 3))
+    tops = played.longest(centers, np.full((40, 3), half))
+    inside = (centers[:, None] + half * generator.uniform(-1.0, 1.0, (40, 20_000, 3))).reshape(-1, 3)
+    each = [basis(axis, inside[:, j]) for j, axis in enumerate(axes)]
+    places = np.einsum("iabc,na,nb,nc->ni", functions, *each)
+    counts = np.all(np.abs(places - center) <= room, axis=1).reshape(40, -1)
+    reached = np.where(counts, lengths(plain, inside).reshape(40, -1), 0.0).max(axis=1)
+    assert (reached > 0.0).sum() > 5
+    assert np.all(tops >= reached * (1.0 - 1e-12))
+    assert np.median(tops / plain.longest(centers, np.full((40, 3), half))) < 0.7
 
 
 @pytest.mark.parametrize("plays", [0, 2])
