@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from optimize.balance.motors import reaches_less, with_places
 from optimize.choice.combinations import Progress
@@ -37,6 +38,7 @@ def robust_places(
     failed: NoAnswer | None = None
     found: list[tuple[float, PlaceCandidate]] = []
     picks = list(itertools.product(*(choice.places for choice in problem.motors)))
+    settings: Any = {"log": log, "progress": progress, "journal": journal}
     seconds = 0.0
     for done, pick in enumerate(picks):
         words = tuple(place.words for place in pick)
@@ -53,7 +55,7 @@ def robust_places(
             if problem.uncertain.worst and nominal.objective >= known and not nominal.interrupted:
                 found.append((math.inf, PlaceCandidate(words, None, "bounded out")))
                 continue
-            result = nominal if nominal.interrupted else robust_optimum(own, nominal, log=log, progress=progress, journal=journal)
+            result = nominal if nominal.interrupted else robust_optimum(own, nominal, **settings)
         except NoAnswer as error:
             failed = failed or error
             found.append((math.inf, PlaceCandidate(words, None, "infeasible")))
