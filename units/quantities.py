@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Relation = Literal["<=", "==", ">="]
 
 _LONGEST = 100
-_LONGEST_KEY, _LONGEST_MESSAGE = 400, 1600
+_LONGEST_FILE, _LONGEST_KEY, _LONGEST_MESSAGE = 900, 400, 1600
 _LEAST = 1e-30
 """Less than this, in SI, is nothing of an arm, and its powers are nought."""
 _NUMBER = r"[+-]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?"
@@ -61,7 +61,8 @@ class InputError(Exception):
         self.file = str(file)
         self.key = _bounded(key, _LONGEST_KEY)
         self.message = _bounded(" ".join(message.split()), _LONGEST_MESSAGE)
-        super().__init__(": ".join(part for part in (self.file, " ".join(key.split()), self.message) if part))
+        file_shown = _bounded(" ".join(self.file.splitlines()), _LONGEST_FILE)
+        super().__init__(": ".join(part for part in (file_shown, " ".join(self.key.split()), self.message) if part))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the three fields when an error crosses between processes."""

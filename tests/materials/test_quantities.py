@@ -264,6 +264,16 @@ def test_input_error_crosses_processes():
     assert (again.file, again.key, again.message) == ("a.yaml", "mass", "needs a unit")
 
 
+@pytest.mark.parametrize("file", ["9" * 5000, "folder/\n" + "9" * 5000])
+def test_an_input_error_is_a_line_that_can_be_read(file):
+    """However long the name of a file is, and whatever stands in it; who catches the error has all of it."""
+    error = InputError(file, "arm", "there is no such file")
+    assert len(str(error)) < 1000
+    assert len(str(error).splitlines()) == 1
+    assert str(error).endswith(": arm: there is no such file")
+    assert error.file == file
+
+
 def test_threads_that_ask_first_together_get_one_registry():
     """Units of two registries do not go together; every thread of a process that has read no quantity yet asks."""
     code = (

@@ -33,7 +33,8 @@ _HEADERS = (
     (b"x-frame-options", b"SAMEORIGIN"),
     (b"cross-origin-resource-policy", b"same-origin"),
 )
-_PORT = re.compile(r":[0-9]{1,5}")
+_HOST = re.compile(r"(?P<name>\[[0-9A-Fa-f:.]+\]|[^\[\]:]+)(?::(?P<port>[0-9]{1,5}))?")
+"""A name or an address, one of IPv6 in brackets, and the port."""
 
 
 class TooMuch(Exception):
@@ -87,14 +88,14 @@ class Guard:
         return ""
 
     def _own(self, host: str) -> bool:
-        found = _PORT.search(host[host.rfind("]") + 1 :])
-        name, port = (host, 80) if found is None else (host[: -len(found[0])], int(found[0][1:]))
-        if found is not None and not host.endswith(found[0]):
+        found = _HOST.fullmatch(host)
+        if found is None:
             return False
-        if name.lower().strip("[]") in self.names:
+        name, port = found["name"].lower().strip("[]"), int(found["port"] or 80)
+        if name in self.names:
             return port == self.port
         # A name that somebody else may point here (DNS rebinding) is none; an address is what it says.
-        return self.anywhere and port == self.port and _address(name.strip("[]"))
+        return self.anywhere and port == self.port and _address(name)
 
     def _known(self, headers: list[tuple[bytes, bytes]]) -> bool:
         jar: SimpleCookie = SimpleCookie()

@@ -39,8 +39,7 @@ def write_table(entries: Sequence[Entry]) -> str:
         cells = {key: entry.content[key] for key in COLUMNS if key in entry.content}
         source = entry.references.get(str(cells.get("source", "")), "")
         said = cells.pop("unconfirmed", {})
-        names: tuple[str, ...] = CONFIRMABLE
-        marks = dict.fromkeys(names, said) if isinstance(said, str) else said
+        marks = dict.fromkeys(list[str](CONFIRMABLE), said) if isinstance(said, str) else said
         told = {"source": source, "unconfirmed": marks_text(marks)}
         rows.append({"name": entry.name, **{key: _cell(value) for key, value in cells.items()}, **told})
     return table_text(COLUMNS, rows)

@@ -41,6 +41,8 @@ def ask(server, path="/", method="GET", body=None, **headers):
         {"Host": "127.0.0.1:1"},
         {"Host": "127.0.0.1.evil.example:{port}"},
         {"Host": "localhost:{port}@evil.example"},
+        {"Host": "::1]:{port}"},
+        {"Host": "[localhost:{port}"},
         {"Origin": "http://evil.example"},
         {"Origin": "null"},
         {"Origin": "http://localhost:1"},
@@ -58,7 +60,7 @@ def test_strangers_are_refused(server, headers, path):
 
 def test_its_own_names_may_ask(server):
     """The check above would pass on a server that refuses all."""
-    for host in (f"127.0.0.1:{server.port}", f"localhost:{server.port}"):
+    for host in (f"127.0.0.1:{server.port}", f"LOCALHOST:{server.port}", f"[::1]:{server.port}"):
         assert ask(server, Host=host, Origin=f"http://{host}")[0] == 200
         assert ask(server, SOCKET, Host=host, Origin=f"http://{host}", **UPGRADE)[0] == 101
 
