@@ -2,9 +2,9 @@
 and the verdicts are those that the pages tell."""
 
 import json
-import re
-import shlex
 import shutil
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +13,11 @@ import pytest
 
 from arm.files.read import read_arm
 from linkwright.cli import run
+from tests.handbook.pages import shown, told
 from units.quantities import read_quantity
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARCMINUTE = np.pi / 10800.0
-
-
-def commands(example):
-    """The command lines in a README, as typed."""
-    text = (EXAMPLES / example / "README.md").read_text(encoding="utf-8")
-    return [shlex.split(line)[1:] for line in re.findall(r"^linkwright .*$", text, flags=re.MULTILINE)]
 
 
 @pytest.fixture(scope="module")
@@ -38,10 +33,13 @@ def folder(tmp_path_factory):
 
 
 def followed(folder, example, *, patch):
-    """Run all commands of an example's README in order; gives the folder in which their files stand."""
+    """Run all commands of an example's README in order, which print what stands there; gives the folder in which their
+    files stand."""
     patch.chdir(folder / example)
-    for arguments in commands(example):
-        assert run(arguments) == 0, arguments
+    for each in shown(EXAMPLES / example / "README.md"):
+        with redirect_stdout(StringIO()) as out, redirect_stderr(out):
+            assert run(each.words) == 0, each
+        assert told(each.printed, out.getvalue()) == []
     return folder / example
 
 
