@@ -9,7 +9,7 @@ bends it as its spread weight does (deflection w L^4/8EI, slope w L^3/6EI).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -55,10 +55,11 @@ class Spring:
 
 @dataclass(frozen=True)
 class Piece:
-    """A rigid piece: where it stands in the one before at coordinate 0 (the first: in the base), the `drive` (from 0)
+    """A rigid piece: where it stands in the one before (`on`; empty: the base) at coordinate 0, the `drive` (from 0)
     that moves it against that one, or the springs between them, and its mass."""
 
     name: str
+    on: str
     origin: Frame
     drive: int | None
     springs: tuple[Spring, ...]
@@ -66,8 +67,21 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class End:
+    """A tip: its name, the piece `on` which it stands and where, and the payload there (kg). `prefix` begins the names
+    of what is its own, where there are several."""
+
+    name: str
+    on: str
+    frame: Frame
+    payload: float
+    prefix: str = ""
+
+
+@dataclass(frozen=True)
 class Structure:
-    """An arm in pieces, in a row; `tip` stands in the last. `stiffness` are the drives' (None: rigid).
+    """An arm in pieces, those nearer the base before those that stand on them, with the `tips` on the last of each
+    branch. `stiffness` are the drives' (None: rigid).
 
     `carried` says what was taken along beyond frames, limits and masses, `lost` what the format or the pieces cannot
     hold, `assumed` what stands there because something has to.
@@ -75,7 +89,7 @@ class Structure:
 
     arm: Arm
     pieces: tuple[Piece, ...]
-    tip: Frame
+    tips: tuple[End, ...]
     stiffness: tuple[float | None, ...]
     lost: tuple[str, ...]
     assumed: tuple[str, ...]
@@ -95,8 +109,11 @@ def structure(arm: Arm, *, springs: bool) -> Structure:
     arm = _found_geometry(arm)
     beams = beams_of(arm)
     pieces: list[Piece] = []
-    place: Frame = (IDENTITY, ZERO)
+    before = _before(arm)
+    ends: dict[int | None, tuple[str, Frame]] = {None: ("", (IDENTITY, ZERO))}
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
+        name = f"link{index + 1}"
+        on, place = ends[before[index]]
         axes = _axes(joint, link)
         given = _springs(arm, beams[index], axes) if springs else ()
         inner, outer = _masses(arm, index, beams[index], axes, halved=bool(given))
@@ -105,17 +122,36 @@ def structure(arm: Arm, *, springs: bool) -> Structure:
         end: Frame = (link.end_rotation, vector)
         if given:
             middle = scale(0.5, vector)
-            pieces.append(Piece(f"link{index + 1}", origin, index, (), together(inner)))
+            pieces.append(Piece(name, on, origin, index, (), together(inner)))
             far = together(mass.moved(middle) for mass in outer)
-            pieces.append(Piece(f"link{index + 1}_outer", (IDENTITY, middle), None, given, far))
-            place = (end[0], middle)
+            pieces.append(Piece(f"{name}_outer", name, (IDENTITY, middle), None, given, far))
+            ends[index] = (f"{name}_outer", (end[0], middle))
         else:
-            pieces.append(Piece(f"link{index + 1}", origin, index, (), together([*inner, *outer])))
-            place = end
-    tip = _onward(place, (IDENTITY, arm.tool))
+            pieces.append(Piece(name, on, origin, index, (), together([*inner, *outer])))
+            ends[index] = (name, end)
     compliance = [drive_compliance(arm, index) for index in range(arm.size)]
     stiffness = tuple(1.0 / each if each > 0.0 else None for each in compliance)
-    return Structure(arm, tuple(pieces), tip, stiffness, _lost(arm, beams, springs=springs), _assumed(arm))
+    lost = _lost(arm, beams, springs=springs)
+    return Structure(arm, tuple(pieces), _tips(arm, ends), stiffness, lost, _assumed(arm))
+
+
+def _before(arm: Arm) -> list[int | None]:
+    """The link (from 0) on which each joint stands; none for the first."""
+    firsts = {branch.first for branch in arm.branches}
+    foot = arm.branches[0].first - 1 if arm.branches else 0
+    return [None if index == 0 else foot if index in firsts else index - 1 for index in range(arm.size)]
+
+
+def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]]) -> tuple[End, ...]:
+    if not arm.branches:
+        on, place = ends[arm.size - 1]
+        return (End("tip", on, _onward(place, (IDENTITY, arm.tool)), arm.payload.mass),)
+    found: list[End] = []
+    for branch in arm.branches:
+        on, place = ends[branch.end - 1]
+        frame = _onward(place, (IDENTITY, branch.tool))
+        found.append(End(f"{branch.name}_tip", on, frame, branch.payload.mass, f"{branch.name}_"))
+    return tuple(found)
 
 
 def _onward(first: Frame, second: Frame) -> Frame:
@@ -173,10 +209,10 @@ def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> t
         )
     if not joint.revolute:
         inner.append(ball(joint.mass, ZERO))
-    if index + 1 < arm.size and arm.joints[index + 1].revolute:
-        onward = arm.joints[index + 1]
-        place = add(vector, rotate(link.end_rotation, onward.origin_translation))
-        outer.append(ball(onward.mass, place))
+    for onward in (arm.joints[k] for k, before in enumerate(_before(arm)) if before == index):
+        if onward.revolute:
+            place = add(vector, rotate(link.end_rotation, onward.origin_translation))
+            outer.append(ball(onward.mass, place))
     return inner, outer
 
 
@@ -281,6 +317,7 @@ def _assumed(arm: Arm) -> tuple[str, ...]:
     if rigid := [str(number) for number, link in enumerate(arm.links, start=1) if not link.elastic and link.mass]:
         found.append(f"links of unknown section ({', '.join(rigid)}) have the inertia of slender rods")
     carried = any(link.masses for link in arm.links) or any(joint.mass for joint in arm.joints) or arm.payload.mass
+    carried = carried or any(branch.payload.mass for branch in arm.branches)
     if carried:
         found.append("masses without a shape have the inertia of steel balls")
     if any(joint.motor_on_base for joint in arm.joints):

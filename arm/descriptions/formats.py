@@ -121,7 +121,6 @@ def _urdf(arm: Arm) -> Exported:
         SubElement(root, "link", {"name": "world"})
         _fixed(root, "mounting", "world", base, (mounting, ZERO))
     SubElement(root, "link", {"name": base})
-    before = base
     for piece in found.pieces:
         assert piece.drive is not None  # without springs every piece has a drive
         _inertial(SubElement(root, "link", {"name": piece.name}), piece.mass)
@@ -129,7 +128,7 @@ def _urdf(arm: Arm) -> Exported:
         kind = "revolute" if driven.revolute else "prismatic"
         joint = SubElement(root, "joint", {"name": f"joint{piece.drive + 1}", "type": kind})
         SubElement(joint, "origin", _pose(piece.origin))
-        SubElement(joint, "parent", {"link": before})
+        SubElement(joint, "parent", {"link": piece.on or base})
         SubElement(joint, "child", {"link": piece.name})
         SubElement(joint, "axis", {"xyz": _numbers(driven.axis)})
         low, high = driven.range
@@ -140,11 +139,11 @@ def _urdf(arm: Arm) -> Exported:
         if (tie := mimicked(driven)) is not None:
             of = {"multiplier": _numbers([tie[1]]), "offset": _numbers([tie[2]])}
             SubElement(joint, "mimic", {"joint": f"joint{tie[0] + 1}", **of})
-        before = piece.name
-    tip = SubElement(root, "link", {"name": "tip"})
-    if arm.payload.mass:
-        _inertial(tip, ball(arm.payload.mass, ZERO))
-    _fixed(root, "tool", before, "tip", found.tip)
+    for end in found.tips:
+        tip = SubElement(root, "link", {"name": end.name})
+        if end.payload:
+            _inertial(tip, ball(end.payload, ZERO))
+        _fixed(root, f"{end.prefix}tool", end.on, end.name, end.frame)
     lost = (*found.lost, *_gravity_words(arm))
     assumed = (*found.assumed, "efforts and velocities of 0 are not known")
     carried = ("frames, limits, masses and inertias",)
@@ -178,14 +177,13 @@ def _sdf(arm: Arm) -> Exported:
     mounting = _mounting(arm)
     if mounting != IDENTITY:
         model.insert(0, _sdf_pose((mounting, ZERO), None))
-    before = "base"
     for piece in found.pieces:
         assert piece.drive is not None  # without springs every piece has a drive
         name = f"joint{piece.drive + 1}"
         driven = arm.joints[piece.drive]
         joint = SubElement(model, "joint", {"name": name, "type": "revolute" if driven.revolute else "prismatic"})
-        joint.append(_sdf_pose(piece.origin, before))
-        SubElement(joint, "parent").text = before
+        joint.append(_sdf_pose(piece.origin, piece.on or "base"))
+        SubElement(joint, "parent").text = piece.on or "base"
         SubElement(joint, "child").text = piece.name
         axis = SubElement(joint, "axis")
         SubElement(axis, "xyz").text = _numbers(driven.axis)
@@ -199,14 +197,14 @@ def _sdf(arm: Arm) -> Exported:
         link = SubElement(model, "link", {"name": piece.name})
         link.append(_sdf_pose((IDENTITY, ZERO), name))
         _sdf_inertial(link, piece.mass)
-        before = piece.name
-    tool = SubElement(model, "joint", {"name": "tool", "type": "fixed"})
-    tool.append(_sdf_pose(found.tip, before))
-    SubElement(tool, "parent").text = before
-    SubElement(tool, "child").text = "tip"
-    tip = SubElement(model, "link", {"name": "tip"})
-    tip.append(_sdf_pose((IDENTITY, ZERO), "tool"))
-    _sdf_inertial(tip, ball(arm.payload.mass, ZERO) if arm.payload.mass else None)
+    for end in found.tips:
+        tool = SubElement(model, "joint", {"name": f"{end.prefix}tool", "type": "fixed"})
+        tool.append(_sdf_pose(end.frame, end.on))
+        SubElement(tool, "parent").text = end.on
+        SubElement(tool, "child").text = end.name
+        tip = SubElement(model, "link", {"name": end.name})
+        tip.append(_sdf_pose((IDENTITY, ZERO), f"{end.prefix}tool"))
+        _sdf_inertial(tip, ball(end.payload, ZERO) if end.payload else None)
     lost = (*found.lost, *_gravity_words(arm))
     assumed = (*found.assumed, f"links without weight have {_LEAST_MASS:g} kg")
     carried = ("frames, limits, masses and inertias",)
@@ -237,9 +235,10 @@ def _mjcf(arm: Arm) -> Exported:
     SubElement(root, "compiler", {**compiler, "balanceinertia": "true"})
     option = {"gravity": _numbers(arm.gravity), "integrator": "implicitfast", "timestep": repr(DAMPING_TIME)}
     SubElement(root, "option", option)
-    body = SubElement(SubElement(root, "worldbody"), "body", {"name": "base"})
+    bodies = {"": SubElement(SubElement(root, "worldbody"), "body", {"name": "base"})}
     for piece in found.pieces:
-        body = SubElement(body, "body", {"name": piece.name, **_mujoco_frame(piece.origin)})
+        body = SubElement(bodies[piece.on], "body", {"name": piece.name, **_mujoco_frame(piece.origin)})
+        bodies[piece.name] = body
         _mujoco_inertial(body, piece.mass)
         if piece.drive is not None:
             driven = arm.joints[piece.drive]
@@ -247,10 +246,11 @@ def _mjcf(arm: Arm) -> Exported:
             about = {"axis": _numbers(driven.axis), "range": _numbers(driven.range), "limited": "false"}
             SubElement(body, "joint", {"name": f"joint{piece.drive + 1}", "type": kind, **about})
         _mujoco_springs(body, piece)
-    tip = SubElement(body, "body", {"name": "tip", **_mujoco_frame(found.tip)})
-    if arm.payload.mass:
-        _mujoco_inertial(tip, ball(arm.payload.mass, ZERO))
-    SubElement(tip, "site", {"name": "tip"})
+    for end in found.tips:
+        tip = SubElement(bodies[end.on], "body", {"name": end.name, **_mujoco_frame(end.frame)})
+        if end.payload:
+            _mujoco_inertial(tip, ball(end.payload, ZERO))
+        SubElement(tip, "site", {"name": end.name})
     actuators = SubElement(root, "actuator")
     rigid = _rigid(arm)
     for number, (joint, stiffness) in enumerate(zip(arm.joints, found.stiffness, strict=True), start=1):

@@ -13,7 +13,7 @@ from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 from units.reading import read_text
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from .options import CatalogueFile, JsonFile, MarkdownFile, Tip, as_options, asked_of, tell
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,6 +46,7 @@ def compensate(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the table: .csv, .parquet, .md or .tex.")
     ] = None,
+    tip: Tip = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
@@ -61,7 +62,7 @@ def compensate(
     if grid is not None and poses is not None:
         raise InputError("", "--poses", "goes without --grid: the poses are the file's")
     with asked_of(arm), as_options(), waiting("computing the table") as told:
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         at = None if poses is None else read_poses(poses, given.model).tolist()
         found = lw.compensate(given, grid=grid, poses=at, payload=payload or (), progress=told)
         told("writing", 0.0)

@@ -98,7 +98,7 @@ def compensate(
     >>> found
     <Compensation: 27 poses, payload 0.7747 kg: largest error 0.194 mm>
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="one")
     if grid is not None and poses is not None:
         raise InputError("", "poses", "goes without grid: the poses are given")
     if grid is not None and grid < 2:

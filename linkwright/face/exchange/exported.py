@@ -91,9 +91,10 @@ def export_arm(arm: Arm | File, *, to: str, progress: Progress | None = None) ->
     >>> found
     <Export: MJCF, nothing left out>
     """
-    given = arm_of(arm)
     if to not in SUFFIXES:
         raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
+    # Bodies stand where one chain has them.
+    given = arm_of(arm, tips="none" if to == "step" else "every")
     if to == "dxf":
         from linkwright.drawings.dxf import drawn
 

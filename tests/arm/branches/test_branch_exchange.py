@@ -1,0 +1,118 @@
+"""Several arms on one torso for simulators: MuJoCo reads them back and feels the same weights at every drive."""
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from arm.chain.statics import solve
+from arm.compensation import model_error
+from arm.errors.model import beams_of
+from arm.files.read import read_arm
+from tests import two_arms
+from units.quantities import InputError
+
+LOW, HIGH = np.radians(np.array(two_arms.RANGES)).T
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "arm.yaml"
+    path.write_text(
+        two_arms.arm_text().replace(
+            "payload: {mass: 2.0 kg}", "payload: {mass: 2.0 kg}\n    tool: {xyz: [0 m, 0.1 m, 0.05 m]}"
+        )
+    )
+    return path
+
+
+def poses(count: int, seed: int = 1):
+    return np.random.default_rng(seed).uniform(LOW, HIGH, (count, len(LOW)))
+
+
+@pytest.mark.parametrize("to", ["mjcf", "urdf"])
+def test_torques_and_tips_in_mujoco(file, to):
+    mujoco = pytest.importorskip("mujoco")
+    found = lw.export_arm(lw.read_arm(file), to=to)
+    model = mujoco.MjModel.from_xml_string(found.text)
+    model.opt.gravity[:] = two_arms.GRAVITY
+    data = mujoco.MjData(model)
+    joints = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"joint{number}") for number in range(1, 8)]
+    assert len(joints) == model.nq == 7
+    arms = {tip: read_arm(file, tip=tip) for tip in ("left", "right")}
+    for q in poses(10):
+        for joint, value in zip(joints, q, strict=True):
+            data.qpos[model.jnt_qposadr[joint]] = value
+        mujoco.mj_forward(model, data)
+        held = [-data.qfrc_bias[model.jnt_dofadr[joint]] for joint in joints]
+        for tip, joints_of in (("left", (0, 1, 2, 3, 4)), ("right", (0, 1, 5, 6))):
+            state = solve(arms[tip], q.tolist(), beams_of(arms[tip]))
+            for joint in joints_of:
+                assert state.joints[joint].drive_load == pytest.approx(held[joint], abs=1e-9)
+            if to == "mjcf":
+                assert data.site(f"{tip}_tip").xpos == pytest.approx(np.array(state.tip(), dtype=float), abs=1e-9)
+
+
+def test_the_fork_sags_in_mujoco_as_it_does_here(tmp_path):
+    """Elastic torso and arms, drives that give: the servos asked for a pose stand where the model says."""
+    mujoco = pytest.importorskip("mujoco")
+    section = "section: {shape: circle, diameter: 50 mm}, material: steel-s355"
+    lines = (
+        two_arms.arm_text().replace("rigid: true, mass: 10 kg", section).replace("rigid: true, mass: 2.5 kg", section)
+    )
+    path = tmp_path / "arm.yaml"
+    path.write_text(lines.replace("{type: revolute, axis: y", "{type: revolute, stiffness: 60 kN*m/rad, axis: y"))
+    model = mujoco.MjModel.from_xml_string(lw.export_arm(lw.read_arm(path), to="mjcf").text)
+    q = np.array([0.4, 0.2, -0.5, 0.3, 0.6, -0.8, 0.2])
+    data = mujoco.MjData(model)
+    data.ctrl[:] = q
+    for number, value in enumerate(q, start=1):
+        data.joint(f"joint{number}").qpos[0] = value
+    mujoco.mj_forward(model, data)
+    stood = {tip: data.site(f"{tip}_tip").xpos.copy() for tip in ("left", "right")}
+    # Newton's steps to where nothing is left over: stiffness by differences, as drives and springs are linear.
+    for _ in range(4):
+        base = residual(mujoco, model, data)
+        slope = np.empty((model.nv, model.nv))
+        rest = data.qpos.copy()
+        for k in range(model.nv):
+            data.qpos[:] = rest
+            data.qpos[k] += 1e-6
+            slope[:, k] = (residual(mujoco, model, data) - base) / 1e-6
+        data.qpos[:] = rest - np.linalg.solve(slope, base)
+    mujoco.mj_forward(model, data)
+    for tip in ("left", "right"):
+        moved = data.site(f"{tip}_tip").xpos - stood[tip]
+        due = model_error(read_arm(path, tip=tip), q[None], {"left": 1.0, "right": 2.0}[tip])[0]
+        assert np.linalg.norm(due) > 2e-4
+        assert moved == pytest.approx(due, abs=0.01 * np.linalg.norm(due))
+
+
+def residual(mujoco, model, data):
+    mujoco.mj_forward(model, data)
+    return data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+
+
+def test_sdf_holds_both_tips(file):
+    import xml.etree.ElementTree as ElementTree
+
+    root = ElementTree.fromstring(lw.export_arm(lw.read_arm(file), to="sdf").text)
+    joints = {each.get("name"): each for each in root.iter("joint")}
+    assert joints["joint3"].findtext("parent") == joints["joint6"].findtext("parent") == "link2"
+    assert {joints[f"{tip}_tool"].findtext("parent") for tip in ("left", "right")} == {"link5", "link7"}
+    masses = sum(float(each.text or 0) for each in root.iter("mass"))
+    assert masses == pytest.approx(30.0, abs=1e-6)
+    assert len(lw.export_arm(lw.read_arm(file), to="bom").text.splitlines()) == 8
+    with pytest.raises(InputError, match="end in several tips"):
+        lw.export_arm(lw.read_arm(file), to="step")
+
+
+def test_a_table_against_the_error_of_one_tip(file):
+    """With a soft pitch axis, over what the other arm does too; what is added brings the tip back."""
+    soft = file.with_name("soft.yaml")
+    soft.write_text(file.read_text() + "effects:\n  - {effect: joint_compliance, at: 2, compliance: 50 urad/(N*m)}\n")
+    with pytest.raises(InputError, match="and this takes one; name one of them"):
+        lw.compensate(lw.read_arm(soft), grid=2)
+    found = lw.compensate(lw.read_arm(soft, tip="right"), poses=poses(4).tolist()).found
+    assert np.abs(found.error).max() > 1e-3
+    assert np.all(found.left < 0.02 * np.linalg.norm(found.error, axis=1))
+    assert not np.any(found.correction[:, 2:5])  # the left arm's joints stay
