@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from arm.chain.balance import PointMass
-from arm.chain.chain import Arm, FloatVector, Joint, Link
+from arm.chain.chain import Arm, Branch, FloatVector, Joint, Link
 from arm.chain.following import Following, Tie
 from arm.chain.kinematics import section_directions
 from arm.chain.vectors import (
@@ -73,25 +74,119 @@ class Imported:
         named = iter(zip(self.joint_names, self.link_names, strict=True))
         number = 0
         for line in arm_to_yaml(self.arm).splitlines():
-            if line.startswith("  - joint:"):
+            if line.lstrip().startswith("- joint:"):
                 number += 1
                 joint, link = next(named)
-                lines.append(f"  # joint {number}: {_one_line(joint)}, link {_one_line(link)}")
+                indent = line[: len(line) - len(line.lstrip())]
+                lines.append(f"{indent}# joint {number}: {_one_line(joint)}, link {_one_line(link)}")
             lines.append(line)
         return "\n".join(lines) + "\n"
 
 
-def import_urdf(path: Path | str, *, base: str | None = None, tip: str | None = None) -> Imported:
-    """The arm from a link `base` (the root by default) to a link `tip` of a URDF file.
+def import_urdf(path: Path | str, *, base: str | None = None, tip: str | Sequence[str] | None = None) -> Imported:
+    """The arm from a link `base` (the root by default) to a link `tip` of a URDF file; to several tips, as many arms on
+    the torso that they share.
 
-    Raises `InputError` for a file that is no URDF, for a tip that is ambiguous or not beyond the base, and for joints
-    on the way that an arm cannot have.
+    Raises `InputError` for a file that is no URDF, for a tip that is ambiguous or not beyond the base, for joints on
+    the way that an arm cannot have, and for tips that share no joint that moves or part at several places.
     """
     robot = read_urdf(path)
     start = _named(robot, base, "base") if base is not None else robot.root
-    end = _named(robot, tip, "tip") if tip is not None else _only_tip(robot, start)
-    chain = _way(robot, start, end)
-    return _Import(robot, start, end, chain).made()
+    tips = [tip] if isinstance(tip, str) else list(tip or ())
+    ends = [_named(robot, each, "tip") for each in tips] or [_only_tip(robot, start)]
+    if len(set(ends)) < len(ends):
+        raise InputError(robot.file, "tip", "names a link twice; name each tip once")
+    chains = [_way(robot, start, end) for end in ends]
+    if len(ends) == 1:
+        return _Import(robot, start, ends[0], chains[0]).made()
+    return _several(robot, start, ends, chains)
+
+
+def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[UrdfJoint]]) -> Imported:
+    """Several arms on one torso: each way read by itself, without the weights of the others, and put together."""
+    moving = [[joint.name for joint in chain if joint.kind != "fixed"] for chain in chains]
+    ways: list[Imported] = []
+    for number, chain in enumerate(chains):
+        beyond = {name for k, names in enumerate(moving) if k != number for name in names}
+        ways.append(_Import(robot, start, ends[number], list(chain), frozenset(beyond)).made())
+    shared = _shared(robot, ends, [way.joint_names for way in ways])
+    first = ways[0].arm
+    joints, links = list(first.joints), list(first.links)
+    foot = scale(first.links[shared - 1].length, first.links[shared - 1].direction)
+    numbers = [list(range(first.size))]
+    branches = [Branch(_branch_name(ends[0], ()), shared, first.size, first.tool)]
+    for end, way in zip(ends[1:], ways[1:], strict=True):
+        at, own = len(joints), way.arm
+        places = {k: at + k - shared for k in range(shared, own.size)}
+        onward = own.links[shared - 1]
+        standing = subtract(scale(onward.length, onward.direction), foot)
+        for k in range(shared, own.size):
+            joint = own.joints[k]
+            if k == shared:
+                joint = replace(joint, origin_translation=_plain(standing))
+            if joint.follows is not None:
+                if joint.follows.ties[0].joint < shared:
+                    _refuse_torso(robot, way.joint_names[k])
+                joint = replace(joint, follows=joint.follows.moved(places))
+            joints.append(joint)
+            links.append(own.links[k])
+        numbers.append([*range(shared), *places.values()])
+        branches.append(
+            Branch(_branch_name(end, [each.name for each in branches]), at, len(joints), own.tool, away=1.0)
+        )
+    for k in range(shared, first.size):
+        if (follows := first.joints[k].follows) is not None and follows.ties[0].joint < shared:
+            _refuse_torso(robot, ways[0].joint_names[k])
+    arm = replace(first, joints=tuple(joints), links=tuple(links), branches=tuple(branches), every_tip=True)
+    names = [(way.joint_names, way.link_names) for way in ways]
+    return Imported(
+        arm,
+        robot.file,
+        start,
+        ", ".join(ends),
+        (*names[0][0], *(name for own, _ in names[1:] for name in own[shared:])),
+        (*names[0][1], *(name for _, own in names[1:] for name in own[shared:])),
+        tuple(dict.fromkeys(note for way in ways for note in way.notes)),
+        _together([way.lacking for way in ways], numbers),
+    )
+
+
+def _shared(robot: Robot, ends: Sequence[str], names: Sequence[Sequence[str]]) -> int:
+    """How many joints several ways have in common, all of them the same; raises `InputError` for none, and for more."""
+    count = 0
+    while all(len(own) > count + 1 for own in names) and len({own[count] for own in names}) == 1:
+        count += 1
+    listed = ", ".join(map(shown, ends))
+    if not count:
+        message = f"{listed} share no joint that moves, so that none loads another; import each by itself"
+        raise InputError(robot.file, "tip", message)
+    if len({own[count] for own in names}) < len(names):
+        raise InputError(robot.file, "tip", f"{listed} part at several places; name tips that part at one")
+    return count
+
+
+def _refuse_torso(robot: Robot, name: str) -> None:
+    message = "mimics a joint that its arm shares with others, which no branch can; import its arm by itself"
+    raise robot.joints[name].element.error(message)
+
+
+def _branch_name(link: str, taken: Sequence[str]) -> str:
+    """A branch's name, which begins columns: letters and digits of the link's."""
+    plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in link).strip("_")
+    plain = plain if plain[:1].isalpha() else f"arm_{plain}"
+    return plain if plain not in taken else f"{plain}_{len(taken) + 1}"
+
+
+def _together(each: Sequence[Sequence[Lacking]], numbers: Sequence[Sequence[int]]) -> tuple[Lacking, ...]:
+    """What several ways lack, said once, with the numbers of joints and links in the whole arm."""
+    found: dict[tuple[str, str], Lacking] = {}
+    for own, places in zip(each, numbers, strict=True):
+        for one in own:
+            at = tuple(places[number - 1] + 1 for number in one.at)
+            before = found.get((one.what, one.shows))
+            merged = at if before is None else tuple(sorted({*before.at, *at}))
+            found[one.what, one.shows] = replace(one, at=merged)
+    return tuple(found.values())
 
 
 def _one_line(text: str) -> str:
@@ -173,6 +268,8 @@ class _Import:
     start: str
     end: str
     chain: list[UrdfJoint]
+    beyond: frozenset[str] = frozenset()
+    """Joints of other arms, whose weights are theirs."""
 
     def __post_init__(self) -> None:
         self.notes: list[str] = []
@@ -243,7 +340,7 @@ class _Import:
     def _bodies(self) -> list[_Body]:
         found: list[_Body] = []
         step = NO_STEP
-        on_way = {joint.name for joint in self.chain}
+        on_way = {joint.name for joint in self.chain} | self.beyond
         for joint in self.chain:
             step = after(step, joint.origin)
             value = self._standing(joint)

@@ -21,7 +21,8 @@ Example: linkwright import robot.urdf --tip tool0 --out arm.yaml
 def import_(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The URDF file. Meshes are never opened.")],
     tip: Annotated[
-        str | None, typer.Option("--tip", metavar="LINK", help="The link at whose origin the tip is; the only end.")
+        list[str] | None,
+        typer.Option("--tip", metavar="LINK", help="The link at whose origin the tip is; repeated: arms on one torso."),
     ] = None,
     base: Annotated[
         str | None, typer.Option("--base", metavar="LINK", help="The link on which the arm stands; the root.")

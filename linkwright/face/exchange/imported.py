@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,9 +67,10 @@ class Import(Result):
         return {"Chain": self.table, "Lacking": self.lacking}
 
 
-def import_arm(file: File, *, tip: str | None = None, base: str | None = None) -> Import:
+def import_arm(file: File, *, tip: str | Sequence[str] | None = None, base: str | None = None) -> Import:
     """The arm that a URDF file describes, from a link `base` (the root by default) to a link `tip` (the only end by
-    default), with a list of what the file does not say.
+    default), with a list of what the file does not say. With several tips it is as many arms on the torso that they
+    share (`branches`), each named by its tip.
 
     Lengths, axes, limits and weights are those of the file. Raises `InputError` for what is no URDF, for a tip that is
     ambiguous (the line lists them), and for joints on the way that an arm cannot have.

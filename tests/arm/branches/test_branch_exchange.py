@@ -116,3 +116,79 @@ def test_a_table_against_the_error_of_one_tip(file):
     assert np.abs(found.error).max() > 1e-3
     assert np.all(found.left < 0.02 * np.linalg.norm(found.error, axis=1))
     assert not np.any(found.correction[:, 2:5])  # the left arm's joints stay
+
+
+BODY = (
+    '<link name="{}"><inertial><origin xyz="{}"/><mass value="{}"/>'
+    '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>'
+)
+JOINT = (
+    '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><origin xyz="{}" rpy="{}"/><axis xyz="{}"/>'
+    '<limit lower="-1" upper="1.2" effort="9" velocity="1"/></joint>'
+)
+ROBOT = "".join(
+    [
+        '<robot name="two-armed">',
+        *(BODY.format(*each) for each in (
+            ("pelvis", "0 0 0", 30), ("chest", "0.02 0 0.2", 8), ("head", "0 0.01 0.1", 2),
+            ("l_mount", "0 0.05 0", 0.7),
+            ("l_upper", "0 0.01 -0.1", 2), ("l_lower", "0.1 0 0", 1.2), ("l_finger", "0 0.02 0.01", 0.1),
+            ("r_upper", "0 -0.01 -0.12", 2.1), ("r_lower", "0.11 0 0", 1.3), ("r_hand", "0.02 0 0", 0.4),
+        )),
+        '<link name="l_tool"/><link name="r_tool"/>',
+        JOINT.format("yaw", "revolute", "pelvis", "chest", "0 0 0.9", "0 0 0.1", "0 0.3 1"),
+        JOINT.format("neck", "revolute", "chest", "head", "0 0 0.5", "0 0 0", "0 0 1"),
+        JOINT.format("l_fix", "fixed", "chest", "l_mount", "0 0.1 0.35", "0.2 0 0", "1 0 0"),
+        JOINT.format("l_shoulder", "revolute", "l_mount", "l_upper", "0 0.08 0", "0 0.1 0", "0 1 0"),
+        JOINT.format("l_elbow", "revolute", "l_upper", "l_lower", "0 0.02 -0.25", "0 0 0", "0 1 0"),
+        JOINT.format("l_grip", "prismatic", "l_lower", "l_finger", "0.2 0 0", "0 0 0", "0 1 0"),
+        JOINT.format("l_end", "fixed", "l_lower", "l_tool", "0.25 0 0.01", "0 0.3 0", "1 0 0"),
+        JOINT.format("r_shoulder", "revolute", "chest", "r_upper", "0 -0.18 0.35", "-0.2 0 0", "0 1 0"),
+        JOINT.format("r_elbow", "revolute", "r_upper", "r_lower", "0 -0.02 -0.25", "0 0 0", "0 1 0"),
+        JOINT.format("r_wrist", "revolute", "r_lower", "r_hand", "0.2 0 0", "0 0 0", "1 0 0"),
+        JOINT.format("r_end", "fixed", "r_hand", "r_tool", "0.1 0 0", "0 0 0", "1 0 0"),
+        "</robot>",
+    ]
+)  # fmt: skip
+
+
+def test_a_two_armed_urdf_is_a_torso_with_branches(tmp_path):
+    """Tips and torques at every drive are those of MuJoCo's own reading of the file."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "robot.urdf"
+    path.write_text(ROBOT)
+    lw.import_arm(path, tip=["l_tool", "r_tool"]).save(tmp_path / "arm.yaml")
+    assert "# joint 4: r_shoulder, link r_upper" in (tmp_path / "arm.yaml").read_text()
+    names = ["yaw", "l_shoulder", "l_elbow", "r_shoulder", "r_elbow", "r_wrist"]
+    arms = {tip: read_arm(tmp_path / "arm.yaml", tip=tip) for tip in ("l_tool", "r_tool")}
+    settings = '<mujoco><compiler fusestatic="false" boundinertia="1e-9"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_string(ROBOT.replace("</robot>", settings))
+    data = mujoco.MjData(model)
+    for q in np.random.default_rng(2).uniform(-0.9, 1.1, (6, 6)):
+        for name, value in zip(names, q, strict=True):
+            data.joint(name).qpos[0] = value
+        mujoco.mj_forward(model, data)
+        for tip, joints in (("l_tool", (0, 1, 2)), ("r_tool", (0, 3, 4, 5))):
+            state = solve(arms[tip], q.tolist(), beams_of(arms[tip]))
+            assert np.array(state.tip(), dtype=float) == pytest.approx(data.body(tip).xpos, abs=1e-9)
+            for joint in joints:
+                held = data.joint(names[joint]).qfrc_bias[0]
+                assert state.joints[joint].drive_load == pytest.approx(-held, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tips", "said"),
+    [
+        (["l_tool", "l_tool"], "names a link twice"),
+        (["l_tool", "r_tool", "l_finger"], "part at several places"),
+        (["l_tool", "torso"], "there is no link 'torso'"),
+    ],
+)
+def test_tips_that_make_no_branches(tmp_path, tips, said):
+    path = tmp_path / "robot.urdf"
+    path.write_text(ROBOT)
+    with pytest.raises(InputError, match=said):
+        lw.import_arm(path, tip=tips)
+    path.write_text(ROBOT.replace('name="yaw" type="revolute"', 'name="yaw" type="fixed"'))
+    with pytest.raises(InputError, match="share no joint that moves, so that none loads another; import each by"):
+        lw.import_arm(path, tip=["l_tool", "r_tool"])
