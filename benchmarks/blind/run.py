@@ -26,12 +26,17 @@ class SealedTwiceError(ValueError):
     """A sealed half has been asked already."""
 
 
+class _LateError(Exception):
+    """No answer in time. Not a TimeoutError: that is an OSError, for which the tool blames a file."""
+
+
 def _late(number: int, frame: FrameType | None) -> None:
-    raise TimeoutError(f"no answer in time (signal {number}, {frame is not None})")
+    raise _LateError(f"signal {number}, {frame is not None}")
 
 
 def ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
-    """One question: exit status, seconds, the last line that the tool printed as an error."""
+    """One question: exit status, seconds, the last line that the tool printed as an error. Of one that is not answered
+    in time: FAILED, the seconds that it had, and a line that says so."""
     from linkwright.command_line import outcome  # the one touch of what is judged
 
     folder, corrected = Path(case), Path(answer).parent.parent / CORRECTED
@@ -45,6 +50,8 @@ def ask(case: str, answer: str, seconds: float) -> tuple[int, float, str]:
         try:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(words):
                 status = outcome(asked)
+        except _LateError:
+            return FAILED, time.perf_counter() - start, f"no answer in {seconds:g} s"
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
         if (Path(out) / "arm.yaml").exists():

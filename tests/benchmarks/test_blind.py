@@ -6,6 +6,7 @@ import math
 import os
 import re
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,6 +37,7 @@ from benchmarks.blind.run import SealedTwiceError, run
 from benchmarks.blind.score import score
 from benchmarks.blind.seal import BrokenSealError, check_seal, write_seal
 from benchmarks.blind.staging import exact, projected_rms, stage
+from linkwright import command_line
 
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "blind"
 PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
@@ -524,6 +526,14 @@ def test_runner_survives_failures_and_deaths(sealed, tmp_path, monkeypatch):
     assert "after 7.0 s" in records[1]["error"]
     with pytest.raises(SealedTwiceError):
         run(sealed, answers)
+
+
+def test_no_answer_in_time_is_said(tmp_path, monkeypatch):
+    """Time that runs out inside the tool is no file's or reader's fault, for which the tool has exit statuses."""
+    monkeypatch.setattr(command_line, "command_line", lambda _: lambda **_given: time.sleep(20.0))
+    status, seconds, error = run_module.ask(str(tmp_path / "00000"), str(tmp_path / "a" / "00000.json"), 0.05)
+    assert (status, error) == (run_module.FAILED, "no answer in 0.05 s")
+    assert 0.05 <= seconds < 20.0
 
 
 def test_command_line_says_in_one_line_what_is_wrong(sealed, tmp_path, capsys):
