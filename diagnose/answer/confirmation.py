@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from diagnose.fitting.about_itself import fitted_about_itself
 from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
-from diagnose.fitting.prepare import Prepared, set_up
+from diagnose.fitting.prepare import Prepared, packed_up, set_up
 from diagnose.fitting.refit import Refit, impossible_term, refit, tether
 from diagnose.fitting.unnamed import Unnamed, unnamed
 from diagnose.options import Options, Progress
@@ -232,7 +232,8 @@ class Confirmed:
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
         observed = observed_about(near, near.about, (), rows).softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
-        prepared = set_up(observed, [(c, columns) for c, columns in patterns if columns is not None], searched.rejected)
+        told = packed_up((c, columns) for c, columns in patterns if columns is not None)
+        prepared = set_up(observed, told, searched.rejected)
         return prepared, {m: k for k, m in enumerate(self.found)}
 
     def _left_over(self) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 from arm.chain.chain import EffectEntry
 from diagnose.patterns.flexibility import entry
 from diagnose.patterns.library import columns_of
+from diagnose.patterns.packed import packed
 from diagnose.patterns.pool import orthonormal
 from diagnose.residual.observed import Observed, observed_about
 from sections.numeric import Array
@@ -100,8 +101,9 @@ def _patterns_about(observed: Observed, found: AboutItself) -> Patterns | None:
         columns = columns_of(observed, candidate)
         if columns is None or not np.isfinite(columns).all():
             return None
-        patterns.append((candidate, columns))
-    return [*patterns, *((found.prepared.pool.groups[m].candidate, found.prepared.columns[m]) for m in found.outside)]
+        patterns.append((candidate, packed(columns)))
+    groups, parts = found.prepared.pool.groups, found.prepared.columns.parts
+    return [*patterns, *((groups[m].candidate, parts[m]) for m in found.outside)]
 
 
 def _step(found: AboutItself, about: Observed) -> float:

@@ -7,7 +7,7 @@ each reading's noise the next one remembers. Then everything is set up again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from arm.effects import EFFECTS, Settings
 from diagnose.options import Options
 from diagnose.patterns.forms import forms
 from diagnose.patterns.library import Candidate, candidates, parameter_of
+from diagnose.patterns.packed import Columns, Packed, packed
 from diagnose.patterns.pool import Pool, exchanged, make_pool
 from diagnose.recording import RejectedRow
 from diagnose.residual.free_origins import of_observed, origin_columns
@@ -59,7 +60,7 @@ class Prepared:
     observed: Observed
     vector: Array
     pool: Pool
-    columns: tuple[Array, ...]
+    columns: Columns
     beside: Array
     beside_names: tuple[str, ...]
     rejected: tuple[RejectedRow, ...]
@@ -143,24 +144,28 @@ def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.
     return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
 
 
-Patterns = list[tuple[Candidate, Array]]
+Patterns = list[tuple[Candidate, Packed]]
+
+
+def packed_up(patterns: Iterable[tuple[Candidate, Array]]) -> Patterns:
+    """Patterns with columns (N, C, d), one after the other, without their noughts."""
+    return [(candidate, packed(columns)) for candidate, columns in patterns]
 
 
 def patterns_of(observed: Observed, options: Options) -> Patterns:
-    """Everything that could be missing: each candidate and form with its columns (N, C, d)."""
-    return [*candidates(observed, options.without), *forms(observed)]
+    """Everything that could be missing: each candidate and form with its columns."""
+    return [*packed_up(candidates(observed, options.without)), *packed_up(forms(observed))]
 
 
 def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, ...] = ()) -> Prepared:
     """The pool of patterns for a recording as it stands."""
     beside, names = nuisances(observed)
-    own = observed.rules.fitting
     # One after the other: all whitened patterns at once are hundreds of megabytes for a long recording.
-    white = ((each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns)
+    white = _whitened(observed, patterns)
     widest = sum(columns.shape[2] for _, columns in patterns)
     pool = make_pool(observed.whitened(beside), white, widest=widest, rules=observed.rules)
     seen = {id(group.candidate) for group in pool.groups}
-    columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
+    columns = Columns(part for candidate, part in patterns if id(candidate) in seen)
     vector = pool.projected(observed.whitened(observed.residual))
     return Prepared(observed, vector, pool, columns, beside, names, rejected)
 
@@ -169,17 +174,23 @@ def exchange(prepared: Prepared, observed: Observed, kept: Sequence[int], patter
     """A recording set up again with some of its groups (their numbers) and other patterns in place of the rest, the
     model being another in these alone (`observed`); what is kept is not worked out again."""
     beside, names = nuisances(observed)
-    own = observed.rules.fitting
     if names != prepared.beside_names or not np.array_equal(beside, prepared.beside):
-        held = [(prepared.pool.groups[number].candidate, prepared.columns[number]) for number in kept]
+        held = [(prepared.pool.groups[number].candidate, prepared.columns.parts[number]) for number in kept]
         again = set_up(observed, [*held, *patterns], prepared.rejected)
         return replace(again, independent=prepared.independent, together=prepared.together)
-    white = ((each, observed.whitened(columns), limits(each, columns, rules=own)) for each, columns in patterns)
+    white = _whitened(observed, patterns)
     pool = exchanged(prepared.pool, kept, white)
     seen = {id(group.candidate) for group in pool.groups}
-    columns = [prepared.columns[number] for number in kept]
-    columns += [array for candidate, array in patterns if id(candidate) in seen]
-    return replace(prepared, observed=observed, pool=pool, columns=tuple(columns))
+    columns = [prepared.columns.parts[number] for number in kept]
+    columns += [part for candidate, part in patterns if id(candidate) in seen]
+    return replace(prepared, observed=observed, pool=pool, columns=Columns(columns))
+
+
+def _whitened(observed: Observed, patterns: Patterns) -> Iterator[tuple[Candidate, Array, Array | None]]:
+    """Patterns as a pool takes them, one at a time."""
+    for candidate, part in patterns:
+        columns = part.whole()
+        yield candidate, observed.whitened(columns), limits(candidate, columns, rules=observed.rules.fitting)
 
 
 def prepare(observed: Observed, options: Options, noise_floor: float | None = None) -> Prepared:
@@ -213,7 +224,7 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
             loud=observed.loud,
         )
         # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
-        patterns = [(candidate, columns[keep]) for candidate, columns in patterns]
+        patterns = [(candidate, part.kept(keep)) for candidate, part in patterns]
         left = left[keep]
         if not many:
             break

@@ -17,7 +17,7 @@ import numpy as np
 from arm.chain.chain import EffectEntry
 from arm.effects import EFFECTS
 from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Patterns, Prepared, exchange
+from diagnose.fitting.prepare import Patterns, Prepared, exchange, packed_up
 from diagnose.fitting.shared_weights import factors
 from diagnose.patterns.flexibility import entry, flexible, through_flexibility
 from diagnose.patterns.forces import forces
@@ -38,9 +38,9 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     `without` takes effects out by id.
     """
     observed = prepared.observed.softened(entries)
-    held = list(zip(prepared.pool.groups, prepared.columns, strict=True))
+    held = list(zip(prepared.pool.groups, prepared.columns.parts, strict=True))
     others = frozenset(effect.id for effect in EFFECTS.values() if not effect.through_flexibility)
-    loads = [*candidates(observed, without | others), *forces(observed)]
+    loads = [*packed_up(candidates(observed, without | others)), *packed_up(forces(observed))]
     before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
     if not _differ(before, loads, observed.rules.search.coupling_matters):
         return prepared
@@ -183,7 +183,9 @@ def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
     own = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
     for candidate, columns in after:
         was = own.get((candidate.family, tuple(candidate.shapes.items())))
-        if was is None or was.shape != columns.shape or np.linalg.norm(columns - was) > matters * np.linalg.norm(was):
+        if was is None or was.shape != columns.shape:
+            return True
+        if np.linalg.norm(columns.whole() - was.whole()) > matters * np.linalg.norm(was.values):
             return True
     return False
 

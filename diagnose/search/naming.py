@@ -91,7 +91,7 @@ class Namer:
         pool = with_group(self.pool, candidate, white, limits(candidate, columns, rules=fitting))
         if len(pool.groups) == len(self.pool.groups):
             return None
-        self.prepared = replace(self.prepared, pool=pool, columns=(*self.prepared.columns, columns))
+        self.prepared = replace(self.prepared, pool=pool, columns=self.prepared.columns.and_one(columns))
         self.library, self.criterion = self.prepared.library(), self.prepared.criterion
         return len(pool.groups) - 1
 

@@ -8,7 +8,7 @@ import pytest
 from arm.chain.chain import Arm
 from diagnose.fitting.about_itself import fitted_about_itself
 from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Prepared, set_up
+from diagnose.fitting.prepare import Prepared, packed_up, set_up
 from diagnose.fitting.refit import refit
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.recording import Recording
@@ -44,7 +44,7 @@ def prepared(count: int, causes: tuple[tuple[str, tuple[int, ...], str], ...], s
     observed = observe(soft_arm(), recording, scale=np.full(2, SIGMA))
     wanted = [Candidate(effect, at, (size,), {}) for effect, at, size in causes]
     patterns = [(candidate, columns_of(observed, candidate)) for candidate in wanted]
-    return set_up(observed, [(candidate, columns) for candidate, columns in patterns if columns is not None])
+    return set_up(observed, packed_up((candidate, columns) for candidate, columns in patterns if columns is not None))
 
 
 def off(found, causes):
