@@ -29,6 +29,9 @@ _DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "step_in_time": ("time",),
         "joint_step_in_time": ("time",),
+        "tool_step_in_time": ("time",),
+        "load_step_in_time": ("time", "position"),
+        "stiffness_step_in_time": ("time", "position"),
         "periodic_in_time": ("time",),
         "joint_periodic_in_time": ("time",),
         "trend_in_time": ("time",),

@@ -40,6 +40,9 @@ _IN_TIME = frozenset(
         "step_in_time",
         "periodic_in_time",
         "joint_step_in_time",
+        "tool_step_in_time",
+        "load_step_in_time",
+        "stiffness_step_in_time",
         "joint_periodic_in_time",
     }
 )
@@ -142,6 +145,17 @@ def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.
         # A curve of many coefficients: each is of its usual size, or readings that lie close would make them anything.
         return np.array([rules.tether * max(abs(limit) for limit in parameter.typical) for parameter in parameters])
     return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
+
+
+def held_within(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
+    """How far each size (d,) may go where the data say next to nothing of it, None where nobody can say: no further
+    than is possible, and that a size beyond the usual lies within one standard deviation of what holds it."""
+    most = limits(candidate, columns, rules=rules)
+    if most is None or columns.shape[2] != len(candidate.sizes):
+        return most
+    parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
+    usual = [max(abs(limit) for limit in parameter.typical) for parameter in parameters]
+    return np.minimum(most, rules.tether * rules.usual * np.array(usual))
 
 
 Patterns = list[tuple[Candidate, Packed]]

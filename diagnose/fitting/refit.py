@@ -32,7 +32,7 @@ from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, left_of_a_drive, solved, t_quantile, why_impossible
-from .prepare import Prepared, limits
+from .prepare import Prepared, held_within
 from .shared_weights import factors
 from .terms import DIFFERENCE, Term, linear, term_at
 from .under_weights import (
@@ -183,10 +183,10 @@ def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False)
 
 
 def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
-    """What holds a finding's sizes (d,) within their physical bounds where the data say next to nothing: `unit`, the
-    scatter of whitened residuals, over a fifth of the bound. It counts where a size at its bound would stay below five
-    standard deviations; what the data show beyond that it shifts by less than a tenth of its error."""
-    bound = limits(term.candidate, term.columns, rules=rules)
+    """What holds a finding's sizes (d,) within their physical bounds, and what badly known ones are near the usual:
+    `unit`, the scatter of whitened residuals, over a fifth of the bound or three times what is usual at most, whichever
+    is less. What the data tell ten times as well as that it leaves where they put it."""
+    bound = held_within(term.candidate, term.columns, rules=rules)
     return np.zeros(len(term.sizes)) if bound is None else unit * rules.tether / bound
 
 
@@ -313,7 +313,7 @@ class _Scan:
             return float("inf")
         own = self.prepared.observed.whitened(columns)
         rules = self.prepared.observed.rules.fitting
-        bound = limits(candidate, columns, rules=rules)
+        bound = held_within(candidate, columns, rules=rules)
         tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(self.unit * rules.tether / bound)
         padding = np.zeros((len(self.left) - len(own), own.shape[1]))
         own = np.vstack([own, padding])

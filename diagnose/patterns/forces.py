@@ -75,6 +75,12 @@ def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
         yield form("force_field", shapes={"order": 2.0}), curved
 
 
+def weight_at_tip(observed: Observed) -> Array:
+    """What a kilogram more at the tip moves in every column, (N, C, 1), through what bends."""
+    weight = np.array(observed.arm.gravity[: observed.space])
+    return _moved_by(_give(observed), np.broadcast_to(weight, (observed.rows, observed.space)))
+
+
 def _moved_by(give: Array, force: Array) -> Array:
     """What a force (N, D), N, moves in every column (N, C, 1), by the arm's compliance (see `_give`)."""
     return np.einsum("nca,na->nc", give, force)[:, :, None]

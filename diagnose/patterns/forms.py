@@ -12,18 +12,22 @@ from types import MappingProxyType
 
 import numpy as np
 
+from arm.effects import EFFECTS
 from diagnose.residual.observed import Observed, blocks_of
 from diagnose.rules.pattern_rules import PatternRules
 from sections.numeric import Array
 
 from .basis import clock_of, form, interactions, run_of, scaled_position, tip_axes
-from .forces import forces
-from .library import Candidate
+from .forces import forces, weight_at_tip
+from .library import Candidate, columns_of
 
 SENTENCES = MappingProxyType(
     {
         "step_in_time": "a step in time: something slipped or was moved",
         "joint_step_in_time": "a step in time of one joint: its zero has moved",
+        "tool_step_in_time": "a step in time of the tool: it has moved on the hand",
+        "load_step_in_time": "a step in time of the load at the tip: it has become heavier or lighter",
+        "stiffness_step_in_time": "a step in time of one joint's stiffness: it gives more or less from then on",
         "periodic_in_time": "a term that is periodic in time",
         "joint_periodic_in_time": "a motion of one joint that is periodic in time",
         "trend_in_time": "a slow curved trend in time",
@@ -89,11 +93,14 @@ def _in_time(observed: Observed, axes: Array, joints: list[Array], clock: Array)
     inner = starts[(starts > clock.min() + ends) & (starts < clock.max() - ends)]
     if len(inner) > rules.steps_in_time:
         inner = inner[np.linspace(0, len(inner) - 1, rules.steps_in_time).astype(int)]
+    changes = list(_changes(observed, joints)) if len(starts) <= rules.many_visits else []
     for since in inner.tolist():
         after = (clock >= since).astype(float)
         yield form("step_in_time", shapes={"since": since}), interactions([after], axes)
         for number, motion in enumerate(joints):
             yield form("joint_step_in_time", (number,), {"since": since}), interactions([after], motion)
+        for name, at, moved in changes:
+            yield form(name, at, {"since": since}), interactions([after], moved)
     run = run_of(clock)
     yield form("trend_in_time"), interactions([run, run * run], axes)
     smooth = [np.cos(np.pi * order * run) for order in range(1, 7)]
@@ -107,6 +114,23 @@ def _in_time(observed: Observed, axes: Array, joints: list[Array], clock: Array)
             yield form("periodic_in_time", shapes={"period": span / cycles}), interactions(waves, axes)
             for number, motion in enumerate(joints if len(starts) <= rules.many_visits else ()):
                 yield form("joint_periodic_in_time", (number,), {"period": span / cycles}), interactions(waves, motion)
+
+
+def _changes(observed: Observed, joints: list[Array]) -> Iterator[tuple[str, tuple[int, ...], Array]]:
+    """What may change from one reading to the next beside a place or a zero, with what it moves (N, C, d): where the
+    tool sits on the hand, what hangs there, how much a joint gives. The name, the joint (none of its own) and the
+    columns of each."""
+    sizes = tuple(each.name for each in EFFECTS["tool_offset"].sizes)
+    moved = columns_of(observed, Candidate("tool_offset", (), sizes, MappingProxyType({})))
+    if moved is not None:
+        yield "tool_step_in_time", (), moved[:, :, moved.any(axis=(0, 1))]
+    weight = weight_at_tip(observed)
+    if weight.any():
+        yield "load_step_in_time", (), weight
+    for number, motion in enumerate(joints):
+        load = np.broadcast_to(np.asarray(observed.state.joints[number].drive_load, float), (observed.rows,))
+        if np.ptp(load) > 0.0 and motion.any():
+            yield "stiffness_step_in_time", (number,), load[:, None, None] * motion
 
 
 def _over_position(observed: Observed, axes: Array) -> Iterator[tuple[Candidate, Array]]:
