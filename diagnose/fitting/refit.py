@@ -184,8 +184,8 @@ def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False)
 
 def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
     """What holds a finding's sizes (d,) within their physical bounds, and what badly known ones are near the usual:
-    `unit`, the scatter of whitened residuals, over a fifth of the bound or three times what is usual at most, whichever
-    is less. What the data tell ten times as well as that it leaves where they put it."""
+    `unit`, the scatter of whitened residuals, over a fifth of the bound or the largest that is usual, whichever is
+    less. What the data tell ten times as well as that it leaves where they put it."""
     bound = held_within(term.candidate, term.columns, rules=rules)
     return np.zeros(len(term.sizes)) if bound is None else unit * rules.tether / bound
 

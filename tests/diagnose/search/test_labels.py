@@ -70,7 +70,7 @@ def hung(folder: Path, wrong: str) -> Diagnosis:
     rng = np.random.default_rng(6)
     stood = np.repeat(rng.uniform(-1.5, 1.5, (40, 3)), 2, axis=0)
     payload = np.repeat(rng.choice([0.0, 3.0, 6.0], 40), 2)
-    tip = sagging_tip(stood, 1.0 / (np.array(COMPLIANCE) + [0.0, 1.2e-5, 0.0]), payload)
+    tip = sagging_tip(stood, 1.0 / (np.array(COMPLIANCE) + np.array([0.0, 1.2e-5, 0.0])), payload)
     tip += SIGMA * rng.standard_normal(tip.shape)
     swapped = {0.0: 6.0, 3.0: 3.0, 6.0: 0.0}
     said = {
