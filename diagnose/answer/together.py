@@ -10,6 +10,7 @@ import numpy as np
 from diagnose.fitting.fit import normal_solution
 from diagnose.fitting.prepare import Prepared
 from diagnose.fitting.refit import Refit
+from diagnose.fitting.under_weights import CHANGE, SAG
 from diagnose.patterns.pool import orthonormal
 from diagnose.result import FittedParameter
 from diagnose.rules.answer_rules import AnswerRules
@@ -18,7 +19,7 @@ from diagnose.rules.rules import RULES
 
 def may_be_nothing(parameters: Sequence[FittedParameter], sizes: Sequence[str]) -> bool:
     """Whether the intervals of all sizes of a finding hold nought."""
-    told = [each.interval for each in parameters if each.parameter in (*sizes, "sag")]
+    told = [each.interval for each in parameters if each.parameter in (*sizes, SAG, CHANGE)]
     return bool(told) and all(low <= 0.0 <= high for low, high in told)
 
 

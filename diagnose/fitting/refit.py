@@ -358,10 +358,11 @@ def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Te
 
 @dataclass(frozen=True)
 class _Spread:
-    """Standard errors of every term's sizes, those by `noise` alone, whether the data tell each from the others,
-    and for each of its shapes how many times as far as noise alone would have it lie."""
+    """Standard errors of every term's sizes and their covariance, the errors by `noise` alone, whether the data tell
+    each from the others, and for each of its shapes how many times as far as noise alone would have it lie."""
 
     errors: tuple[Array, ...]
+    covariance: tuple[Array, ...]
     noise: tuple[Array, ...]
     told: tuple[NDArray[np.bool_], ...]
     shapes: tuple[Mapping[str, float], ...]
@@ -410,6 +411,7 @@ def _spread(prepared: Prepared, terms: Sequence[Term], variance: float, unnamed:
         times[place][name] = float(np.sqrt(covariance[k, k] / plain[k, k])) if plain[k, k] > 0.0 else 1.0
     return _Spread(
         tuple(error[span] for span in spans),
+        tuple(slopes[span] @ covariance[:count, :count] @ slopes[span].T for span in spans),
         tuple(noise[span] for span in spans),
         tuple(sure[span] for span in spans),
         tuple(times),
@@ -434,7 +436,7 @@ def _parameters(
     if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
         known = known_load(term, kind, errors, spread.noise[place], told, factor, at, rules.telling)
-        return (sag(prepared, term, factor, variance, at, unnamed), *known)
+        return (sag(prepared, term, factor, variance, at, unnamed, spread.covariance[place]), *known)
     found: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
     held = tether(term, 1.0, rules=rules) * spread.noise[place] > rules.held

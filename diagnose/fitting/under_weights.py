@@ -34,6 +34,10 @@ from .shared_weights import Steps, factors, steps
 from .terms import Term
 from .unnamed import Unnamed
 
+SAG, CHANGE = "sag", "sag_change"
+"""The parameters that stand for a compliance under weights that nobody knows: the most that something sags over a
+recording, and where the frame is free the most that its sag changes."""
+
 
 def under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
     """The terms, those that give under unknown weights with a column for each weight that any of them shows."""
@@ -141,26 +145,51 @@ def known_load(
 
 
 def sag(
-    prepared: Prepared, term: Term, factor: float, variance: float, at: tuple[int, ...], unnamed: Unnamed | None
+    prepared: Prepared,
+    term: Term,
+    factor: float,
+    variance: float,
+    at: tuple[int, ...],
+    unnamed: Unnamed | None,
+    covariance: Array,
 ) -> FittedParameter:
     """Where the links' masses are unknown, a compliance cannot be had by itself: the most that something sags under
-    their weight over the recording stands for it, with the relative error of the whole displacement."""
+    their weight over the recording stands for it, with the relative error of the whole displacement. A frame that is
+    free takes up most of what is there at all readings, so that only the change from one to another is known then, as
+    well as the products' `covariance` tells how they share it."""
     observed, candidate = prepared.observed, term.candidate
     slides = candidate.of_drives and not observed.arm.joints[candidate.at[0]].revolute
-    if candidate.of_drives:
-        unit = observed.drive_moved(candidate.at[0])
-        reach = np.sum(unit**2, axis=1)
-        angle = np.sum(term.moved * unit, axis=1) / np.where(reach > 0.0, reach, 1.0)
-        value = float(angle[np.argmax(np.abs(angle))])
-    else:
-        turn = turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), term.sizes[:-1])
-        value = float(np.max(np.linalg.norm(turn, axis=1)))
+    change = observed.recording.frame == "free"
+    turn = _turned(observed, term, term.sizes)
+    first = _furthest(turn - turn.mean(axis=0)) if change else None
+    seen = turn if first is None else turn - turn[first]
+    last = _furthest(seen)
+    most = seen[last]
+    value = float(most[0]) if candidate.of_drives and not change else float(np.linalg.norm(most))
     shown = prepared.pool.projected(observed.whitened(term.moved))
     length = max(float(shown @ shown), 1e-300)
     if unnamed is not None:
         variance = unnamed.variance + float(unnamed.beside(shown[None, :])[0, 0]) / length
     error = abs(value) * float(np.sqrt(variance / length))
+    if first is not None and value > 0.0:
+        units = [_turned(observed, term, unit) for unit in np.eye(len(term.sizes))[: len(covariance)]]
+        slopes = np.array([float((unit[last] - unit[first]) @ most) / value for unit in units])
+        error = max(error, float(np.sqrt(slopes @ covariance @ slopes)))
     interval = (value - factor * error, value + factor * error)
-    return FittedParameter(
-        "_".join(["sag", *map(str, at)]), "sag", at, "length" if slides else "angle", value, interval
-    )
+    name = CHANGE if change else SAG
+    return FittedParameter("_".join([name, *map(str, at)]), name, at, "length" if slides else "angle", value, interval)
+
+
+def _turned(observed: Observed, term: Term, sizes: Array) -> Array:
+    """How far (N, 1 or 3), rad or m, something turns or slides under unknown weights with these sizes of its term."""
+    candidate = term.candidate
+    if not candidate.of_drives:
+        return turned_under_weights(observed, candidate.effect, candidate.at, term.weights or (), sizes[:-1])
+    unit = observed.drive_moved(candidate.at[0])
+    reach = np.sum(unit**2, axis=1)
+    return (np.sum((term.columns @ sizes) * unit, axis=1) / np.where(reach > 0.0, reach, 1.0))[:, None]
+
+
+def _furthest(turn: Array) -> int:
+    """The reading of the longest of some turns (N, k)."""
+    return int(np.argmax(np.linalg.norm(turn, axis=1)))
