@@ -71,9 +71,11 @@ def describe(
         moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
     # A form that predicts nothing describes nothing, however well it can be bent to the readings fitted.
-    telling = [form.name for form in ranked if form.share_held_out > rules.form_tells]
+    telling = {form.name: form.share_held_out for form in ranked if form.share_held_out > rules.form_tells}
     own = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
-    won = next((candidate for candidate in own if candidate.effect in telling), None)
+    # Two that balance each other are large, and one of them alone predicts little.
+    enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in own), default=0.0)
+    won = next((each for each in own if each.effect in telling and telling[each.effect] >= enough), None)
     on = _depends(namer, outside, dependences, rules)
     predicted, share = _smooth(namer, known, folds)
     return Unknown(
