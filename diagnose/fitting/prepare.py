@@ -149,12 +149,13 @@ def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.
 
 def held_within(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
     """How far each size (d,) may go where the data say next to nothing of it, None where nobody can say: no further
-    than is possible, and one standard deviation of what holds it is the largest that is usual."""
+    than is possible; and of what an axis is off by across itself, which a free frame takes up but for a trace, one
+    standard deviation of what holds it is the largest that is usual."""
     most = limits(candidate, columns, rules=rules)
     if most is None or columns.shape[2] != len(candidate.sizes):
         return most
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
-    usual = [max(abs(limit) for limit in parameter.typical) for parameter in parameters]
+    usual = [max(abs(limit) for limit in each.typical) if each.across else np.inf for each in parameters]
     return np.minimum(most, rules.tether * np.array(usual))
 
 

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.effects import EFFECTS
+from arm.effects.geometry.tool_offset import TOOL_OFFSET
 from diagnose.residual.observed import Observed, blocks_of
 from diagnose.rules.pattern_rules import PatternRules
 from sections.numeric import Array
@@ -120,8 +120,8 @@ def _changes(observed: Observed, joints: list[Array]) -> Iterator[tuple[str, tup
     """What may change from one reading to the next beside a place or a zero, with what it moves (N, C, d): where the
     tool sits on the hand, what hangs there, how much a joint gives. The name, the joint (none of its own) and the
     columns of each."""
-    sizes = tuple(each.name for each in EFFECTS["tool_offset"].sizes)
-    moved = columns_of(observed, Candidate("tool_offset", (), sizes, MappingProxyType({})))
+    sizes = tuple(each.name for each in TOOL_OFFSET.sizes)
+    moved = columns_of(observed, Candidate(TOOL_OFFSET.id, (), sizes, MappingProxyType({})))
     if moved is not None:
         yield "tool_step_in_time", (), moved[:, :, moved.any(axis=(0, 1))]
     weight = weight_at_tip(observed)
