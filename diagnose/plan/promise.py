@@ -17,6 +17,7 @@ from arm.effects import EFFECTS
 from diagnose.answer.detectable import detectable, largest_size
 from diagnose.fitting.prepare import Prepared, limits, nuisances
 from diagnose.patterns.library import Candidate, candidates, parameter_of
+from diagnose.patterns.packed import Columns, packed
 from diagnose.patterns.pool import make_pool
 from diagnose.recording import Recording
 from diagnose.residual.observed import Observed, observe
@@ -146,7 +147,7 @@ def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) ->
         rules=asked.rules,
     )  # fmt: skip
     seen = {id(group.candidate) for group in pool.groups}
-    columns = tuple(array for candidate, array in patterns if id(candidate) in seen)
+    columns = Columns(packed(array) for candidate, array in patterns if id(candidate) in seen)
     vector = pool.projected(white(observed.residual[:, :, None])[:, 0])
     return Prepared(observed, vector, pool, columns, beside, names, ())
 
