@@ -193,10 +193,11 @@ def solve(
         base_force, base_moment = _hung(own, "joint", frame, pull, base_force, base_moment)
         axis = placed.joints[index].axis
         past = couplings.given_back(index, base_moment)
-        couplings.carried(index, dot(axis, past) if joint.revolute else dot(axis, base_force))
+        # A slide's mass rides on it, so what moves the slide moves that too.
+        rides = base_force if joint.revolute else add(base_force, scale(joint.mass, pull))
+        couplings.carried(index, dot(axis, past if joint.revolute else rides))
         if not joint.revolute:
-            # A slide's mass rides on it, so its drive holds that too.
-            drive_load = dot(axis, add(base_force, scale(joint.mass, pull)))
+            drive_load = dot(axis, rides)
         elif arm.angles == "absolute":
             # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
             drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))

@@ -236,3 +236,22 @@ def test_recordings_hold_the_driven_joints_or_all_of_them_and_agree(tmp_path: Pa
         read_recording(path, arm)
     simulated = simulate(arm, Plan(poses=8)).recording
     assert simulated.q[:, 2] == pytest.approx(-simulated.q[:, 0] - simulated.q[:, 1], abs=1e-12)
+
+
+def test_a_stage_that_follows_weighs_with_its_carriage(tmp_path):
+    """Virtual work of a two-stage lift: the drive raises the second stage, its carriage with it, twice as far."""
+    path = tmp_path / "lift.yaml"
+    path.write_text(
+        """
+name: lift
+chain:
+  - joint: {type: prismatic, axis: y, range: [0 m, 1 m], stiffness: 1 kN/mm, mass: 4 kg}
+    link: {length: 0.5 m, direction: [0, 1, 0], rigid: true, mass: 8 kg}
+  - joint: {type: prismatic, axis: y, follows: q1, mass: 3 kg}
+    link: {length: 0.5 m, direction: [0, 1, 0], rigid: true, mass: 5 kg}
+payload: {mass: 10 kg}
+"""
+    )
+    arm = read_arm(path)
+    state = solve(arm, [0.4, 0.0], beams_of(arm))
+    assert state.joints[0].drive_load == pytest.approx(-9.81 * (4 + 8 + 2 * (3 + 5 + 10)), rel=1e-12)
