@@ -45,9 +45,10 @@ def chosen_visits(
     rules: PlanRules,
     rng: np.random.Generator,
     tell: Callable[[float], None],
-) -> tuple[list[int], list[int]]:
+) -> tuple[list[int], list[int], bool]:
     """The numbers of `count` visits, and of those to return to: all that `returns` gives for the first, which are taken
-    beside. A visit is taken once, so that other poses are looked at as well."""
+    beside. A visit is taken once, so that other poses are looked at as well. Once there are `count` an interrupt leaves
+    those that stand then; last is said whether one did."""
     score = _Score(patterns, rules)
     work, done = count * (1 + rules.passes), 0
     first = score.best(score.beforehand, ())
@@ -60,22 +61,25 @@ def chosen_visits(
         total = total + score.of(chosen[-1:])
         done += 1
         tell(done / work)
-    value = score(total)
-    for _ in range(rules.passes):
-        before = value
-        for place in rng.permutation(count).tolist():
-            rest = total - score.of([chosen[place]])
-            others = [visit for k, visit in enumerate(chosen) if k != place]
-            other = score.best(rest, (*others, *barred))
-            trial = rest + score.of([other])
-            reached = score(trial)
-            if reached < value:
-                chosen[place], total, value = other, trial, reached
-            done += 1
-            tell(done / work)
-        if value > before - rules.settled:
-            break
-    return chosen, back
+    try:
+        value = score(total)
+        for _ in range(rules.passes):
+            before = value
+            for place in rng.permutation(count).tolist():
+                rest = total - score.of([chosen[place]])
+                others = [visit for k, visit in enumerate(chosen) if k != place]
+                other = score.best(rest, (*others, *barred))
+                trial = rest + score.of([other])
+                reached = score(trial)
+                if reached < value:
+                    chosen[place], total, value = other, trial, reached
+                done += 1
+                tell(done / work)
+            if value > before - rules.settled:
+                break
+    except KeyboardInterrupt:
+        return chosen, back, True
+    return chosen, back, False
 
 
 class _Score:

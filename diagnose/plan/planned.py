@@ -17,7 +17,8 @@ class Planned:
     """`recording` holds the readings in their order (its tips are where the arm stands undeformed), `axes` the
     numbers that the instrument reads, `promise` what they will show, `random` what some plans at random would.
     `returns` are the visits (from 1) that go back to one pose, `with_time` the largest correlation of the order with a
-    joint or a side, `tried` how many visits were tried. `after` is the recording that it goes on from (None: none)."""
+    joint or a side, `tried` how many visits were tried. `after` is the recording that it goes on from (None: none).
+    `interrupted`: it was stopped, and is the best until then, with as many plans at random as were made."""
 
     arm: Arm
     asked: Asked
@@ -30,6 +31,7 @@ class Planned:
     tried: int
     seconds: float
     after: Recording | None = None
+    interrupted: bool = False
 
     @property
     def visits(self) -> Recording:

@@ -39,6 +39,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     """The visits from which the causes asked for are seen smallest and told from others, in an order to record them.
 
     `after` is a recording that is there already, or several as one: what it shows counts, and the plan goes on from it.
+    An interrupt that `tell` raises once there are as many visits as asked for leaves the best of them so far.
     Raises ValueError where the boxes to avoid leave too few poses or the instrument sees nothing of a planar arm,
     `NothingToSee`, and what `arm.errors.model.beams_of` raises.
     """
@@ -49,7 +50,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     patterns = _patterns(arm, asked, tried, axes, after)
     rng = np.random.default_rng(asked.seed)
     many = returns_of(asked)
-    chosen, back = chosen_visits(
+    chosen, back, interrupted = chosen_visits(
         patterns,
         asked.poses - many,
         (lambda visit: _returned(tried, visit, asked)) if many else lambda _: (),
@@ -60,15 +61,19 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     order = in_order(chosen, back, tried.payload, tried.q, tried.sides, asked)
     recording, promise = _checked(arm, asked, tried, order, axes, after)
     random: list[Promise] = []
-    for k in range(asked.rules.plan.rivals):
-        tell("poses at random, to compare", 0.7 + 0.3 * k / asked.rules.plan.rivals)
-        random.append(_checked(arm, asked, tried, _at_random(tried, asked, many, rng), axes, after)[1])
-    tell("done", 1.0)
+    try:
+        for k in range(0 if interrupted else asked.rules.plan.rivals):
+            tell("poses at random, to compare", 0.7 + 0.3 * k / asked.rules.plan.rivals)
+            random.append(_checked(arm, asked, tried, _at_random(tried, asked, many, rng), axes, after)[1])
+    except KeyboardInterrupt:
+        interrupted = True
+    if not interrupted:
+        tell("done", 1.0)
     returned = tuple(k + 1 for k, visit in enumerate(order.tolist()) if visit in back)
     correlation = with_time(tried.q[order], tried.sides[order])
     return Planned(
         arm, asked, recording, axes, promise, tuple(random), returned, correlation, tried.size,
-        time.perf_counter() - began, after,
+        time.perf_counter() - began, after, interrupted,
     )  # fmt: skip
 
 

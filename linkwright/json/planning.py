@@ -31,6 +31,7 @@ def plan_json(found: Planned) -> dict[str, Any]:
         "pairs_random": found.told_at_random[1],
         "pairs_told_random": found.told_at_random[0],
         "random_plans": len(found.random),
+        "interrupted": found.interrupted,
         "returns": list(found.returns),
         "correlation_with_time": found.with_time,
         "tried": found.tried,

@@ -27,18 +27,13 @@ def describe(found: Planned) -> Description:
     gains = _gains(found)
     better = math.exp(sum(map(math.log, gains)) / len(gains)) if gains else math.nan
     pairs, told = promise.pairs, promise.told
-    by_chance = "{} of {}".format(*found.told_at_random)
     facts = Facts(
         (
             Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
             Fact("noise", length(asked.sigma, 3), f"each of {', '.join(found.axes)}"),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
             Fact("smaller than at random", number(better, 3), "times, on average"),
-            Fact(
-                "pairs told apart",
-                count(told),
-                f"of {pairs} at usual sizes; at random {by_chance}",
-            ),
+            *_apart(found),
         )
     )
     seen = sorted(promise.shown, key=lambda each: each.smallest / each.usual)
@@ -66,9 +61,23 @@ def describe(found: Planned) -> Description:
     headline = f"{asked.poses} visits tell {told} of {pairs} pairs of causes apart"
     if gains:
         headline += f" and show sizes {figure(better, 3)} times smaller than poses at random"
+    if found.interrupted:
+        headline += "; stopped, so this is the best plan until then"
     return Description(
         f"{found.arm.name}: what to record", f"{headline}.", tuple(items), headline, f"{found.arm.name}: "
     )
+
+
+def _apart(found: Planned) -> tuple[Fact, ...]:
+    """Of what could be mistaken for something else how much is decided, and how much poses at random would decide; each
+    of its own number of pairs, for causes that a plan does not see have none."""
+    told, pairs = found.promise.told, found.promise.pairs
+    by_chance, possible = found.told_at_random
+    facts = [Fact("pairs told apart", count(told), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
+    if possible:
+        said = f"of the {possible} pairs of causes that such poses see, for comparison"
+        facts.append(Fact("told apart at random", count(by_chance), said))
+    return tuple(facts)
 
 
 def _gains(found: Planned) -> list[float]:
@@ -140,6 +149,12 @@ def _reading(found: Planned) -> tuple[str, ...]:
     return (f"Read is the tip's distance from {where}, {known}.",)
 
 
+def _compared(found: Planned) -> str:
+    if not found.random:
+        return "It was stopped before poses at random were tried, so nothing is compared with them."
+    return f"At random: the middle of {len(found.random)} plans of the same kind."
+
+
 def _how(found: Planned) -> tuple[str, ...]:
     asked = found.asked
     lines = [
@@ -149,7 +164,7 @@ def _how(found: Planned) -> tuple[str, ...]:
         *_reading(found),
         f"Rests on a sound arm simulated at the plan's readings (noise {mm(asked.sigma, 3)}, frame {asked.frame}, tool "
         f"{asked.tool}) and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
-        f"proven best. At random: the middle of {len(found.random)} plans of the same kind.",
+        f"proven best. {_compared(found)}",
     ]
     if asked.avoid:
         where = "at each visit and where it is come from, not on the ways between visits"

@@ -82,6 +82,19 @@ def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
     assert read_arm(bench / "out" / "arm.yaml").size == 2
 
 
+def test_an_interrupt_of_a_plan_leaves_the_best_so_far(bench):
+    """While poses at random are tried the visits are chosen: they are written, promised, and said to be no more."""
+    arguments = ("plan", "arm.yaml", "--poses", "8", "--repeats", "1", "--for", "backlash:1", "--payload", "0 kg")
+    status, error = interrupted_at(bench, "poses at random", *arguments, "--out", "out.csv", "--json", "out.json")
+    assert status == 130
+    assert error == "stopped: this is the best plan so far\n"
+    found = json.loads((bench / "out.json").read_text())
+    assert found["interrupted"]
+    assert found["random_plans"] == 1
+    assert found["shown"][0]["smallest"] > 0.0
+    assert len((bench / "out.csv").read_text().splitlines()) == 9
+
+
 def test_before_any_design_there_is_nothing_to_keep(bench, linkwright, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt

@@ -77,6 +77,7 @@ def plan(
 ) -> None:
     """Run the command."""
     from linkwright.results.planning import describe
+    from linkwright.screen.console import console
     from linkwright.screen.progress import waiting
 
     for target in (out, json, markdown):
@@ -112,6 +113,9 @@ def plan(
         found.save(out)
     write_result(json, found.to_json())
     tell(describe(found.found), markdown, out, beside, json)
+    if found.interrupted:
+        console(errors=True).print("stopped: this is the best plan so far", soft_wrap=True)
+        raise KeyboardInterrupt
 
 
 def _box(text: str) -> tuple[list[str], list[str]]:

@@ -24,7 +24,7 @@ from diagnose.several.recordings import Several
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
 from linkwright.face.given import File, Quantity, in_si
-from linkwright.face.progress import Progress, told
+from linkwright.face.progress import Progress, interrupts, told
 from linkwright.face.recording import Recording, recording_columns
 from linkwright.face.result import Result, figure_of
 from linkwright.json.planning import plan_json
@@ -49,6 +49,11 @@ class Plan(Result):
 
     arm: Arm
     found: Planned
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the choice; this is the best plan until then."""
+        return self.found.interrupted
 
     @property
     def visits(self) -> pd.DataFrame:
@@ -145,7 +150,8 @@ def plan(
     is taken). `payloads` are masses (text, or kg); by default none and the
     arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
     already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
-    where they were. The same `seed` gives the same plan.
+    where they were. The same `seed` gives the same plan. Ctrl-C, once there are as many visits as asked for, ends the
+    choice with the best so far, marked `interrupted`.
     Raises `InputError`, `MissingProperty`, and `NoAnswer` where nothing of what is asked for can be seen.
 
     >>> import linkwright as lw
@@ -194,9 +200,14 @@ def plan(
         poses, effects or apart, instrument, noise, repeats, masses, frame, tool, boxes, seed,
         pairs_only=bool(apart), **reads,
     )  # fmt: skip
-    with told(progress) as hear:
+    with told(progress) as hear, interrupts() as check:
+
+        def heard(text: str, share: float) -> None:
+            check()
+            hear(text, share)
+
         try:
-            found = planned(given.model, asked, hear, None if before is None else before.recording)
+            found = planned(given.model, asked, heard, None if before is None else before.recording)
         except NothingToSee:
             raise NoAnswer("nothing of what is asked for moves anything that this instrument sees") from None
         except ValueError as error:

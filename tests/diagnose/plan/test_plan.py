@@ -224,9 +224,40 @@ def test_exchange_betters_any_choice_at_random():
     rng = np.random.default_rng(7)
     patterns = random_patterns(rng)
     score = _Score(patterns, RULES.plan)
-    chosen, back = chosen_visits(patterns, 10, lambda _: (), RULES.plan, rng, lambda _: None)
+    chosen, back, _ = chosen_visits(patterns, 10, lambda _: (), RULES.plan, rng, lambda _: None)
     assert back == []
     assert len(set(chosen)) == 10
     reached = score(score.beforehand + score.of(chosen))
     others = [score(score.beforehand + score.of(rng.permutation(40)[:10])) for _ in range(200)]
     assert reached < min(others)
+
+
+@pytest.mark.parametrize("heard", [10, 13])
+def test_an_interrupt_of_the_exchange_leaves_the_visits_that_stand(heard):
+    """No fewer than were asked for, none twice, and no worse than before the exchange; earlier there is no plan."""
+    patterns, score = random_patterns(np.random.default_rng(7)), RULES.plan
+    steps = []
+
+    def stops(share):
+        steps.append(share)
+        if len(steps) == heard + 1:
+            raise KeyboardInterrupt
+
+    chosen, _, stopped = chosen_visits(patterns, 10, lambda _: (), score, np.random.default_rng(7), stops)
+    greedy, _, whole = chosen_visits(
+        patterns, 10, lambda _: (), replace(score, passes=0), np.random.default_rng(7), lambda _: None
+    )
+    assert (stopped, whole) == (True, False)
+    assert len(set(chosen)) == 10
+    reached = _Score(patterns, score)
+    assert reached(reached.beforehand + reached.of(chosen)) <= reached(reached.beforehand + reached.of(greedy))
+
+
+def test_an_interrupt_before_there_are_visits_enough_leaves_nothing():
+    def stops(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        chosen_visits(
+            random_patterns(np.random.default_rng(7)), 10, lambda _: (), RULES.plan, np.random.default_rng(7), stops
+        )
