@@ -10,6 +10,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
@@ -45,8 +46,16 @@ def hold(kind: Kind, files: Mapping[str, bytes], folder: Path) -> bool:
     return True
 
 
-def held_of(name: str, kind: Kind, count: int, number: int, done: Synchronized[int], folder: Path) -> None:
-    """Hold so many odd files of a kind, each counted in `done` before it is read. Raises what the first one raises."""
+@dataclass(frozen=True)
+class _Told:
+    """What a process tells of itself: files begun; since when (`time.monotonic`) one is read, 0 between two."""
+
+    begun: Synchronized[int]
+    since: Synchronized[float]
+
+
+def _held_of(name: str, kind: Kind, count: int, number: int, told: _Told, folder: Path) -> None:
+    """Hold so many odd files of a kind. Raises what the first one raises."""
 
     @seed(number)
     @settings(
@@ -59,18 +68,22 @@ def held_of(name: str, kind: Kind, count: int, number: int, done: Synchronized[i
     )
     @given(odd_files(dict(kind.odd)))
     def every(files: dict[str, bytes]) -> None:
-        done.value += 1
-        hold(kind, files, folder)
+        told.begun.value += 1
+        told.since.value = time.monotonic()  # what thinks up the next file takes its own time
+        try:
+            hold(kind, files, folder)
+        finally:
+            told.since.value = 0.0
 
     every.__name__ = name
     every()
 
 
-def _worker(name: str, count: int, number: int, done: Synchronized[int], folder: str) -> None:
+def _worker(name: str, count: int, number: int, told: _Told, folder: str) -> None:
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     most = pages * os.sysconf("SC_PAGE_SIZE") + BYTES
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    held_of(name, kinds()[name], count, number, done, Path(folder))
+    _held_of(name, kinds()[name], count, number, told, Path(folder))
 
 
 class Watched:
@@ -79,24 +92,22 @@ class Watched:
     def __init__(self, name: str, count: int, number: int) -> None:
         context = multiprocessing.get_context("fork")
         self.name, self.wrong = name, ""
-        self._done = context.Value("q", 0, lock=False)
+        self._told = _Told(context.Value("q", 0, lock=False), context.Value("d", 0.0, lock=False))
         self._folder = tempfile.mkdtemp(prefix=f"fuzz-{name}-")
-        self._process = context.Process(target=_worker, args=(name, count, number, self._done, self._folder))
+        self._process = context.Process(target=_worker, args=(name, count, number, self._told, self._folder))
         self._process.start()
-        self._seen, self._since = 0, time.monotonic()
 
     @property
     def held(self) -> int:
         """How many inputs were held."""
-        return self._done.value
+        return self._told.begun.value
 
     def ended(self) -> bool:
         """Whether it has come to its end; `wrong` then tells of what it found, and where the files are that did it."""
         slow = False
         if self._process.is_alive():
-            if self.held != self._seen:
-                self._seen, self._since = self.held, time.monotonic()
-            slow = time.monotonic() - self._since > SECONDS
+            since = self._told.since.value
+            slow = since > 0.0 and time.monotonic() - since > SECONDS
             if not slow:
                 return False
             self._process.kill()

@@ -1,11 +1,13 @@
 """A sample of `make fuzz`: odd files of every kind are read, or refused in one line; and that this can fail."""
 
+import time
 from dataclasses import replace
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from benchmarks.fuzz import held
 from benchmarks.fuzz.held import Wrong, hold
 from benchmarks.fuzz.kinds import kinds
 from benchmarks.fuzz.odd import odd_files
@@ -45,3 +47,25 @@ def test_what_is_held_can_be_missed(tmp_path):
         hold(replace(kind, read=two_lines), {}, tmp_path)
     with pytest.raises(KeyError):
         hold(replace(kind, read=crash), {}, tmp_path)
+
+
+@pytest.mark.parametrize(("slow", "said"), [("reading", "took longer than 1 s"), ("thinking", "")])
+def test_reading_alone_is_timed(monkeypatch, slow, said):
+    """A reader that hangs is ended; what thinks up the next file may take its time."""
+
+    def read(_):
+        if slow == "reading":
+            time.sleep(600.0)
+
+    def thought(_):
+        return st.builds(lambda: time.sleep(3.0 * (slow == "thinking")) or {})
+
+    monkeypatch.setattr(held, "SECONDS", 1.0)
+    monkeypatch.setattr(held, "odd_files", thought)
+    monkeypatch.setattr(held, "kinds", lambda: {"arm": replace(KINDS["arm"], read=read)})
+    watched = held.Watched("arm", 1, 1)
+    while not watched.ended():
+        time.sleep(0.05)
+    assert said in watched.wrong
+    assert watched.held == 1
+    assert bool(watched.wrong) == bool(said)
