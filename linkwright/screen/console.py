@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
 import sys
+from textwrap import TextWrapper
 from typing import Any, NoReturn
 
 from rich.box import SIMPLE_HEAD
@@ -15,10 +18,20 @@ from linkwright.output.stream import OutputClosed, drop_output, printable
 from .narrow import FittingTable
 
 PLAIN_WIDTH = 100
-"""Columns where the output is not a terminal."""
+"""Columns where the output is not a terminal, unless COLUMNS says otherwise."""
+_NARROWEST = 20
 
 
 class _Console(Console):
+    broken = False
+    """Whether sentences are broken at words; elsewhere each is one line, which can be searched for."""
+
+    def print(self, *objects: Any, soft_wrap: bool | None = None, **options: Any) -> None:
+        """As `rich` does; what is wrapped softly is a sentence, broken where there is something to fit it to."""
+        if soft_wrap and self.broken:
+            objects = tuple(_broken(each, self.width) if isinstance(each, str) else each for each in objects)
+        super().print(*objects, soft_wrap=soft_wrap, **options)
+
     def on_broken_pipe(self) -> NoReturn:
         """Send the rest nowhere, and let the command end quietly."""
         drop_output()
@@ -30,10 +43,33 @@ class _Console(Console):
 
 
 def console(*, errors: bool = False) -> Console:
-    """A console on standard output (or error), without colours and 100 columns wide where that is no terminal."""
+    """A console on standard output (or error), without colours and 100 columns wide where that is no terminal.
+
+    COLUMNS says another width. Sentences are broken at words on a terminal, and wherever a width is asked for.
+    """
     stream = sys.stderr if errors else sys.stdout
-    width = None if stream.isatty() else PLAIN_WIDTH
-    return _Console(stderr=errors, width=width, highlight=False, emoji=False, markup=False)
+    asked, terminal = _columns(), stream.isatty()
+    width = asked or (None if terminal else PLAIN_WIDTH)
+    others = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}  # read here
+    made = _Console(stderr=errors, width=width, highlight=False, emoji=False, markup=False, _environ=others)
+    made.broken = terminal or asked is not None
+    return made
+
+
+def _columns() -> int | None:
+    """What COLUMNS asks for, where that is a width."""
+    said = os.environ.get("COLUMNS", "")
+    return max(int(said), _NARROWEST) if re.fullmatch("0*[1-9][0-9]{0,4}", said, re.ASCII) else None
+
+
+def _broken(sentence: str, width: int) -> str:
+    """Broken between words, what follows as far in as the first line; a word that is too long stays whole."""
+    lines: list[str] = []
+    for line in sentence.split("\n"):
+        inset = " " * min(len(line) - len(line.lstrip(" ")), width // 4)
+        wrapper = TextWrapper(width, subsequent_indent=inset, break_long_words=False, break_on_hyphens=False)
+        lines += wrapper.wrap(line) if len(line) > width else [line]
+    return "\n".join(lines)
 
 
 def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = None) -> Table:

@@ -82,7 +82,7 @@ class _Shown:
 
 
 def _say(out: Console, text: str, style: str | None = None) -> None:
-    # A sentence is printed whole, so that it can be searched for; a terminal breaks it itself.
+    # A sentence is printed whole where it is not to fit anything, so that it can be searched for.
     for line in text.split("\n"):
         out.print(plain(line), style=style, soft_wrap=True)
 

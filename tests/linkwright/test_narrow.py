@@ -1,12 +1,13 @@
-"""Tables at any width: every word of every cell stands there whole."""
+"""Tables and sentences at any width: every word stands there whole."""
 
 import io
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from linkwright.screen.console import table
+from linkwright.screen.console import console, table
 
 NAMES = st.lists(st.from_regex(r"[a-z0-9/^.-]{1,14}", fullmatch=True), max_size=4).map(" ".join)
 
@@ -50,3 +51,39 @@ def test_rows_too_wide_stand_one_below_the_other():
     made.add_row("2", "", "")
     told = [line.rstrip() for line in shown(made, 36).splitlines()]
     assert told == ["Materials", "cfrp-high-modulus-unidirectional", "  density: 1600 kg/m^3", "  █████", "material 2"]
+
+
+SENTENCE = "  certified: no pose is worse than 0.193931 mm to first order; see /a/name/without/any/blank/that/is/long"
+
+
+def said(capsys, text):
+    console().print(text, soft_wrap=True)
+    return capsys.readouterr().out.splitlines()
+
+
+def test_sentences_are_broken_at_words_where_a_width_is_asked_for(monkeypatch, capsys):
+    """And what follows stands as far in; a name too long for any line stays whole."""
+    monkeypatch.setenv("COLUMNS", "30")
+    lines = said(capsys, SENTENCE)
+    assert len(lines) > 3
+    assert [line for line in lines if len(line) > 30] == ["  /a/name/without/any/blank/that/is/long"]
+    assert all(line[:2] == "  " and line[2] != " " for line in lines)
+    assert " ".join(lines).split() == SENTENCE.split()
+    assert said(capsys, "short\nlines") == ["short", "lines"]
+    made = table("what", "size", numbers=(1,))
+    made.add_row("the strain of links along their axes", "0.00001976 mm")
+    console().print(made)
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 30
+
+
+@pytest.mark.parametrize("columns", [None, "", "0", "-3", "wide", "²", "9" * 50])
+def test_elsewhere_a_sentence_is_one_line_that_can_be_searched_for(monkeypatch, capsys, columns):
+    if columns is not None:
+        monkeypatch.setenv("COLUMNS", columns)
+    assert said(capsys, 5 * SENTENCE) == [5 * SENTENCE]
+
+
+def test_a_terminal_has_its_own_width(monkeypatch, capsys):
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setattr("os.get_terminal_size", lambda *_: (44, 20))
+    assert max(len(line) for line in said(capsys, SENTENCE.partition("; see")[0])) <= 44
