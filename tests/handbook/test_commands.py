@@ -1,9 +1,14 @@
 """Every command that README, docs and examples show: it parses, names files that are there, and the quick ones print
 what the page says."""
 
+import os
 import re
 import shlex
 import shutil
+import signal
+import subprocess
+import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -135,11 +140,7 @@ def test_catalogue_pages_print_what_they_show(page, tmp_path, monkeypatch, capsy
 
 
 NOT_RUN = {
-    "docs/tradeoff.md: linkwright tradeoff examples/welding-arm/problem.yaml --x mass --y max_error --by shape "
-    "--accuracy 0.05 --out front": "ten minutes; test_front.py draws its front and solves points of it anew",
-    "docs/tradeoff.md: linkwright tradeoff problem.yaml --out front --resume": "goes on with it",
-    "docs/paper.md: linkwright tables --markdown docs/paper.md": "tests/paper holds the page against it, part by part",
-    "docs/workshop.md: linkwright serve designs --open": "stays; tests/linkwright/browser walks through it",
+    "docs/workshop.md: linkwright serve designs --open": "stays; run until it is told to end, below",
     **dict.fromkeys(
         (
             "docs/real-machines.md: linkwright diagnose examples/real/motoman-ma2010/arm.yaml "
@@ -172,6 +173,8 @@ ELSEWHERE = {
     "examples/hidden-backlash/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/left-out-slopes/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/cable-drag/README.md": "tests/test_distribution.py",
+    "docs/tradeoff.md": "tests/handbook/test_front.py",
+    "docs/paper.md": "tests/paper/test_commands.py",
 }
 """Pages whose commands other tests run."""
 
@@ -181,7 +184,7 @@ def test_every_shown_command_runs_or_is_left_out_by_name():
     pages = {str(each.page.relative_to(ROOT)) for each in ALL if str(each) not in NOT_RUN}
     assert pages == {*FOLLOWED, *ELSEWHERE}
     assert set(NOT_RUN) <= {str(each) for each in ALL}
-    assert len(NOT_RUN) == 8
+    assert len(NOT_RUN) == 5
     assert all((ROOT / test).exists() for test in ELSEWHERE.values())
     assert "not part of the project" in (ROOT / "docs" / "real-machines.md").read_text(encoding="utf-8")
 
@@ -222,6 +225,36 @@ def test_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
         out = (printed.err + printed.out).replace(f"{tmp_path}/linkwright/", "")  # pages name files there as they are
         wrong += [f"{each}: {part}" for part in told(shown_lines, out)]
     assert wrong == []
+
+
+def test_what_stays_is_run_until_it_is_told_to_end(tmp_path):
+    """`serve ... --open` of the page, at a free port: the browser that is opened finds the pages there."""
+    typed = next(each for each in shown(ROOT / "docs" / "workshop.md") if each.words[0] == "serve")
+    assert str(typed) in NOT_RUN
+    (tmp_path / "designs").mkdir()
+    browser = tmp_path / "browser"
+    browser.write_text('#!/bin/sh\necho "opened $1"\n', encoding="utf-8")
+    browser.chmod(0o700)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "XDG_CONFIG_HOME": str(tmp_path),
+        "BROWSER": str(browser),
+        "COLUMNS": "10000",
+    }
+    command = [sys.executable, "-m", "linkwright", *typed.words, "--port", "0"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, text=True, **pipes) as run_:
+        said = run_.stdout.readline()
+        place = said.partition(" at ")[2].strip()
+        opened = next(line for line in run_.stdout if line.startswith("opened "))
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(place) as answer:
+            page = answer.read().decode("utf-8")
+        run_.send_signal(signal.SIGINT)
+        rest, complaints = run_.communicate(timeout=60)
+    assert opened.split() == ["opened", place]
+    assert "Linkwright" in page
+    assert (run_.returncode, rest.splitlines()[-1:], complaints) == (0, ["stopped"], "")
 
 
 def test_disagreement_is_seen():

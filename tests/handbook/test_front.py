@@ -9,6 +9,8 @@ import linkwright as lw
 from handbook.front import DRAWN, PAGE, PICTURE, asked, shown, unpack
 from handbook.sources import ROOT
 from linkwright.cli import run
+from optimize.tradeoff.journal import JOURNAL
+from tests.handbook import pages
 
 EXAMPLE = ROOT / "examples" / "welding-arm"
 
@@ -60,3 +62,25 @@ def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
     (tmp_path / "one.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
     best = lw.optimize(tmp_path / "one.yaml").found
     assert 1e3 * best.after.max_error == pytest.approx(point["max_error_mm"], rel=2e-3)
+
+
+def test_a_front_that_was_stopped_is_gone_on_with(tmp_path, monkeypatch):
+    """As the page types it, of a small problem whose journal lost the second half of its points."""
+    given = yaml.safe_load((EXAMPLE / "problem.yaml").read_text(encoding="utf-8"))
+    given["arm"] = str(EXAMPLE / "arm.yaml")
+    given["subject_to"] = {"mass": "<= 26 kg", "section_size": ["90 mm", "100 mm"]}
+    given["choose"] = {"section": ["circle"], "material": ["aluminium-6061-t6"], "same": ["section", "size"]}
+    (tmp_path / "problem.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (typed,) = (each.words for each in pages.shown(PAGE) if "--resume" in each.words)
+    assert run([word for word in typed if word != "--resume"]) == 0
+    folder = tmp_path / typed[typed.index("--out") + 1]
+    whole, lines = found_in(folder), (folder / JOURNAL).read_text(encoding="utf-8").splitlines(keepends=True)
+    (folder / JOURNAL).write_text("".join(lines[: len(lines) // 2 + 1]), encoding="utf-8")
+    (folder / "result.json").unlink()
+    assert run(typed) == 0
+    gone_on = found_in(folder)
+    assert 0 < gone_on["resumed"] < whole["solved"]
+    assert 0 < gone_on["solved"] < whole["solved"]
+    for old, new in zip(whole["points"], gone_on["points"], strict=True):
+        assert [new["mass_kg"], new["max_error_mm"]] == pytest.approx([old["mass_kg"], old["max_error_mm"]], rel=1e-6)
