@@ -259,6 +259,8 @@ class Confirmed:
             whole = rms_length(self.observed.still(remaining(self.prepared, fit(self.prepared, ()))[:, :width]))
             unexplained = bool(self.members) and left**2 - floor**2 > rules.most_left * (whole**2 - floor**2)
             lasting = local or unexplained or predictable(self.namer, self.found, folds) > rules.lasting
+            # Of a small remainder forms that are picked by what they predict tell more than that by chance.
+            lasting = lasting and not (self.members and self._only_scatter())
         self.scattered = not lasting
         return lasting
 
