@@ -488,9 +488,9 @@ def _check_rods(mapping: Mapping, problem: Problem) -> None:
 
 def _check_listed(mapping: Mapping, problem: Problem) -> None:
     """What does not go with sections from a list."""
-    if problem.link_length is not None:
-        would_do = "leave link_length out, or sizes, and round afterwards (optimize --round stock)"
-        raise mapping.error("choose.sizes", f"goes with lengths that stay; {would_do}")
+    if problem.link_length is not None and problem.actuators is not None:
+        would_do = "name the drives in the arm file, or leave link_length out"
+        raise mapping.error("choose.sizes", f"goes with actuators where lengths stay; {would_do}")
     if problem.taper is not None:
         raise mapping.error("choose.sizes", "holds uniform sections; leave out subject_to.taper, or sizes")
     if problem.uncertain is not None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from arm.chain.chain import Arm
+from arm.worst.search import WorstPose
 from optimize.exchange.binding_poses import ErrorCut, Pool
 from optimize.exchange.exchange import Context
 from optimize.exchange.program import fixed_error
@@ -51,11 +52,7 @@ class Judge(RoundSearch):
         for row, case in zip(q, load_cases, strict=True):
             if self.context.uses_error:
                 pose = search.worst_poses_at(row[None], p, search.case_at(row, p, case))[0]
-                shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
-                if fixed_error(self.context.model) > 0.0:
-                    shift = np.zeros(3)
-                place = (float(shift[0]), float(shift[1]), float(shift[2]))
-                self.pool = self.pool.with_errors((ErrorCut(pose.q, pose.load_case, pose.signs, place),))
+                self.pool = self.pool.with_errors((cut_of(self.context, pose),))
             for family, prepared in self.context.families:
                 if family.bounds_many and family.more(prepared) == 0:
                     self.pool = self.pool.with_cuts(family.name, [Cut(tuple(row.tolist()), case)])
@@ -77,3 +74,11 @@ class Judge(RoundSearch):
         for name, cuts in self._cuts.items():
             self.pool = self.pool.with_cuts(name, cuts)
         return self.pool
+
+
+def cut_of(context: Context, pose: WorstPose) -> ErrorCut:
+    """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
+    shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
+    if fixed_error(context.model) > 0.0:
+        shift = np.zeros(3)
+    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.errors.model import needs_shear_modulus
 from materials.material import Material
@@ -104,4 +105,26 @@ def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
         found[places, PRICE] = np.log(np.maximum(price, _LEAST_PRICE))
         found[places, EXPANSION] = row[MATERIAL_FIELDS.index("thermal_expansion")]
     found[:, _ALWAYS:] = np.where(np.isfinite(found[:, _ALWAYS:]), found[:, _ALWAYS:], 0.0)
+    return found
+
+
+def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDArray[np.intp], ...]]:
+    """All designs, in parts that agree in what must be the same: of each link the options (by number) in a part."""
+    kinds = [_kinds(each, same) for each in lists]
+    found: list[tuple[NDArray[np.intp], ...]] = []
+    for kind in dict.fromkeys(kinds[0]):
+        options = tuple(np.array([k for k, each in enumerate(own) if each == kind], dtype=np.intp) for own in kinds)
+        if all(len(own) for own in options):
+            found.append(options)
+    return found
+
+
+def _kinds(own: LinkList, same: frozenset[str]) -> list[object]:
+    found: list[object] = []
+    for option in own.options:
+        assert option.section is not None
+        assert option.material is not None
+        size = option.section if "size" in same else None
+        shape = option.section.shape if "section" in same else None
+        found.append((size, shape, option.material.name if "material" in same else None))
     return found

@@ -24,6 +24,7 @@ from optimize.rounding.nearest import nearest_design
 from optimize.trust import doubts
 from units.quantities import NoAnswer, format_quantity
 
+from .free.search import FreeListSearch
 from .options import LinkList, link_lists
 from .search import CLOSE, Found, ListSearch
 
@@ -57,7 +58,8 @@ def optimise_listed(
     context = context_of(replace(problem, sizes=None))
     try:
         before = evaluate(given.arm, given.workspace, given.load_cases)
-        search = ListSearch(context, link_lists(problem), progress=progress, log=log)
+        kind = ListSearch if problem.link_length is None else FreeListSearch
+        search = kind(context, link_lists(problem), progress=progress, log=log)
         found, after = _found(search)
     except Unreachable as error:
         raise NoAnswer(f"workspace: {error}") from None
@@ -102,7 +104,7 @@ def optimise_listed(
     )
 
 
-def _found(search: ListSearch) -> tuple[Found, Evaluation]:
+def _found(search: ListSearch | FreeListSearch) -> tuple[Found, Evaluation]:
     """The best design with its evaluation, which has the last word; raises `NoAnswer` where there is none."""
     problem = search.context.problem
     for _ in range(_MOST_EXCLUDED):
@@ -110,7 +112,7 @@ def _found(search: ListSearch) -> tuple[Found, Evaluation]:
         if found.pick is None:
             proven = math.isinf(found.bound) and found.bound > 0.0
             raise NoListed(_why_not(search, proven=proven), proven=proven)
-        arm = search.judge.table.arm_of([*found.pick, 0])
+        arm = search.judge.table.arm_of(found.pick)
         after = evaluate(arm, problem.workspace, problem.load_cases)
         if found.interrupted or not broken(problem.limits, after):
             return found, after
@@ -137,7 +139,7 @@ def _among(arm: Arm, lists: tuple[LinkList, ...]) -> bool:
     )
 
 
-def _why_not(search: ListSearch, *, proven: bool) -> str:
+def _why_not(search: ListSearch | FreeListSearch, *, proven: bool) -> str:
     """That no design keeps the limits, or none was found; and by what the nearest of a sample breaks them."""
     told = (
         "no combination of the sizes listed keeps all limits" if proven else "no design that keeps all limits was found"

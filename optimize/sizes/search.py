@@ -25,7 +25,7 @@ from optimize.result import Iteration
 from sections.numeric import Array
 
 from .judging import Judge
-from .options import LinkList
+from .options import LinkList, agreeing
 from .relaxation import Part, Relaxation, Relaxed
 from .rows import Integers, greatest, table_row
 
@@ -52,8 +52,9 @@ _AGREE = 1e-6
 
 @dataclass(frozen=True)
 class Found:
-    """How a search ended: the best design (an option of each link) or None, its objective (SI), the bound that no
-    design goes below, parts looked at, designs compared and searched, and whether it was interrupted."""
+    """How a search ended: the best design (an option of each link, then a choice of lengths) or None, its objective
+    (SI), the bound that no design goes below, parts looked at, designs compared and searched, and whether it was
+    interrupted."""
 
     pick: tuple[int, ...] | None
     objective: float
@@ -120,7 +121,7 @@ class ListSearch:
 
     def exclude(self, pick: tuple[int, ...]) -> None:
         """Leave a design out of the next run: it turned out to break a limit after all."""
-        self.judge.exclude((*pick, 0))
+        self.judge.exclude(pick)
 
     def run(self) -> Found:
         """Split and compare until nothing better can be left, or enough parts were looked at."""
@@ -144,7 +145,7 @@ class ListSearch:
     def _found(self, *, interrupted: bool = False) -> Found:
         best = self.judge.best
         bound = -math.inf if interrupted or not self._agrees() else self.bound * self.worth
-        pick, objective = (None, math.inf) if best is None else (best[0][:-1], best[1])
+        pick, objective = (None, math.inf) if best is None else best
         return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
 
     def _agrees(self) -> bool:
@@ -200,23 +201,7 @@ class ListSearch:
 
     def _roots(self) -> list[Part]:
         """All designs, in parts that agree in what must be the same."""
-        kinds = [self._kinds(each) for each in self.lists]
-        found: list[Part] = []
-        for kind in dict.fromkeys(kinds[0]):
-            options = tuple(np.array([k for k, each in enumerate(own) if each == kind], dtype=np.intp) for own in kinds)
-            if all(len(own) for own in options):
-                found.append(Part(options))
-        return found
-
-    def _kinds(self, own: LinkList) -> list[object]:
-        found: list[object] = []
-        for option in own.options:
-            assert option.section is not None
-            assert option.material is not None
-            size = option.section if "size" in self.same else None
-            shape = option.section.shape if "section" in self.same else None
-            found.append((size, shape, option.material.name if "material" in self.same else None))
-        return found
+        return [Part(options) for options in agreeing(self.lists, self.same)]
 
     # ---- parts
 

@@ -1,0 +1,85 @@
+"""A part of all combinations in two: by the column, or the price, in which what a link is mixed of differs most."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sections.numeric import Array
+
+from .cells import COLUMNS, LENGTH, PRICE, Ids
+from .relaxation import Node, Relaxation, Relaxed
+
+_LEAST_SCORE = 1e-7
+"""Where splitting could win less than this (relative), a part stays as it is."""
+_RATE_SHARE = 0.05
+"""Prices by the kilogram are split where they promise more than this share of what the best column does: they tell
+materials apart wholly, which takes many splits of columns."""
+_ASIDE = 1e-4
+"""A side of a part this near (in logarithms) is where the split would be."""
+
+
+def split(relaxation: Relaxation, node: Node, found: Relaxed) -> list[Node]:
+    """A part in two, by the column in which what is mixed differs most."""
+    scores = found.chords.copy()
+    for k in range(len(relaxation.cells)):
+        mixed: dict[int, tuple[float, Array]] = {}
+        for column, share in found.shares:
+            if column.link == k:
+                weight, at = mixed.get(column.cell, (0.0, np.zeros(len(COLUMNS))))
+                mixed[column.cell] = (weight + share, at + share * column.values)
+        for weight, at in mixed.values():
+            scores[k] += np.abs(found.prices[k]) * np.abs(at - weight * found.y[k])
+    # At a side that the part has already nothing is split.
+    beside = (found.y > node.low + _ASIDE) & (found.y < node.high - _ASIDE)
+    beside[:, LENGTH] = node.high[:, LENGTH] > node.low[:, LENGTH] + _ASIDE
+    scores = np.where(beside, scores, 0.0)
+    k, column = (int(x) for x in np.unravel_index(int(scores.argmax()), scores.shape))
+    by_rate = _by_rate(relaxation, node, found, float(scores[k, column]))
+    if by_rate is not None:
+        return by_rate
+    if scores[k, column] <= _LEAST_SCORE:
+        return []
+    at = float(found.y[k, column])
+    if column == LENGTH:
+        room = 0.1 * (node.high - node.low)[k, LENGTH]
+        at = min(max(at, node.low[k, LENGTH] + room), node.high[k, LENGTH] - room)
+    parts: list[Node] = []
+    for side in (0, 1):
+        low, high = node.low.copy(), node.high.copy()
+        (high if side == 0 else low)[k, column] = at
+        least, most = relaxation.cells[k].spans(node.cells[k])
+        inside = (least[:, column] <= at) if side == 0 else (most[:, column] >= at)
+        if column == LENGTH:
+            inside = np.ones(len(inside), dtype=bool)
+        cells: tuple[Ids, ...] = tuple(ids[inside] if j == k else ids for j, ids in enumerate(node.cells))
+        parts.append(replace(node, cells=cells, low=low, high=high))
+    return parts
+
+
+def _by_rate(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -> list[Node] | None:
+    """A part in two by the price of the materials by the kilogram, which tells options apart wholly where columns
+    of sections overlap; None where splitting by a column promises far more than that (`score`)."""
+    best: tuple[float, int, float] | None = None
+    for k in range(len(relaxation.cells)):
+        mixed = [(share, _rate(relaxation, k, column.cell)) for column, share in found.shares if column.link == k]
+        shares, rates = np.array(mixed).T
+        middle = float(shares @ rates / shares.sum())
+        worth = float(np.abs(found.prices[k, PRICE]) * (shares @ np.abs(rates - middle)))
+        if rates.max() - rates.min() > _ASIDE and (best is None or worth > best[0]):
+            best = worth, k, middle
+    if best is None or best[0] <= max(_LEAST_SCORE, _RATE_SHARE * score):
+        return None
+    _, k, at = best
+    rates = np.array([_rate(relaxation, k, cell) for cell in node.cells[k]])
+    return [
+        replace(node, cells=tuple(ids[side] if j == k else ids for j, ids in enumerate(node.cells)))
+        for side in (rates <= at, rates > at)
+    ]
+
+
+def _rate(relaxation: Relaxation, k: int, cell: int) -> float:
+    """The logarithm of the price of a cell's material by the kilogram."""
+    middle = relaxation.cells[k].corners[cell, -1]
+    return float(middle[PRICE] - middle[0])

@@ -1,0 +1,63 @@
+"""Lengths made to keep the limits on their sum, and lengths beside others."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from optimize.problem import Problem
+from sections.numeric import Array
+
+_HALVED = 200
+
+
+def fitted(problem: Problem, lengths: Sequence[float]) -> tuple[float, ...]:
+    """The lengths (m) of all links, those of elastic ones scaled alike and cut to the problem's range, so that the
+    reach is within its limits."""
+    assert problem.link_length is not None
+    least, most = problem.link_length
+    free = np.array([link.section is not None for link in problem.arm.links])
+    own = np.array(lengths, dtype=float)
+
+    def scaled(factor: float) -> Array:
+        return np.where(free, np.clip(factor * own, least, most), own)
+
+    now = scaled(1.0)
+    low, high = _reach(problem)
+    total = float(now.sum())
+    if low <= total <= high:
+        return tuple(now.tolist())
+    wanted = low if total < low else high
+    ends = [least / float(own[free].max()), most / float(own[free].min())]
+    for _ in range(_HALVED):
+        middle = 0.5 * (ends[0] + ends[1])
+        ends[0 if scaled(middle).sum() < wanted else 1] = middle
+    found = scaled(ends[1])
+    # What rounding leaves is taken from a link that has room for it.
+    rest = wanted - float(found.sum())
+    room = np.where(free & (found + rest >= least) & (found + rest <= most), found, 0.0)
+    found[int(room.argmax())] += rest
+    return tuple(found.tolist())
+
+
+def _reach(problem: Problem) -> tuple[float, float]:
+    """The least and the greatest reach (m) that the limits allow."""
+    low, high = 0.0, np.inf
+    for limit in problem.limit("reach"):
+        low = max(low, limit.value) if limit.relation in ("==", ">=") else low
+        high = min(high, limit.value) if limit.relation in ("==", "<=") else high
+    return low, high
+
+
+def moved(problem: Problem, lengths: Sequence[float], links: Sequence[int], step: float) -> Iterator[tuple[float, ...]]:
+    """Lengths (m) beside others, as near as the problem allows: one link longer or shorter by a share, or two of them,
+    one at the expense of the other."""
+    assert problem.link_length is not None
+    own = np.array(lengths)
+    steps = step * np.diag(own)
+    pairs = [steps[one] - steps[other] * own[one] / own[other] for one, other in itertools.combinations(links, 2)]
+    for change in (*(steps[one] for one in links), *pairs):
+        for trial in (own + change, own - change):
+            yield fitted(problem, trial)

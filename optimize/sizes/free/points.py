@@ -1,0 +1,32 @@
+"""Listed sections as cells of one point each, for the bounds on all combinations (`optimize.choice.at_once`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from optimize.choice.at_once.cells import Cells, Ids
+from optimize.sizes.options import LinkList
+from sections.numeric import Array
+
+
+class Points(Cells):
+    """The options of a link: each is a cell that is never split, with the number that the list gives it."""
+
+    def __init__(self, own: LinkList) -> None:
+        count = len(own.options)
+        self.count = count
+        self.option = np.arange(count)
+        self.roots = np.arange(count)
+        self.corners = np.repeat(own.columns[:, None], 2, axis=1)
+        self.kept = np.ones((count, 2), dtype=bool)
+        self.pad = np.zeros_like(own.columns)
+
+    @property
+    def spent(self) -> bool:
+        """A point has no parts."""
+        return True
+
+    def losses(self, ids: Ids, price: Array) -> Array:
+        """By how much more than the least of `ids` each of them costs (N)."""
+        scores = self.corners[ids, 0] @ price
+        return scores - scores.min()

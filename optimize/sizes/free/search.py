@@ -1,0 +1,391 @@
+"""The best of all designs from lists with lengths to choose, with a bound that closes where one can be had.
+
+All sections and lengths are bounded at once (`optimize.choice.at_once.relaxation`, each listed section a cell of one
+point) and split by what counts (Land and Doig 1960, doi:10.2307/1910129). What a relaxed part is nearest to is settled
+in turn: sections at its lengths, then the best lengths for these sections, with the worst poses of that design joining
+the rows. Where the model is no sum of products, poses of a place turn with the lengths, or limits are no rows,
+sections for settled lengths and lengths for settled sections are looked for by turns as well.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from arm.worst.workspace import Unreachable
+from optimize.choice.at_once.cells import COLUMNS, LENGTH
+from optimize.choice.at_once.lengths import LengthRows
+from optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
+from optimize.choice.at_once.splitting import split
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.design import numeric_beams
+from optimize.exchange.exchange import Context, context_of
+from optimize.result import Iteration
+from optimize.sizes.judging import Judge, cut_of
+from optimize.sizes.options import LinkList, agreeing
+from optimize.sizes.rows import Integers, greatest, table_row
+from optimize.sizes.search import Found, ListSearch, Progress
+from sections.numeric import Array
+
+from .fitting import fitted, moved
+from .points import Points
+from .program import LengthProgram, Lengths
+from .rows import SettledRow
+
+WANTED = 1e-2
+"""The gap that is always worth more parts."""
+MOST_PARTS = 600
+_SHARE = 0.9
+"""A part whose bound is nearer to the best design than this share of the gap wanted is done with."""
+_TRIED = 20_000
+"""Combinations of the options that cost least at a part's lengths, tried to find a good design."""
+_SETTLED = 2
+"""So many of them get lengths of their own."""
+_MOST_ROUNDS = 12
+_TOLERANCE = 2e-5
+"""A pose that is worse than the rows say by more (relative) becomes a row."""
+_ADDED = 2
+_BETTER = 1e-6
+_AGREE = 1e-6
+"""A row may be this far (relative) above what the whole evaluation of a design says."""
+_STEPS = (0.1, 0.03, 0.01, 0.003)
+"""By how much lengths are changed where they are looked for one by one, relative."""
+_WORTH = 0.05
+"""A step that wins less than this share of it (relative) is not taken again."""
+_TURNS = 4
+_SUMS = ("mass", "total_mass", "cost")
+
+
+class FreeListSearch:
+    """Looks for the best design of a problem whose sections are listed and whose lengths are free."""
+
+    def __init__(
+        self,
+        context: Context,
+        lists: tuple[LinkList, ...],
+        *,
+        progress: Progress | None = None,
+        log: Callable[[Iteration], None] | None = None,
+    ) -> None:
+        problem = context.problem
+        assert problem.link_length is not None
+        self.context, self.lists, self.progress, self._log = context, lists, progress, log
+        self.history: list[Iteration] = []
+        self.judge = Judge(context, lists, self._heard)
+        self.span = problem.link_length
+        self.links = tuple(each.link for each in lists)
+        logs = (math.log(self.span[0]), math.log(self.span[1]))
+        points = {id(each.columns): Points(each) for each in lists}
+        self._points = [points[id(each.columns)] for each in lists]
+        self.relaxation = Relaxation(self._points, self.links, problem.arm.size, logs)
+        sums = problem.arm.play == "worst" or not context.uses_error
+        self.bounded = sums and problem.workspace.kind == "joints" and problem.minimize in ("max_error", *_SUMS)
+        """Whether there are rows, so that anything can be bounded."""
+        self.worth = 1.0
+        self.parts = self.compared = 0
+        self._rows = LengthRows(context, self.span)
+        self._pool = Pool()
+        self._settled: list[SettledRow] = []
+        self._program: LengthProgram | None = None
+        self._tried: set[tuple[int, ...]] = set()
+        self._order = itertools.count()
+        self._heap: list[tuple[float, int, Node]] = []
+        self._out = math.inf
+        self._begun = False
+
+    @property
+    def objective(self) -> float:
+        """The best objective so far, relative to `worth`."""
+        return math.inf if self.judge.best is None else self.judge.best[1] / self.worth
+
+    @property
+    def bound(self) -> float:
+        """The bound so far, relative to `worth`."""
+        return min([self._out, self.objective, *(entry[0] for entry in self._heap[:1])])
+
+    @property
+    def gap(self) -> float:
+        """By how much (relative) the best design is above the bound."""
+        return math.inf if math.isinf(self.objective) else max(0.0, 1.0 - self.bound / self.objective)
+
+    @property
+    def combinations(self) -> int:
+        """How many combinations of sections there are."""
+        return sum(math.prod(len(own) for own in part) for part in agreeing(self.lists, self.context.problem.same))
+
+    def exclude(self, pick: tuple[int, ...]) -> None:
+        """Leave a design out of the next run: it turned out to break a limit after all."""
+        self.judge.exclude(pick)
+
+    def run(self) -> Found:
+        """Split and settle until nothing much better can be left, or enough parts were looked at."""
+        self._heap, self._out, self.parts = [], math.inf, 0
+        self._tried = set()
+        try:
+            if not self._begun:
+                self._begin()
+            first = fitted(self.context.problem, self.context.problem.arm.lengths)
+            if not self.bounded or self.context.families:
+                self._by_turns(first)
+            if self.bounded:
+                self._branch()
+            if self.bounded and self.context.families and self.judge.best is not None:
+                self._by_turns(self.judge.table.lengths[self.judge.best[0][-1]])
+        except KeyboardInterrupt:
+            if self.judge.best is None:
+                raise
+            return self._found(interrupted=True)
+        return self._found()
+
+    def _found(self, *, interrupted: bool = False) -> Found:
+        best = self.judge.best
+        known = self.bounded and bool(self._heap or math.isfinite(self._out) or best is None) and self._agrees()
+        bound = self.bound * self.worth if known else -math.inf
+        pick, objective = (None, math.inf) if best is None else best
+        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+
+    def _agrees(self) -> bool:
+        """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
+        and within all others. What they bound is worth nothing otherwise."""
+        if self.judge.best is None:
+            return True
+        pick = self.judge.best[0]
+        at = self._columns(pick[:-1])
+        at[LENGTH :: len(COLUMNS)] = np.log(self.judge.table.lengths[pick[-1]])
+        values = [(row, row.value(at)) for row in self.relaxation.rows]
+        return all(value <= (self.objective * (1.0 + _AGREE) if row.objective else _AGREE) for row, value in values)
+
+    # ---- rows
+
+    def _begin(self) -> None:
+        """Rows of the worst poses of the stiffest options and of the lightest."""
+        self._begun = True
+        problem = self.context.problem
+        lengths = self.judge.table.add_lengths([fitted(problem, problem.arm.lengths)])[0]
+        picks = [[int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)]
+        arms = [self.judge.table.arm_of([*pick, lengths]) for pick in picks]
+        self._p = numeric_beams(arms[0], problem.load_cases)
+        self._arm = arms[0]
+        if not self.bounded:
+            return
+        if problem.minimize == "max_error":
+            self.worth = max(self.context.search.worst(self._p, certify=False).error, 1e-12)
+        else:
+            self.worth = max(float(self.judge.objective_of(np.array([[*picks[0], lengths]]))[0]), 1e-9)
+        for arm in arms:
+            self._learn(numeric_beams(arm, problem.load_cases), -math.inf)
+        self._refresh()
+
+    def _learn(self, p: Array, allowed: float) -> bool:
+        """Add a design's worst poses whose errors (m) are not `allowed`; whether there were new ones."""
+        if not self.context.uses_error:
+            return False
+        worst = self.context.search.worst(p, certify=False)
+        worse = [pose for pose in worst.poses if pose.error > max(allowed * (1.0 + _TOLERANCE), 0.9 * worst.error)]
+        before = self._pool.size
+        self._pool = self._pool.with_errors(tuple(cut_of(self.context, pose) for pose in worse[:_ADDED]))
+        return self._pool.size > before
+
+    def _refresh(self) -> None:
+        """The rows of the pool as it is now; parts keep the tangents of the rows that they had."""
+        rows = self._rows.rows_of(self._pool, self._arm, self._p, self.worth)
+        if rows is None:
+            self.bounded = False
+            return
+        self.relaxation.rows = rows
+        self._settled = [*self._settled, *(SettledRow(row) for row in rows[len(self._settled) :])]
+        self._program = LengthProgram(rows, self.context.problem.limits, self.links, self.span)
+
+    def _columns(self, pick: Sequence[int]) -> Array:
+        """The columns (n K) of an option of each link."""
+        return self.relaxation.full(
+            np.array([each.columns[option] for each, option in zip(self.lists, pick, strict=True)])
+        )
+
+    # ---- parts
+
+    def _branch(self) -> None:
+        for options in agreeing(self.lists, self.context.problem.same):
+            node = self.relaxation.root(options)
+            found = self.relaxation.solve(node, math.inf)
+            self._push(replace(found.node, bound=found.bound))
+            self._try(found)
+        while self._heap and self.parts < MOST_PARTS and self.gap > WANTED:
+            self._tell()
+            self._step(heapq.heappop(self._heap)[2])
+
+    def _push(self, node: Node) -> None:
+        heapq.heappush(self._heap, (node.bound, next(self._order), node))
+
+    def _enough(self) -> float:
+        return self.objective * (1.0 - _SHARE * WANTED)
+
+    def _step(self, node: Node) -> None:
+        self.parts += 1
+        if node.bound >= self._enough():
+            self._out = min(self._out, node.bound)
+            return
+        found = self.relaxation.solve(node, self._enough())
+        bound = max(found.bound, node.bound)
+        if bound < self._enough():
+            self._try(found)
+        enough = self._enough()
+        if bound >= enough:
+            self._out = min(self._out, bound)
+            return
+        left = self._filtered(replace(found.node, bound=bound), found, enough)
+        if any(len(ids) == 0 for ids in left.cells):
+            self._out = min(self._out, enough)
+            return
+        parts = split(self.relaxation, left, found)
+        if not parts:
+            self._out = min(self._out, bound)
+        for part in parts:
+            # What cells hold says where they are; sides of their columns would only be rows more.
+            low, high = np.full_like(part.low, -np.inf), np.full_like(part.high, np.inf)
+            low[:, LENGTH], high[:, LENGTH] = part.low[:, LENGTH], part.high[:, LENGTH]
+            self._push(replace(part, low=low, high=high))
+
+    def _losses(self, found: Relaxed) -> list[Array]:
+        """By how much the bound rises at least where a link must be each of a part's options."""
+        cells = zip(self._points, found.node.cells, found.prices, strict=True)
+        return [points.losses(ids, price) for points, ids, price in cells]
+
+    def _filtered(self, node: Node, found: Relaxed, enough: float) -> Node:
+        """The part without the options that alone bring its bound to what is enough."""
+        bound = found.constant
+        for points, ids, price, low, high in zip(
+            self._points, node.cells, found.prices, node.low, node.high, strict=True
+        ):
+            end = float((low if price[LENGTH] >= 0.0 else high)[LENGTH])
+            bound += float((points.corners[ids, 0] @ price).min()) + float(price[LENGTH]) * end
+        kept = [ids[own < enough - bound] for ids, own in zip(node.cells, self._losses(found), strict=True)]
+        return replace(node, cells=tuple(kept))
+
+    # ---- designs
+
+    def _try(self, found: Relaxed) -> None:
+        """Sections that are best at a part's lengths, each with the lengths that are best for it."""
+        if not np.isfinite(found.bound) or not len(found.prices):
+            return
+        problem = self.context.problem
+        lengths = list(problem.arm.lengths)
+        for link, value in zip(self.links, np.exp(found.y[:, LENGTH]).tolist(), strict=True):
+            lengths[link] = value
+        for pick in self._picks(found, fitted(problem, lengths)):
+            if pick not in self._tried:
+                self._tried.add(pick)
+                self._settle(pick, lengths)
+
+    def _picks(self, found: Relaxed, lengths: Sequence[float]) -> list[tuple[int, ...]]:
+        """The best few combinations of the options that cost least, at lengths (m)."""
+        each = max(2, int(_TRIED ** (1.0 / len(self.lists))))
+        mixed = [{column.cell for column, _ in found.shares if column.link == k} for k in range(len(self.lists))]
+        few: list[Integers] = []
+        for ids, losses, own in zip(found.node.cells, self._losses(found), mixed, strict=True):
+            order = np.lexsort((losses, ~np.isin(ids, list(own))))
+            few.append(ids[order[:each]])
+        logarithms = np.log(np.array(lengths))
+        sub = [
+            LinkList(own.link, tuple(own.options[k] for k in ids), own.columns[ids])
+            for own, ids in zip(self.lists, few, strict=True)
+        ]
+        rows = [table_row(row.at(logarithms), sub) for row in self._settled]
+        axes = np.meshgrid(*[np.arange(len(ids)) for ids in few], indexing="ij")
+        picks = np.stack([axis.ravel() for axis in axes], axis=1)
+        self.compared += len(picks)
+        values, left = greatest(rows, picks, math.inf)
+        if not len(left):
+            # Other lengths may keep the limits.
+            best = [ids[:1] for ids in few]
+            return [tuple(int(ids[0]) for ids in best)]
+        first = left[np.argsort(values, kind="stable")[:_SETTLED]]
+        return [tuple(int(ids[k]) for ids, k in zip(few, picks[row], strict=True)) for row in first]
+
+    def _settle(self, pick: tuple[int, ...], lengths: Sequence[float]) -> None:
+        """The exchange for the lengths of sections that are settled; what it comes to is judged."""
+        columns = self._columns(pick)
+        start = [lengths[link] for link in self.links]
+        for _ in range(_MOST_ROUNDS):
+            assert self._program is not None
+            found: Lengths | None = self._program.solve(columns, start)
+            if found is None or found.value >= self.objective * (1.0 - _BETTER):
+                return
+            start = list(found.lengths)
+            whole = list(self.context.problem.arm.lengths)
+            for link, length in zip(self.links, found.lengths, strict=True):
+                whole[link] = length
+            place = self._offer(pick, [fitted(self.context.problem, whole)])[0]
+            p = self.judge.table.figures(np.array([[*pick, place]])).p[0]
+            allowed = found.value * self.worth if self.context.problem.minimize == "max_error" else self._allowed
+            if not self._learn(p, allowed):
+                return
+            self._refresh()
+            if not self.bounded:
+                return
+
+    @property
+    def _allowed(self) -> float:
+        return min((limit.value for limit in self.context.problem.limit("max_error")), default=math.inf)
+
+    def _offer(self, pick: Sequence[int], choices: Sequence[tuple[float, ...]]) -> list[int]:
+        """Have designs of the same sections judged; the numbers of their choices of lengths."""
+        places = self.judge.table.add_lengths(choices)
+        if self.judge.offer(np.array([[*pick, place] for place in places], dtype=np.intp)):
+            self._note()
+        return places
+
+    def _by_turns(self, lengths: Sequence[float]) -> None:
+        """Sections for settled lengths and lengths for settled sections by turns, until neither is better."""
+        problem = self.context.problem
+        for _ in range(_TURNS):
+            before = self.judge.best
+            arm = problem.arm
+            links = [replace(link, length=own) for link, own in zip(arm.links, lengths, strict=True)]
+            settled = replace(problem, arm=arm.with_links(tuple(links)), link_length=None)
+            try:
+                found = ListSearch(context_of(settled), self.lists, progress=self.progress).run()
+            except Unreachable:
+                return
+            if found.pick is None:
+                return
+            self._offer(found.pick[:-1], [tuple(lengths)])
+            if self.judge.best is None or self.judge.best == before:
+                return
+            self._move()
+            lengths = self.judge.table.lengths[self.judge.best[0][-1]]
+
+    def _move(self) -> None:
+        """Change the lengths of the best design a little, less and less, until none is better."""
+        assert self.judge.best is not None
+        for step in _STEPS:
+            while True:
+                pick, before = self.judge.best
+                lengths = self.judge.table.lengths[pick[-1]]
+                self._offer(pick[:-1], list(moved(self.context.problem, lengths, self.links, step)))
+                if not self.judge.complete or self.judge.best[1] >= before * (1.0 - step * _WORTH):
+                    break
+
+    # ---- telling
+
+    def _note(self) -> None:
+        """A line of the log: a better design."""
+        assert self.judge.best is not None
+        number = len(self.history) + 1
+        self.history.append(Iteration(number, self.judge.best[1], math.nan, self._pool.size, 0.0, False))
+        if self._log is not None:
+            self._log(self.history[-1])
+
+    def _heard(self, offered: int, searched: int) -> None:
+        if self.progress is not None:
+            self.progress(searched, searched + 1, f"listed sizes: {offered} designs compared")
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
+            self.progress(self.parts, self.parts + len(self._heap) + 1, f"bounding all sections and lengths{told}")
