@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm
 from arm.chain.statics import PoseState
+from arm.chain.vectors import plus
 from arm.effects.effect import Effect, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
@@ -22,7 +25,8 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 def mass_declared(arm: Arm, beams: Sequence[Beam], link: int) -> float:
     """What an arm file says that a link (from 0) weighs, kg; infinite where it leaves that open."""
     unknown = arm.links[link].mass is None and not arm.links[link].elastic
-    return math.inf if unknown else float(beams[link].mass)
+    # Of a boom the same at every pose: what has run out, and what has not.
+    return math.inf if unknown else float(np.max(plus(beams[link].mass, beams[link].housed)))
 
 
 LINK_MASS = Effect(

@@ -11,6 +11,7 @@ import pytest
 
 import linkwright as lw
 from arm.chain.statics import solve
+from arm.effects import EFFECTS
 from arm.errors.exact import deformed
 from arm.errors.model import beams_of
 from arm.errors.tip import active_effects
@@ -55,6 +56,17 @@ def test_it_bends_as_far_as_it_has_run_out(tmp_path: Path, h: float) -> None:
     assert -float(np.ravel(state.joints[0].force[2])[0]) == pytest.approx((LOAD + RHO * area * LENGTH) * G)
     moment = float(np.linalg.norm([float(np.ravel(part)[0]) for part in state.joints[0].moment]))
     assert moment == pytest.approx(LOAD * G * h + 0.5 * RHO * area * G * h * h)
+
+
+def test_what_it_weighs_is_the_same_at_every_pose(tmp_path: Path) -> None:
+    """What a diagnosis holds less payload to: no less than nothing, with what the boom weighs."""
+    arm, (area, _) = read_arm(_file(tmp_path)), _tube(0.06, 0.004)
+    state = solve(arm, [np.array([0.3, 0.9, 1.5])], beams_of(arm))
+    beams = [link.beam for link in state.links]
+    for name, carried in (("payload", LOAD), ("link_mass", 0.0)):
+        declared = EFFECTS[name].declared
+        assert declared is not None
+        assert declared(arm, beams, 0) == pytest.approx(carried + RHO * area * LENGTH, rel=1e-12)
 
 
 def test_what_is_evaluated_goes_by_the_length_at_each_pose(tmp_path: Path) -> None:
