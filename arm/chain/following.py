@@ -86,6 +86,17 @@ def turns_by_coordinates(arm: Arm) -> Array:
     return found
 
 
+def turn_range(arm: Arm, index: int) -> tuple[float, float]:
+    """Where a joint (from 0) can turn or slide to against the link before it, whatever those that it follows do."""
+    joint = arm.joints[index]
+    if joint.follows is None or not joint.driven:
+        return joint.range
+    ends = [sorted(tie.weight * end for end in arm.joints[tie.joint].range) for tie in joint.follows.ties]
+    low, high = joint.range
+    constant = joint.follows.constant
+    return constant + low + sum(least for least, _ in ends), constant + high + sum(most for _, most in ends)
+
+
 def ties_to(arm: Arm) -> dict[int, list[tuple[int, Tie]]]:
     """For each joint that some follow: the followers (from 0) with their ties."""
     found: dict[int, list[tuple[int, Tie]]] = {}

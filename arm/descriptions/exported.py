@@ -17,6 +17,7 @@ import numpy as np
 
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm, FloatVector, Joint, Link
+from arm.chain.following import ties_to
 from arm.chain.kinematics import section_directions
 from arm.chain.vectors import IDENTITY, ZERO, about, add, compose, rotate, scale
 from arm.effects import EFFECTS
@@ -170,14 +171,17 @@ def _standing(joint: Joint) -> Frame:
 
 def _found_geometry(arm: Arm) -> Arm:
     """The arm with what findings say of its zeros and lengths in place."""
-    joints, links = list(arm.joints), list(arm.links)
+    joints, links, followers = list(arm.joints), list(arm.links), ties_to(arm)
     for entry in arm.effects:
         for index in range(arm.size):
             if entry.at and index + 1 not in entry.at:
                 continue
             values = entry.parameters
             if entry.effect == ENCODER_OFFSET.id:
-                joints[index] = replace(joints[index], zero=joints[index].zero + values.get("offset", 0.0))
+                offset = values.get("offset", 0.0)
+                joints[index] = replace(joints[index], zero=joints[index].zero + offset)
+                for follower, tie in followers.get(index, ()):
+                    joints[follower] = replace(joints[follower], zero=joints[follower].zero + tie.weight * offset)
             elif entry.effect == LINK_LENGTH.id and not values.get("stretch", 0.0):
                 links[index] = replace(links[index], length=links[index].length + values.get("length", 0.0))
     return replace(arm, joints=tuple(joints), links=tuple(links))
@@ -269,10 +273,13 @@ def _floats(vector: Array) -> FloatVector:
     return (x, y, z)
 
 
-def mimicked(joint: Joint) -> tuple[int, float, float] | None:
-    """The one joint (from 0) that a joint without a drive of its own follows, by what multiplier and offset."""
-    follows = joint.follows
+def mimicked(arm: Arm, index: int) -> tuple[int, float, float] | None:
+    """The one joint (from 0) whose turn a joint (from 0) without a drive of its own follows, by what multiplier and
+    offset; None where it follows several, or the coordinate of one that follows others itself."""
+    follows = arm.joints[index].follows
     if follows is None or follows.driven or len(follows.ties) != 1:
+        return None
+    if arm.joints[follows.ties[0].joint].follows is not None:
         return None
     return follows.ties[0].joint, follows.ties[0].weight, follows.constant
 
@@ -288,8 +295,12 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
     of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
     of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
-    told = [joint.follows is not None and (springs or mimicked(joint) is None) for joint in arm.joints]
-    of_joints("that joints follow others", told)
+    told = [
+        joint.follows is not None and (springs or mimicked(arm, index) is None)
+        for index, joint in enumerate(arm.joints)
+    ]
+    of_joints("that joints follow others: what is asked of each here is its turn against the link before", told)
+    of_joints("that joints are passive", [joint.passive for joint in arm.joints])
     if any(arm.payload.force) or any(arm.payload.moment):
         found.append("the force and moment at the tip")
     found += [

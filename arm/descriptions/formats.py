@@ -13,6 +13,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from arm.chain.chain import Arm, FloatVector
+from arm.chain.following import turn_range
 from arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
 from arm.errors.model import beams_of
 from units.quantities import InputError, format_quantity, shown
@@ -131,12 +132,12 @@ def _urdf(arm: Arm) -> Exported:
         SubElement(joint, "parent", {"link": piece.on or base})
         SubElement(joint, "child", {"link": piece.name})
         SubElement(joint, "axis", {"xyz": _numbers(driven.axis)})
-        low, high = driven.range
+        low, high = turn_range(arm, piece.drive)
         limits = {"lower": _numbers([low]), "upper": _numbers([high]), "effort": "0", "velocity": "0"}
         if driven.actuator is not None:
             limits["effort"] = _numbers([driven.actuator.rated_torque])
         SubElement(joint, "limit", limits)
-        if (tie := mimicked(driven)) is not None:
+        if (tie := mimicked(arm, piece.drive)) is not None:
             of = {"multiplier": _numbers([tie[1]]), "offset": _numbers([tie[2]])}
             SubElement(joint, "mimic", {"joint": f"joint{tie[0] + 1}", **of})
     for end in found.tips:
@@ -188,9 +189,9 @@ def _sdf(arm: Arm) -> Exported:
         axis = SubElement(joint, "axis")
         SubElement(axis, "xyz").text = _numbers(driven.axis)
         limit = SubElement(axis, "limit")
-        for tag, value in zip(("lower", "upper"), driven.range, strict=True):
+        for tag, value in zip(("lower", "upper"), turn_range(arm, piece.drive), strict=True):
             SubElement(limit, tag).text = _numbers([value])
-        if (tie := mimicked(driven)) is not None:
+        if (tie := mimicked(arm, piece.drive)) is not None:
             mimic = SubElement(axis, "mimic", {"joint": f"joint{tie[0] + 1}"})
             for tag, value in (("multiplier", tie[1]), ("offset", tie[2]), ("reference", 0.0)):
                 SubElement(mimic, tag).text = _numbers([value])
@@ -243,7 +244,8 @@ def _mjcf(arm: Arm) -> Exported:
         if piece.drive is not None:
             driven = arm.joints[piece.drive]
             kind = "hinge" if driven.revolute else "slide"
-            about = {"axis": _numbers(driven.axis), "range": _numbers(driven.range), "limited": "false"}
+            span = _numbers(turn_range(arm, piece.drive))
+            about = {"axis": _numbers(driven.axis), "range": span, "limited": "false"}
             SubElement(body, "joint", {"name": f"joint{piece.drive + 1}", "type": kind, **about})
         _mujoco_springs(body, piece)
     for end in found.tips:
@@ -253,10 +255,10 @@ def _mjcf(arm: Arm) -> Exported:
         SubElement(tip, "site", {"name": end.name})
     actuators = SubElement(root, "actuator")
     rigid = _rigid(arm)
-    for number, (joint, stiffness) in enumerate(zip(arm.joints, found.stiffness, strict=True), start=1):
+    for number, stiffness in enumerate(found.stiffness, start=1):
         gain = rigid if stiffness is None else stiffness
         gains = {"kp": _numbers([gain]), "kv": _numbers([DAMPING_TIME * gain])}
-        asked = {"ctrlrange": _numbers(joint.range), "ctrllimited": "true"}
+        asked = {"ctrlrange": _numbers(turn_range(arm, number - 1)), "ctrllimited": "true"}
         SubElement(actuators, "position", {"name": f"drive{number}", "joint": f"joint{number}", **gains, **asked})
     carried = ["frames, limits, masses and inertias", "gravity"]
     if any(found.stiffness):
