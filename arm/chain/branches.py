@@ -28,6 +28,12 @@ def ways(arm: Arm) -> tuple[Way, ...]:
     )
 
 
+def way_to(arm: Arm, tip: str) -> Way:
+    """The way to one tip, by its name; of an arm without branches the arm itself."""
+    names = [each.name for each in arm.branches]
+    return ways(arm)[names.index(tip) if names else 0]
+
+
 def alone(arm: Arm, branch: Branch) -> Arm:
     """A branch as an arm of its own, on a torso that stands still."""
     return _of(arm, tuple(range(branch.first, branch.end)), branch)

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from arm.chain.arrays import nominal
+from arm.chain.branches import Way, way_to
 from arm.chain.chain import Arm
 from arm.chain.vectors import Rotation
 from sections.numeric import Array
@@ -129,8 +130,13 @@ def inverse(
     `point` (m) has two components (z is then 0) or three, in the base frame; `orientation` is the rotation matrix of
     the last link's frame. `seeds` low-discrepancy starting poses are followed; at most `most` poses are returned, those
     nearest mid-range first. An arm with more joints than the target asks for has a continuum of them: samples of it
-    are returned. Raises `Unreachable` (with an orientation `UnreachableInclined`) with the least distance found, m.
+    are returned. Of several arms on one torso the tip's own joints are sought, those of the others stand in the middle
+    of their ranges. Raises `Unreachable` (with an orientation `UnreachableInclined`) with the least distance found, m.
     """
+    if arm.branches:
+        way = way_to(arm, arm.tip)
+        own = inverse(way.arm, point, orientation, seeds=seeds, most=most)
+        return tuple(replace(each, q=_among_others(arm, way, each.q)) for each in own)
     target = np.array([*(float(value) for value in point), 0.0][:3])
     lower, upper = joint_box(arm, Workspace())
     bounds = climbing_bounds(arm, lower, upper)
@@ -153,18 +159,27 @@ def inverse(
             kept.append(int(index))
         if len(kept) == most:
             break
-    here = np.linalg.svd(_jacobian(arm, found[kept], orientation is not None, size), compute_uv=False)
-    anywhere = np.linalg.svd(_jacobian(arm, q, orientation is not None, size), compute_uv=False)
+    moves = upper > lower  # what is held at one coordinate, or only follows, moves nothing by itself
+    here = np.linalg.svd(_jacobian(arm, found[kept], orientation is not None, size) * moves, compute_uv=False)
+    anywhere = np.linalg.svd(_jacobian(arm, q, orientation is not None, size) * moves, compute_uv=False)
     usual = int((anywhere > _RANK * size).sum(axis=1).max())
     return tuple(
         InversePose(
             tuple(found[index].tolist()),
             float(residual[index]),
-            isolated=int((values > _RANK * size).sum()) == sum(joint.driven for joint in arm.joints),
+            isolated=int((values > _RANK * size).sum()) == int(moves.sum()),
             singular=usual > 0 and bool(values[usual - 1] < _SINGULAR * values[0]),
         )
         for index, values in zip(kept, here, strict=True)
     )
+
+
+def _among_others(arm: Arm, way: Way, q: Sequence[float]) -> tuple[float, ...]:
+    """A pose of the arm to one tip as one of the whole, the other arms in the middle of their ranges."""
+    whole = [0.5 * (low + high) for low, high in (joint.range for joint in arm.joints)]
+    for joint, value in zip(way.joints, q, strict=True):
+        whole[joint] = value
+    return tuple(whole)
 
 
 def damped(

@@ -130,6 +130,7 @@ def _as_plan(before: Recording) -> Recording:
         instrument=before.instrument,
         frame=before.frame,
         tool=before.tool,
+        branch=before.branch,
     )
 
 

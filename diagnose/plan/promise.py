@@ -156,14 +156,16 @@ def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
     """The readings of an arm as its model says, by the instrument that was asked for: what each of several recordings
     reads by itself."""
     plan = Plan(1, noise=asked.sigma, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
-    if not asked.slots:
-        return simulate(arm, plan).recording
     parts = recording.parts() if isinstance(recording, Several) else (recording,)
+    if not asked.slots and len({part.branch for part in parts}) == 1:
+        return simulate(arm.on(parts[0].branch), plan).recording
     read: list[Array] = []
     for number, part in enumerate(parts):
-        own = part.instrument
-        where = replace(own, anchor=own.anchor or asked.reads.anchor)
-        read.append(simulate(arm, replace(plan, at=part, instrument=where, seed=asked.seed + number)).recording.tip)
+        own = replace(plan, at=part, seed=asked.seed + number)
+        if asked.slots:
+            there = part.instrument
+            own = replace(own, instrument=replace(there, anchor=there.anchor or asked.reads.anchor))
+        read.append(simulate(arm.on(part.branch), own).recording.tip)
     return replace(recording, tip=np.concatenate(read))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from arm.chain.arrays import columns
+from arm.chain.branches import ways
 from arm.chain.chain import Arm
 from arm.chain.following import completed
 from arm.chain.kinematics import place
@@ -98,15 +99,16 @@ def _clear(arm: Arm, q: Array, run: Array, boxes: tuple[Box, ...]) -> Array:
 
 
 def meets(arm: Arm, q: Array, boxes: tuple[Box, ...]) -> NDArray[np.bool_]:
-    """Whether the straight lines from joint to joint, up to the tip, meet one of some boxes at poses q (P, n)."""
-    frames = place(arm, [q[:, index] for index in range(arm.size)])
-    point, hit = np.zeros((len(q), 3)), np.zeros(len(q), dtype=bool)
-    for joint, link in zip(frames.joints, frames.links, strict=True):
-        for step in (joint.lead, link.vector):
-            along = columns(step, len(q))
-            for box in boxes:
-                hit |= _crosses(point, along, np.array(box))
-            point = point + along
+    """Whether the straight lines from joint to joint, up to each tip, meet one of some boxes at poses q (P, n)."""
+    hit = np.zeros(len(q), dtype=bool)
+    for way in ways(arm):
+        frames, point = place(way.arm, [q[:, joint] for joint in way.joints]), np.zeros((len(q), 3))
+        for joint, link in zip(frames.joints, frames.links, strict=True):
+            for step in (joint.lead, link.vector):
+                along = columns(step, len(q))
+                for box in boxes:
+                    hit |= _crosses(point, along, np.array(box))
+                point = point + along
     return hit
 
 

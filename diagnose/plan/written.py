@@ -46,6 +46,7 @@ def to_record(arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked) ->
         sides=np.repeat(sides, each, axis=0),
         last_moves=since_the_reading_before(read),
         payload_mass=np.repeat(payload, each),
+        branch=arm.tip,
     )
 
 
@@ -81,7 +82,9 @@ def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:
     tips = _undeformed(arm, q)
     columns = {name: cells for name, cells in table.columns.items() if not _of_tip(name, arm)}
     columns |= {f"{axis}_mm": 1e3 * values for axis, values in zip("xyz", tips.T, strict=False)}
-    read = recording_from(replace(table, columns=MappingProxyType(columns)), arm, ReadingSettings(), rules=rules)
+    read = recording_from(
+        replace(table, columns=MappingProxyType(columns)), arm, ReadingSettings(tip=arm.tip), rules=rules
+    )
     return replace(read, frame="known", tool="known", sigma=None)
 
 

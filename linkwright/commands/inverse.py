@@ -14,7 +14,7 @@ import linkwright as lw
 from linkwright.output.files import check_target, write_result
 from linkwright.results.figures_in_words import MINUS, coordinate, figure
 
-from .options import CatalogueFile, JsonFile, as_options
+from .options import CatalogueFile, JsonFile, Tip, as_options
 
 if TYPE_CHECKING:
     from arm.chain.chain import Arm
@@ -38,6 +38,7 @@ def inverse(
         typer.Option("--inclination", metavar="ANGLE", help="The last link's angle from the x axis; planar arms."),
     ] = None,
     most: Annotated[int, typer.Option("--most", min=1, max=1000, help="Poses to show at most.")] = 16,
+    tip: Tip = None,
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
@@ -47,7 +48,8 @@ def inverse(
 
     check_target(json, arm, catalogue)
     with as_options(x="X", y="Y", z="Z"), waiting("looking for poses"):
-        found = lw.inverse(lw.read_arm(arm, catalogue=catalogue), x, y, z, inclination=inclination, most=most)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
+        found = lw.inverse(given, x, y, z, inclination=inclination, most=most)
     write_result(json, found.to_json())
     screen = console()
     poses = found.found
@@ -57,6 +59,8 @@ def inverse(
     screen.print(_table(found.arm.model, poses))
     if not all(pose.isolated or pose.singular for pose in poses):
         screen.print("samples of a family: the joints can move on while the tip stays", soft_wrap=True)
+    if found.arm.model.branches:
+        screen.print(f"the tip is {found.arm.model.tip}'s; the other arms' joints stand in mid-range", soft_wrap=True)
     if json is not None:
         screen.print(f"written: {json}", soft_wrap=True)
 

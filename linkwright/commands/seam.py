@@ -10,7 +10,7 @@ import typer
 import linkwright as lw
 from linkwright.output.files import check_target, write_result
 
-from .options import CatalogueFile, JsonFile, as_options, asked_of
+from .options import CatalogueFile, JsonFile, Tip, as_options, asked_of
 
 HELP = """Whether a planar arm can follow a straight seam, and its worst error along the seam, tangential and normal.
 
@@ -23,6 +23,7 @@ def seam(
     start: Annotated[str, typer.Option("--from", metavar="POINT", help="Where it starts: 'X, Y' with units.")],
     end: Annotated[str, typer.Option("--to", metavar="POINT", help="Where it ends: 'X, Y' with units.")],
     points: Annotated[int, typer.Option("--points", min=2, max=1000, help="Points looked at along it.")] = 9,
+    tip: Tip = None,
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
@@ -34,7 +35,7 @@ def seam(
     check_target(json, arm)
     ends = [[part.strip() for part in text.split(",")] for text in (start, end)]
     with asked_of(arm), as_options(arm=str(arm), start="--from", end="--to"), waiting("following the seam"):
-        found = lw.seam(lw.read_arm(arm, catalogue=catalogue), *ends, points=points)
+        found = lw.seam(lw.read_arm(arm, catalogue=catalogue, tip=tip), *ends, points=points)
     write_result(json, found.to_json())
     screen = console()
     screen.print(found.headline, style="bold")

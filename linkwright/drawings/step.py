@@ -14,6 +14,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
+from arm.chain.branches import ways
 from arm.chain.chain import Arm
 from arm.chain.kinematics import place
 from arm.descriptions.formats import Exported
@@ -124,14 +125,16 @@ def _silent(text: str, share: float) -> None:
 
 
 def _stands(arm: Arm) -> list[_Stand]:
-    frames = place(arm, [0.0] * arm.size)
-    at, found = np.zeros(3), list[_Stand]()
-    for joint, link, own in zip(frames.joints, frames.links, arm.links, strict=True):
-        at = at + np.array(joint.lead, dtype=float)
-        along, width, height = (np.array(each, dtype=float) for each in (link.along, link.width, link.height))
-        found.append(_Stand(at, along, width, height, own.length))
-        at = at + np.array(link.vector, dtype=float)
-    return found
+    """Where each link stands; of several arms on one torso by the way to each tip, the torso's links once."""
+    found: dict[int, _Stand] = {}
+    for way in ways(arm):
+        frames, at = place(way.arm, [0.0] * way.arm.size), np.zeros(3)
+        for number, joint, link, own in zip(way.joints, frames.joints, frames.links, way.arm.links, strict=True):
+            at = at + np.array(joint.lead, dtype=float)
+            along, width, height = (np.array(each, dtype=float) for each in (link.along, link.width, link.height))
+            found[number] = _Stand(at, along, width, height, own.length)
+            at = at + np.array(link.vector, dtype=float)
+    return [found[number] for number in range(arm.size)]
 
 
 def _solid(section: Section, stand: _Stand) -> Solid:

@@ -284,12 +284,12 @@ def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None
     return learned_from(path, model)
 
 
-Tips = Literal["every", "first", "one", "none"]
+Tips = Literal["every", "first", "one"]
 """What a command can do with several arms on one torso: with all their tips at once, with those that recordings name
-(the first will do), with one that must be named, or nothing."""
+(the first will do), or with one that must be named."""
 
 
-def arm_of(given: Arm | File, *, tips: Tips = "none", unknown_origins: bool = False) -> Arm:
+def arm_of(given: Arm | File, *, tips: Tips = "one", unknown_origins: bool = False) -> Arm:
     """An arm as given, or read from the file that is named. It may be of several arms on one torso as `tips` says, and
     with `unknown_origins` of fixed transforms that are free, which a diagnosis alone can do with."""
     arm = given if isinstance(given, Arm) else read_arm(given)
@@ -299,11 +299,9 @@ def arm_of(given: Arm | File, *, tips: Tips = "none", unknown_origins: bool = Fa
         raise InputError(file, f"chain[{index + 1}].origin", UNKNOWN_ORIGIN)
     if tips == "first" and arm.model.every_tip:
         return Arm.of(arm.model.on(arm.model.tip), arm.content, arm.catalogue, arm.learned)
-    if arm.model.branches and (tips == "none" or (tips == "one" and arm.model.every_tip)):
+    if arm.model.every_tip and tips == "one":
         listed = ", ".join(each.name for each in arm.model.branches)
         would_do = f"name one of them (--tip, or read_arm(..., tip={arm.model.branches[0].name!r}))"
-        if tips == "none":
-            would_do = "write the arm of one of them by itself, the others as masses on the torso's last link"
         raise InputError(
             "Arm" if isinstance(given, Arm) else given,
             "branches",

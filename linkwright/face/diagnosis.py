@@ -326,8 +326,12 @@ def compare(
     >>> list(changed.changes["effect"])
     ['backlash']
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="first")
     both = [recording_of(each, given, settings) for each in (before, after)]
+    tips = [each.found.branch for each in both]
+    if tips[0] != tips[1]:
+        said = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
+        raise InputError("", "recordings", said)
     options = Options(thorough=thorough, without=_known(without))
     diagnoses: list[Found] = []
     for number, read in enumerate(both):
@@ -337,7 +341,7 @@ def compare(
                 tell(text, 0.5 * (done + share))
 
             diagnoses.append(diagnosed(given.model, read.found, options, half))
-    return Comparison(given, compared(given.model, *diagnoses))
+    return Comparison(given, compared(given.model.on(tips[0]), *diagnoses))
 
 
 def redesign(problem: Problem | File, diagnosis: Diagnosis, *, progress: Progress | None = None) -> Redesign:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from arm.chain.chain import Arm as Model
+from arm.chain.following import completed
 from arm.errors.model import beam_values, beams_of, error_model
 from arm.errors.unknown_mass import unknown_taken_out
 from arm.evaluation import ErrorMap, error_map
@@ -27,7 +28,7 @@ from units.quantities import InputError
 
 from .arm import Arm, arm_of
 from .given import File, Quantity, in_si
-from .problem import Problem, problem_of
+from .problem import Problem, cases_at, problem_of
 from .result import Reported, figure_of
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ class Evaluation(Reported):
         import pandas as pd
 
         model, poses = self.found.arm, self.found.worst.poses
-        columns: dict[str, Any] = joint_columns(model, np.array([pose.q for pose in poses]) + 0.0)
+        columns: dict[str, Any] = joint_columns(model, completed(model, np.array([pose.q for pose in poses])) + 0.0)
         columns["load_case"] = [pose.load_case + 1 for pose in poses]
         columns["error_mm"] = [1e3 * pose.error for pose in poses]
         for axis, name in enumerate("xyz"):
@@ -143,12 +144,7 @@ def evaluate(
     if asked.uncertain is not None and asked.arm.size != given.model.size:
         message = f"is for {asked.arm.size} joints; {given.name} has {given.model.size}"
         raise InputError(asked.file, "uncertain", message)
-    cases = asked.load_cases
-    if given.model.branches and not given.model.every_tip:
-        cases = tuple(case for case in cases if case.tip == given.model.tip)
-        if not cases:
-            raise InputError(asked.file, "load_cases", f"hold none of the tip {given.model.tip}")
-    found = evaluated(given.model, asked.workspace, cases, pose=at)
+    found = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=at)
     robust = None if asked.uncertain is None else robust_figure(given.model, asked)
     return Evaluation(given, found, robust)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from arm.chain.following import completed
 from arm.chain.kinematics import tip_position
 from arm.chain.vectors import Rotation, about
 from arm.worst.inverse import InversePose
@@ -41,7 +42,8 @@ class Inverse(Result):
         """A row for each pose: coordinates, how far its tip is from the point, whether it stands alone."""
         import pandas as pd
 
-        columns: dict[str, Any] = joint_columns(self.arm.model, np.array([pose.q for pose in self.found]) + 0.0)
+        model, poses = self.arm.model, np.array([pose.q for pose in self.found])
+        columns: dict[str, Any] = joint_columns(model, completed(model, poses) + 0.0)
         columns["residual_mm"] = [1e3 * pose.residual for pose in self.found]
         columns["isolated"] = [pose.isolated for pose in self.found]
         return pd.DataFrame(columns)
@@ -78,7 +80,9 @@ def inverse(
 
     Lengths as text or in m; z is 0 where left out. `inclination` (text, or rad) asks a planar arm's last link to stand
     at this angle from the x axis. An arm with more joints than is asked for has a continuum of poses: samples of it are
-    given, `most` at most. Raises `InputError`, and `NoAnswer` with what is missing where none reaches it.
+    given, `most` at most. Of several arms on one torso it is the tip that the arm was read for (`read_arm(..., tip=)`);
+    the joints of the others stand in the middle of their ranges. Raises `InputError`, and `NoAnswer` with what is
+    missing where none reaches it.
 
     >>> import linkwright as lw
     >>> arm = lw.Arm(
@@ -92,7 +96,7 @@ def inverse(
     """
     named = (("x", x), ("y", y)) if z is None else (("x", x), ("y", y), ("z", z))
     point = tuple(in_si(value, "length", name) for name, value in named)
-    given = arm_of(arm)
+    given = arm_of(arm, tips="one")
     turned = None if inclination is None else _inclined(given, inclination)
     return Inverse(given, point, found_poses(given.model, point, turned, most=most))
 

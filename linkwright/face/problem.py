@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from arm.chain.chain import LoadCase
 from optimize.problem import Problem as Model
 from optimize.problem import problem_from
+from units.quantities import InputError
 from units.reading import Mapping as Reader
 from units.reading import load_yaml
 
@@ -97,3 +99,15 @@ def read_problem(path: File, *, catalogue: File | None = None) -> Problem:
 def problem_of(given: Problem | File) -> Problem:
     """A problem as given, or read from the file that is named."""
     return given if isinstance(given, Problem) else read_problem(given)
+
+
+def cases_at(asked: Model, arm: Arm) -> tuple[LoadCase, ...]:
+    """The load cases of a problem that are of an arm's tip: of one of several on one torso its own, else all. Raises
+    `InputError` where there are none."""
+    model = arm.model
+    if not model.branches or model.every_tip:
+        return asked.load_cases
+    own = tuple(case for case in asked.load_cases if case.tip == model.tip)
+    if not own:
+        raise InputError(asked.file, "load_cases", f"hold none of the tip {model.tip}")
+    return own

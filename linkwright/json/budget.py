@@ -14,7 +14,7 @@ from .fields import fields, in_mm
 def budget_json(found: Budget) -> dict[str, Any]:
     """What `budget --json` writes: mm, degrees (mm for slides) and EUR."""
     at = zip(found.arm.joints, found.pose, strict=True)
-    sheet = found.sheet
+    sheet, tip = found.sheet, found.load_cases[found.load_case - 1].tip or found.arm.tip
     return {
         "made_by": f"linkwright budget {program_version()}",
         "arm": found.arm.name,
@@ -23,6 +23,7 @@ def budget_json(found: Budget) -> dict[str, Any]:
         "worst_pose": {
             "q": [math.degrees(value) if joint.revolute else 1e3 * value for joint, value in at],
             "load_case": found.load_case,
+            **({"tip": tip} if tip else {}),
             "error_mm": in_mm(found.at_worst),
         },
         "causes": [{"cause": each.name, **fields(each, "at_worst_mm", "average_mm", "share")} for each in found.causes],

@@ -18,11 +18,13 @@ _AT_LIMIT = 1e-6
 
 
 def at_limit(arm: Arm, pose: InversePose) -> list[int]:
-    """The joints (from 0) that stand at an end of their range, of those that cannot turn all the way round."""
+    """The joints (from 0) on the way to the tip that stand at an end of their range, of those that cannot turn all the
+    way round."""
     return [
         index
         for index, (joint, value) in enumerate(zip(arm.joints, pose.q, strict=True))
-        if not (joint.revolute and joint.range[1] - joint.range[0] >= math.tau - 1e-9)
+        if index in arm.to_tip
+        and not (joint.revolute and joint.range[1] - joint.range[0] >= math.tau - 1e-9)
         and min(abs(value - end) for end in joint.range) <= _AT_LIMIT
     ]
 
@@ -32,6 +34,7 @@ def inverse_json(arm: Arm, point: Sequence[float], found: Sequence[InversePose])
     return {
         "made_by": f"linkwright inverse {program_version()}",
         "arm": arm.name,
+        **({"tip": arm.tip} if arm.branches else {}),
         "point_mm": in_mm(point),
         "poses": [
             {

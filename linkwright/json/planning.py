@@ -19,6 +19,7 @@ def plan_json(found: Planned) -> dict[str, Any]:
     return {
         "made_by": f"linkwright plan {program_version()}",
         "arm": found.arm.name,
+        **({"tip": found.arm.tip} if found.arm.branches else {}),
         "readings": found.recording.size,
         **fields(asked, "poses", "repeats", "instrument", "sigma_mm", "frame", "tool", "seed"),
         "sees": list(found.axes),

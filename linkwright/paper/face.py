@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from arm.chain.branches import way_to
 from arm.worst.seam import SeamCheck, check_seam
 from arm.worst.workspace import Unreachable
 from linkwright.face.arm import Arm, arm_of
@@ -204,14 +205,15 @@ class Seam(Result):
 def seam(arm: Arm | File, start: Sequence[Quantity], end: Sequence[Quantity], *, points: int = 9) -> Seam:
     """The worst error of a planar arm along a straight seam and across it, over every posture at each of `points`.
 
-    `start` and `end` are points [x, y], text or m. Raises `InputError`, and `NoAnswer` with the first point that
-    cannot be reached.
+    `start` and `end` are points [x, y], text or m. Of several arms on one torso it is the tip that the arm was read
+    for, whatever the others do meanwhile. Raises `InputError`, and `NoAnswer` with the first point that cannot be
+    reached.
 
     >>> import linkwright as lw
     >>> lw.seam("examples/welding-arm/arm.yaml", ["600 mm", "500 mm"], ["-600 mm", "500 mm"], points=3)
     <Seam: cathode-bus welding arm: every point can be reached, proved>
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="one")
     first, last = _point(start, "start"), _point(end, "end")
     if first == last:
         raise InputError("", "end", "is the same point as the start; a seam has a length")
@@ -219,7 +221,7 @@ def seam(arm: Arm | File, start: Sequence[Quantity], end: Sequence[Quantity], *,
         raise InputError("", "points", f"needs 2 or more, not {points}")
     if not given.model.planar():
         raise InputError("", "arm", f"{given.name} leaves the x-y plane; a seam's normal is one direction in it only")
-    check = check_seam(given.model, first, last)
+    check = check_seam(way_to(given.model, given.model.tip).arm, first, last)
     if check.verdict == "unreachable" and check.first_unreachable is not None:
         raise Unreachable(check.first_unreachable, check.missing)
     return Seam(given, check, seam_table(given.model, first, last, points=points))

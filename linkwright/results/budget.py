@@ -57,6 +57,8 @@ def describe(found: Budget) -> Description:
     items: list[Item] = [facts]
     where = pose(arm, found.pose)
     loads = f", load case {found.load_case}" if len(found.load_cases) > 1 else ""
+    if tip := found.load_cases[found.load_case - 1].tip:
+        loads = f" at {tip}'s tip{loads}"
     items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
     rows = [
         (cause_title(each.name), length(each.at_worst, 3), length(each.average, 3), share(each.share))
@@ -80,7 +82,8 @@ def describe(found: Budget) -> Description:
     headline = f"{kept} of arms err by {mm(found.worst, 3)} at most"
     largest = cause_title(found.causes[0].name)
     brief = f"{headline}; most: {largest}"
-    return Description(f"{arm.name}: error budget", brief, tuple(items), brief, f"{arm.name}: ")
+    name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
+    return Description(f"{name}: error budget", brief, tuple(items), brief, f"{name}: ")
 
 
 def _euro(price: float | None) -> Value:

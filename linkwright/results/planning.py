@@ -63,9 +63,8 @@ def describe(found: Planned) -> Description:
         headline += f" and show sizes {figure(better, 3)} times smaller than poses at random"
     if found.interrupted:
         headline += "; stopped, so this is the best plan until then"
-    return Description(
-        f"{found.arm.name}: what to record", f"{headline}.", tuple(items), headline, f"{found.arm.name}: "
-    )
+    name = f"{found.arm.name}, tip of {found.arm.tip}" if found.arm.branches else found.arm.name
+    return Description(f"{name}: what to record", f"{headline}.", tuple(items), headline, f"{name}: ")
 
 
 def _apart(found: Planned) -> tuple[Fact, ...]:

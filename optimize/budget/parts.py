@@ -9,6 +9,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -92,24 +93,53 @@ class Parts:
 def parts_of(arm: Arm, sheet: Sheet, poses: Array, loads: Sequence[LoadCase]) -> Parts:
     """The parts at poses (N, n) under load cases; `PropertyNeeded` where a link's mass or material is not known."""
     own = [_at_load(arm, sheet, poses, load) for load in loads]
-    first = own[0]
-
-    def stacked(name: str) -> tuple[object, ...]:
-        return tuple(_stacked(group) for group in zip(*(getattr(each, name) for each in own), strict=True))
-
+    states = [each.states for each in own]
     return replace(
-        first,
+        own[0],
         planar=all(each.planar for each in own),
-        fixed=stacked("fixed"),
-        varying=stacked("varying"),
-        play=stacked("play"),
+        fixed=_stacked([each.fixed for each in own], states),
+        varying=_stacked([each.varying for each in own], states),
+        play=_stacked([each.play for each in own], states),
         load_scale=np.concatenate([each.load_scale for each in own]),
+        unwarmed=tuple(sorted({k for each in own for k in each.unwarmed})),
     )
 
 
-def _stacked(group: Sequence[Fixed | Varying | Play]) -> Fixed | Varying | Play:
-    names = [name for name in ("vector", "seating", "bent") if getattr(group[0], name, None) is not None]
-    return replace(group[0], **{name: np.concatenate([getattr(each, name) for each in group]) for name in names})
+_Part = TypeVar("_Part", Fixed, Varying, Play)
+
+
+def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_Part, ...]:
+    """The parts under one load after another. One that another tip alone has, of several on one torso, is nought at
+    the states of the others."""
+    own = [_numbered(parts) for parts in loads]
+    found: list[_Part] = []
+    for key in dict.fromkeys(key for each in own for key in each):
+        there = [each.get(key) for each in own]
+        first = next(each for each in there if each is not None)
+        names = [name for name in ("vector", "seating", "bent") if getattr(first, name, None) is not None]
+        rows = {
+            name: np.concatenate(
+                [
+                    np.zeros((count, *getattr(first, name).shape[1:])) if each is None else getattr(each, name)
+                    for each, count in zip(there, states, strict=True)
+                ]
+            )
+            for name in names
+        }
+        found.append(replace(first, **rows))
+    return tuple(found)
+
+
+def _numbered(parts: Sequence[_Part]) -> dict[tuple[object, ...], _Part]:
+    """Parts by what they are; alike ones are told by their number."""
+    found: dict[tuple[object, ...], _Part] = {}
+    for part in parts:
+        what = (part.cause, part.owner, getattr(part, "factor", None), getattr(part, "key", None))
+        number = 0
+        while (*what, number) in found:
+            number += 1
+        found[(*what, number)] = part
+    return found
 
 
 def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:

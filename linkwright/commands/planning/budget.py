@@ -16,6 +16,7 @@ from linkwright.commands.options import (
     MarkdownFile,
     OutFolder,
     PdfFile,
+    Tip,
     asked_of,
     check_pdf,
     files_of,
@@ -39,6 +40,7 @@ def budget(
         Path | None,
         typer.Option("--problem", metavar="PROBLEM", help="Take workspace and loads from this problem file."),
     ] = None,
+    tip: Tip = None,
     out: OutFolder = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
@@ -57,7 +59,7 @@ def budget(
     if out is not None:
         claim_own(out, "budget", (RESULT, REPORT))
     with waiting("reading") as told, asked_of(arm):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
         found = lw.budget(given, sheet=sheet, problem=asked, progress=told)
     read = files_of(arm, sheet, problem, catalogue)

@@ -14,6 +14,7 @@ from linkwright.commands.options import (
     Direction,
     JsonFile,
     MarkdownFile,
+    Tip,
     as_options,
     asked_of,
     tell,
@@ -71,6 +72,7 @@ def plan(
         ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="The same seed gives the same plan.")] = 1,
+    tip: Tip = None,
     json: JsonFile = None,
     markdown: MarkdownFile = None,
     catalogue: CatalogueFile = None,
@@ -85,7 +87,7 @@ def plan(
     if out == OUTPUT:
         raise InputError("", "--out", "needs the name of a file; --json - writes to standard output")
     with waiting("reading") as told, asked_of(arm), as_options(for_="--for", payloads="--payload"):
-        given = lw.read_arm(arm, catalogue=catalogue)
+        given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         found = lw.plan(
             given,
             poses=poses,

@@ -93,8 +93,7 @@ def export_arm(arm: Arm | File, *, to: str, progress: Progress | None = None) ->
     """
     if to not in SUFFIXES:
         raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
-    # Bodies stand where one chain has them.
-    given = arm_of(arm, tips="none" if to == "step" else "every")
+    given = arm_of(arm, tips="every")
     if to == "dxf":
         from linkwright.drawings.dxf import drawn
 

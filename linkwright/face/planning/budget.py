@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from arm.chain.chain import Arm as Model
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File, plain
-from linkwright.face.problem import Problem, problem_of
+from linkwright.face.problem import Problem, cases_at, problem_of
 from linkwright.face.progress import Progress, told
 from linkwright.face.result import Reported, figure_of
 from linkwright.json.budget import budget_json
@@ -103,7 +103,8 @@ def budget(
     """What an arm is to be expected to err by, cause by cause, before anything is bought or built.
 
     `sheet` is a file, or its keys as a mapping, with what data sheets and drawings say (docs/workshop.md): tolerances,
-    repeatability, temperature, and better parts with their prices. `problem` lends its workspace and load cases.
+    repeatability, temperature, and better parts with their prices. `problem` lends its workspace and load cases. Of
+    several arms on one torso the worst of all tips counts, or that which the arm was read for (`read_arm(..., tip=)`).
     Seeded, so the same again. Raises `InputError`, `MissingProperty`, `NoAnswer`.
 
     >>> import linkwright as lw
@@ -112,7 +113,7 @@ def budget(
     >>> list(found.causes.columns)
     ['cause', 'at_worst_mm', 'average_mm', 'share']
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="every")
     asked = sheet_of(given, sheet)
     space, loads = None, ()
     if problem is not None:
@@ -120,7 +121,7 @@ def budget(
         if own.arm.size != given.model.size:
             message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
             raise InputError(own.file, "arm", message)
-        space, loads = own.workspace, own.load_cases
+        space, loads = own.workspace, cases_at(own, given)
     with told(progress) as hear:
         return Budget(given, budgeted(given.model, asked, space, loads, progress=hear))
 

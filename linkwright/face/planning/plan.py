@@ -86,8 +86,9 @@ class Plan(Result):
 
     @property
     def settings(self) -> str | None:
-        """What stands beside a plan of heights or distances as recording.yaml; None for the tip's place."""
-        return settings_text(self.found.recording) if self.found.asked.slots else None
+        """What stands beside a plan as recording.yaml: of heights or distances what reads them, of several arms on one
+        torso whose tip it is; None where it need not."""
+        return settings_text(self.found.recording) if self.found.asked.slots or self.arm.model.branches else None
 
     def save(self, folder: File) -> None:
         """Write the plan as CSV, and beside it what it reads where that is no place, as `plan --out` does. Raises
@@ -151,7 +152,8 @@ def plan(
     arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
     already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
     where they were. The same `seed` gives the same plan. Ctrl-C, once there are as many visits as asked for, ends the
-    choice with the best so far, marked `interrupted`.
+    choice with the best so far, marked `interrupted`. Of several arms on one torso it is for the tip that the arm was
+    read for (`read_arm(..., tip=)`), with poses of the others chosen too.
     Raises `InputError`, `MissingProperty`, and `NoAnswer` where nothing of what is asked for can be seen.
 
     >>> import linkwright as lw
@@ -159,7 +161,7 @@ def plan(
     >>> len(found.visits), list(found.shown["effect"])
     (10, ['backlash'])
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="one")
     effects = tuple(_place(name, given) for name in for_)
     least = RULES.search.least_visits
     if not least <= poses <= _MOST_POSES:

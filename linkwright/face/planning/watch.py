@@ -140,7 +140,7 @@ def watch(
     ...     print(error.key, error.message)
     date is missing; a watch needs to know when it was made, e.g. `date: 2026-05-16`
     """
-    given = arm_of(arm)
+    given = arm_of(arm, tips="first")
     if isinstance(recordings, str | Path) or hasattr(recordings, "columns"):
         raise InputError("", "recordings", "is a list of recordings here; name three or more")
     read = read_dated(list(recordings), given, settings)

@@ -159,8 +159,8 @@ def test_what_takes_no_several_tips_says_so(file):
         lw.simulate(whole)
     with pytest.raises(InputError, match="no tip 'lefd', but left, right; did you mean 'left'"):
         read_arm(file, tip="lefd")
-    with pytest.raises(InputError, match="write the arm of one of them by itself"):
-        lw.inverse(lw.read_arm(file, tip="left"), 0.3, 0.2, 0.9)
+    with pytest.raises(InputError, match="and this takes one; name one of them"):
+        lw.plan(whole)
 
 
 def test_without_a_tip_the_worst_of_all_counts(soft):
