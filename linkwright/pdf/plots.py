@@ -14,7 +14,7 @@ from linkwright.report.pictures.svg_plot import Plot, course, dots, round_ticks,
 from linkwright.results.figures_in_words import figure as in_words
 from sections.numeric import Array
 
-_SIDE = 360.0
+_SIDE = 270.0
 _BAR = 14.0
 _SHADES = 64
 _CLASSES = ("before", "after")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
@@ -46,6 +47,12 @@ def mm(metres: float | None, digits: int = 4) -> str:
 def with_unit(value: float | None, unit: str, digits: int = 4) -> str:
     """A figure with its unit, a dash where it is not known."""
     return "–" if value is None else f"{figure(value, digits)} {unit}"
+
+
+def lasted(seconds: float, before: str = " in ") -> str:
+    """How long something took, behind such words; nothing where SOURCE_DATE_EPOCH is set, for whoever sets it wants
+    the same bytes each time."""
+    return "" if os.environ.get("SOURCE_DATE_EPOCH") else f"{before}{with_unit(seconds, 's', 3)}"
 
 
 def coordinate(arm: Arm, index: int, value: float) -> str:

@@ -29,7 +29,7 @@ from .document import (
     table,
 )
 from .evaluation import LOADS
-from .figures_in_words import factor_words, figure, mm, percent, robust_words, with_unit
+from .figures_in_words import factor_words, figure, lasted, mm, percent, robust_words, with_unit
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
@@ -354,7 +354,7 @@ def _unit_name(unit: str) -> str:
 def effort_words(result: OptimizationResult) -> str:
     """How many iterations it took, and how long."""
     rounds = len(result.iterations)
-    return f"{rounds} iteration{'' if rounds == 1 else 's'} in {with_unit(result.seconds, 's', 3)}"
+    return f"{rounds} iteration{'' if rounds == 1 else 's'}{lasted(result.seconds)}"
 
 
 def headline(result: OptimizationResult) -> str:

@@ -11,7 +11,7 @@ from units.quantities import format_quantity
 
 from . import design
 from .document import Column, Paragraph, Picture, Section, Value, section, share, table
-from .figures_in_words import percent, with_unit
+from .figures_in_words import lasted, percent, with_unit
 
 
 def sections(result: OptimizationResult) -> list[Section]:
@@ -113,8 +113,7 @@ def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
 def compared_words(rounded: Rounded) -> str:
     """How the rounded design was found, as a phrase."""
     told = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
-    seconds = with_unit(rounded.seconds, "s", 3)
-    return f"the best of {rounded.compared} designs compared, {told} among them, in {seconds}"
+    return f"the best of {rounded.compared} designs compared, {told} among them{lasted(rounded.seconds, ', in ')}"
 
 
 def limit_figure(limit: KeptLimit, value: float) -> Value:

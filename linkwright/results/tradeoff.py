@@ -24,7 +24,7 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import figure, load_case_words, percent, workspace_words
+from .figures_in_words import figure, lasted, load_case_words, percent, workspace_words
 from .optimization import names_words
 
 MOST_ROWS = 25
@@ -201,7 +201,7 @@ def effort_words(result: Tradeoff) -> str:
     known = f", {result.resumed} of them from the journal" if result.resumed else ""
     count = result.solved + result.resumed
     lines = f"straight lines between points were right within {percent(result.envelope.error)} half-way"
-    return f"{count} points solved{known} in {figure(result.seconds, 3)} s; {lines}"
+    return f"{count} points solved{known}{lasted(result.seconds)}; {lines}"
 
 
 def picture_words(result: Tradeoff) -> str:

@@ -67,7 +67,7 @@ class DiagnosisPage:
             ui.button("Take out", on_click=self._take_out).props("outline dense no-caps")
         self._line = ui.label().classes("lw-done whitespace-pre-line")
         self._notes = ui.label().classes("lw-note")
-        with ui.element("div").classes("lw-fields"):
+        with ui.element("div").classes("lw-fields lw-roomy"):
             for name, label, options in (
                 ("frame", "Measuring frame", {"": "known: the arm's base", "free": "free: to be fitted"}),
                 ("tool", "Tool point", {"": "known", "free": "free: to be fitted"}),

@@ -56,7 +56,7 @@ def worst_poses(found: Evaluation) -> list[dict[str, str]]:
 def front_to_click(front: Tradeoff) -> dict[str, Any]:
     """The front as plotly draws it, each point with its design's number, and the designs by number."""
     found = front.found
-    drawn = front_figure(found)
+    drawn = front_figure(found, brief=True)
     numbers = {(found.asked.x.factor * point.x, found.asked.y.factor * point.y): point.number for point in found.points}
     for trace in drawn["data"]:
         trace["customdata"] = [numbers.get(place) for place in zip(trace["x"], trace["y"], strict=True)]

@@ -119,11 +119,12 @@ class Guard:
         await _refuse(scope, receive, send, 401, "the token that `linkwright serve` printed is due", form=True)
 
     async def _passed(self, scope: Message, receive: Receive, send: Send) -> None:
-        came, began = 0, False
+        came, began, gone = 0, False, False
 
         async def counted() -> Message:
-            nonlocal came
+            nonlocal came, gone
             message = await receive()
+            gone |= message["type"] == "http.disconnect"
             if scope["type"] == "http":
                 came += len(message.get("body", b""))
                 if came > MOST_UPLOADED + _ROOM:
@@ -146,6 +147,10 @@ class Guard:
         except TooMuch:
             if not began:
                 await _answer(send, 413, f"larger than {MOST_UPLOADED // 1024**2} MB\n")
+        except RuntimeError:
+            # What a page in the making says where nobody waits for it any more (starlette: "No response returned").
+            if began or not gone:
+                raise
 
 
 def _address(name: str) -> bool:

@@ -28,18 +28,20 @@ def tradeoff_report(result: Tradeoff) -> Contents:
     return Contents(described, pictures, figures, {"front": tradeoff_picture(result), "price": ""})
 
 
-def _hover(result: Tradeoff, point: Point) -> str:
+def _hover(result: Tradeoff, point: Point, *, brief: bool) -> str:
     x, y = result.asked.x, result.asked.y
-    known = [each for each in result.asked.given.figures.values() if each.name not in (x.name, y.name)]
-    shown_of = [(each.title, each.shown(point.figures[each.name]), each.unit) for each in known]
-    others = [f"{title} {with_unit(value, unit)}".strip() for title, value, unit in shown_of if value is not None]
     lines = [
         f"<b>point {point.number}</b> {text(point.front)}",
         f"{x.title} {shown(x, point.x, 5)}",
         f"{y.title} {shown(y, point.y, 5)}",
         f"price {price_words(result, point)}",
-        *(", ".join(others[k : k + 3]) for k in range(0, len(others), 3)),
     ]
+    if brief:
+        return "<br>".join(lines)
+    known = [each for each in result.asked.given.figures.values() if each.name not in (x.name, y.name)]
+    shown_of = [(each.title, each.shown(point.figures[each.name]), each.unit) for each in known]
+    others = [f"{title} {with_unit(value, unit)}".strip() for title, value, unit in shown_of if value is not None]
+    lines += [", ".join(others[k : k + 3]) for k in range(0, len(others), 3)]
     lines += [
         f"link {number}: {figure(1e3 * link.length)} mm, {text(section_words(link))}"
         for number, link in enumerate(point.arm.links, start=1)
@@ -47,7 +49,7 @@ def _hover(result: Tradeoff, point: Point) -> str:
     return "<br>".join(lines)
 
 
-def _trace(result: Tradeoff, front: Front, colour: str, wide: float, *, dots: bool) -> Figure:
+def _trace(result: Tradeoff, front: Front, colour: str, wide: float, *, dots: bool, brief: bool) -> Figure:
     x, y = result.asked.x, result.asked.y
     across: list[float] = []
     up: list[float] = []
@@ -63,7 +65,7 @@ def _trace(result: Tradeoff, front: Front, colour: str, wide: float, *, dots: bo
             sizes.append(0)
         across.append(x.factor * point.x)
         up.append(y.factor * point.y)
-        words.append(_hover(result, point))
+        words.append(_hover(result, point, brief=brief))
         sizes.append(7)
     trace: dict[str, Any] = {
         "type": "scatter",
@@ -80,14 +82,17 @@ def _trace(result: Tradeoff, front: Front, colour: str, wide: float, *, dots: bo
     return trace
 
 
-def front_figure(result: Tradeoff) -> Figure:
-    """The fronts as plotly draws them."""
+def front_figure(result: Tradeoff, *, brief: bool = False) -> Figure:
+    """The fronts as plotly draws them; `brief` where a design that is pointed at is told of elsewhere."""
     x, y = result.asked.x, result.asked.y
     grouped = len(result.fronts) > 1
     data: list[Figure] = []
     if grouped:
-        data.append(_trace(result, result.envelope, _ENVELOPE, 9.0, dots=False))
-    data += [_trace(result, front, COLOURS[k % len(COLOURS)], 2.0, dots=True) for k, front in enumerate(result.fronts)]
+        data.append(_trace(result, result.envelope, _ENVELOPE, 9.0, dots=False, brief=brief))
+    data += [
+        _trace(result, front, COLOURS[k % len(COLOURS)], 2.0, dots=True, brief=brief)
+        for k, front in enumerate(result.fronts)
+    ]
     if result.envelope.knee is not None:
         knee = result.points[result.envelope.knee - 1]
         data.append(
@@ -97,7 +102,7 @@ def front_figure(result: Tradeoff) -> Figure:
                 "name": "knee",
                 "x": [x.factor * knee.x],
                 "y": [y.factor * knee.y],
-                "hovertext": [_hover(result, knee)],
+                "hovertext": [_hover(result, knee, brief=brief)],
                 "hoverinfo": "text",
                 "marker": {"symbol": "diamond-open", "size": 15, "color": "#e5383b", "line": {"width": 2.5}},
             }

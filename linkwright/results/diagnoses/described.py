@@ -28,7 +28,7 @@ from linkwright.results.document import (
     section,
     table,
 )
-from linkwright.results.figures_in_words import figure, mm
+from linkwright.results.figures_in_words import figure, lasted, mm
 from linkwright.results.redesign import redesign_section
 
 from .answer import answer, main_and_small, to_do
@@ -343,4 +343,5 @@ def _asked(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     ]
     if arm.leave_out:
         rows.append(("left out of the model by the arm file", ", ".join(sorted(arm.leave_out))))
-    return [*rows, ("time taken", f"{diagnosis.seconds:.1f} s")]
+    took = lasted(diagnosis.seconds, "")
+    return [*rows, ("time taken", took)] if took else rows

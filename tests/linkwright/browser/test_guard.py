@@ -96,6 +96,29 @@ def test_uploads_are_bounded(server):
     assert answers[0]["status"] == 413
 
 
+@pytest.mark.parametrize("gone", [True, False])
+def test_who_goes_before_the_answer_leaves_no_traceback(gone):
+    """A page that nobody waits for any more has no answer; one that is waited for and has none is a fault."""
+
+    async def left(_, receive, send):
+        await receive()
+        raise RuntimeError("No response returned.")
+
+    async def receive():
+        return {"type": "http.disconnect" if gone else "http.request", "body": b""}
+
+    async def send(message):
+        raise AssertionError(message)
+
+    scope = {"type": "http", "method": "GET", "path": "/", "headers": [(b"host", b"localhost:1")]}
+    asked = Guard(left, frozenset({"localhost"}), 1)(scope, receive, send)
+    if gone:
+        asyncio.run(asked)
+        return
+    with pytest.raises(RuntimeError, match="No response"):
+        asyncio.run(asked)
+
+
 @pytest.mark.parametrize(
     "name", ["/etc/passwd", "../secret.yaml", "a/../../secret.yaml", "link.yaml", ".hidden.yaml", "9" * 4000]
 )
