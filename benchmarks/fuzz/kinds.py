@@ -42,8 +42,8 @@ def kinds() -> dict[str, Kind]:
     recordings = ("".join(rows), "".join(rows).replace(",", ";"), "".join(rows).replace(",", "\t"))
     cable = example("cable-drag/recording.yaml")
     return {
-        "arm": Kind({"arm.yaml": (*arms, UNUSUAL_ARM)}, _arm, {}),
-        "problem": Kind({"problem.yaml": (*problems, UNUSUAL_PROBLEM)}, _problem, {"arm.yaml": arm_to_yaml(welding)}),
+        "arm": Kind({"arm.yaml": (*arms, UNUSUAL_ARM, BALANCED_ARM, TORSO)}, _arm, {}),
+        "problem": Kind({"problem.yaml": (*problems, *PROBLEMS)}, _problem, {"arm.yaml": arm_to_yaml(welding)}),
         "materials": Kind(
             {"own.yaml": _shipped("materials/catalogue/*.yaml")}, lambda at: load_layer(at / "own.yaml"), {}
         ),
@@ -208,6 +208,50 @@ effects:
   - {effect: encoder_offset, at: 1, offset: 0.05 deg}
   - {effect: thermal_expansion, at: [2, 3]}
 """
+BALANCED_ARM = """\
+name: what balances, follows and runs out
+machining: {per_kilogram: 6 EUR/kg, per_metre: 40 EUR/m, per_part: 25 EUR, date: 2026-03}
+chain:
+  - joint: {type: prismatic, axis: [1, 0, 0], range: [200 mm, 900 mm]}
+    link: {length: 1 m, section: {shape: tube, diameter: 90 mm, thickness: 4 mm}, material: steel-s355, bends_over: q1}
+  - joint:
+      range: [-90 deg, 60 deg]
+      mass: 1 kg
+      motor: {mass: 4 kg, on: 1}
+      balancer: {stiffness: 8 kN/m, free_length: 250 mm, on_link: 120 mm, on_base: 400 mm, base_at: 90 deg}
+    link:
+      length: 400 mm
+      section: {shape: tube, diameter: 60 mm, thickness: 3 mm}
+      material: {laminate: {ply: cfrp-unidirectional, angles: [0 deg, 45 deg, -45 deg, 0 deg]}}
+      masses: [{mass: 8 kg, at: [-250 mm, 40 mm, 0 mm], on: joint}]
+      cost: 120 EUR
+  - joint: {range: [-150 deg, 0 deg], balancer: {torque: 30 N*m, greatest_at: 10 deg}, passive: false}
+    origin: free
+    link: {length: 300 mm, rigid: true, mass: 2 kg}
+  - joint: {follows: "-(q2 + q3)", stiffness: 90 kN*m/rad}
+    link: {length: 100 mm, rigid: true, mass: 1 kg}
+payload: {mass: 2 kg}
+"""
+TORSO = """\
+name: two arms on a torso
+gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+chain:
+  - joint: {axis: z, range: [-170 deg, 170 deg], stiffness: 20 kN*m/rad}
+    link: {length: 400 mm, direction: [0, 0, 1], rigid: true, mass: 10 kg}
+branches:
+  - name: left
+    origin: {xyz: [0 m, 0.2 m, 0.05 m]}
+    payload: {mass: 1 kg}
+    tool: {xyz: [0 mm, 0 mm, 80 mm]}
+    chain:
+      - joint: {axis: y, range: [-90 deg, 90 deg], actuator: RV-20E}
+        link: {length: 300 mm, rigid: true, mass: 2.5 kg}
+      - joint: {axis: y, follows: "-q1"}
+        link: {length: 100 mm, rigid: true, mass: 1 kg}
+  - name: right
+    origin: {xyz: [0 m, -0.2 m, 0.05 m], rpy: [0 deg, 0 deg, 90 deg]}
+    chain: [{joint: {axis: y, range: [-90 deg, 90 deg]}, link: {length: 300 mm, rigid: true, mass: 2.5 kg}}]
+"""
 UNUSUAL_PROBLEM = """\
 arm: arm.yaml
 minimize: mass
@@ -228,6 +272,38 @@ choose:
 robust: worst
 uncertain: {elastic_modulus: 5 %, stiffness: [10 %, 10 %, 20 %]}
 """
+BALANCE_TO_CHOOSE = """\
+arm: arm.yaml
+subject_to:
+  mass: "<= 26 kg"
+  section_size: [20 mm, 150 mm]
+  taper: [0.4, 1]
+  tip_stiffness: {at_least: 500 N/mm, poses: [[0 deg, 30 deg, 0 deg]]}
+  aspect: "<= 3"
+choose:
+  section: [tube]
+  material: [steel-s355]
+  balancer: [{joint: 1, torque: [0 N*m, 200 N*m], greatest_at: 0 deg}]
+  counterweight: [{link: 2, mass: [0 kg, 20 kg], at: [-300 mm, -100 mm]}]
+  motor:
+    - {joint: 2, mass: 4 kg, on: [joint, base]}
+    - {joint: 3, places: [{on: joint, mass: 2 kg}, {on: 2, mass: 2.5 kg, stiffness: 9 kN*m/rad, cost: 150 EUR}]}
+robust: 95 %
+uncertain: {elastic_modulus: 5 %}
+"""
+SIZES_TO_CHOOSE = """\
+arm: arm.yaml
+workspace: {path: [[600 mm, 100 mm], [600 mm, 200 mm]], error: across}
+subject_to: {mass: "<= 26 kg", cost: "<= 900 EUR"}
+choose:
+  section: [tube]
+  material: [steel-s355, aluminium-6082-t6]
+  sizes:
+    - stock
+    - [CHS 60.3x3, CHS 48.3x3]
+    - {diameter: [40 mm, 50 mm], thickness: {from: 2 mm, to: 8 mm, step: 0.5 mm}}
+"""
+PROBLEMS = (UNUSUAL_PROBLEM, BALANCE_TO_CHOOSE, SIZES_TO_CHOOSE)
 UNUSUAL_SETTINGS = """\
 columns: {q1_deg: "q1_deg*1.0 + 0", q2_deg: "(`q2_deg` - 0)**1", x_mm: x_mm, y_mm: "-(-y_mm)"}
 ignore: [time_s]

@@ -40,6 +40,8 @@ INSTRUMENTS: dict[str, dict[str, Any]] = {
     "plane": {"observe": "plane"},
     "tilt": {"observe": "tilt", "tilt_link": 2},
     "bar": {"observe": "bar", "bar": ("0 mm", "500 mm"), "poses": 12},
+    "camera": {"observe": "camera", "camera": "fixed"},
+    "on_tool": {"observe": "camera", "camera": "on_tool"},
 }
 
 

@@ -100,7 +100,7 @@ def test_uploads_are_bounded(server):
 def test_who_goes_before_the_answer_leaves_no_traceback(gone):
     """A page that nobody waits for any more has no answer; one that is waited for and has none is a fault."""
 
-    async def left(_, receive, send):
+    async def left(_, receive, __):
         await receive()
         raise RuntimeError("No response returned.")
 

@@ -29,6 +29,12 @@ def test_the_good_files_are_read(tmp_path, name):
     """Otherwise the odd ones would be odd in one way only."""
     kind = KINDS[name]
     assert hold(kind, {file: seeds[0].encode() for file, seeds in kind.odd.items()}, tmp_path)
+    refused = []
+    for number in range(len(kind.odd.get(name + ".yaml", ()))):
+        seeds = {file: seeds[number].encode() for file, seeds in kind.odd.items()}
+        if not hold(kind, seeds, tmp_path):
+            refused.append(number)
+    assert refused == []
 
 
 def test_what_is_held_can_be_missed(tmp_path):
