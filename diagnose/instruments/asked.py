@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from arm.chain.chain import Arm
 from units.quantities import InputError, shown
 
-from .instrument import KINDS, TILT_X, Instrument
+from .instrument import KINDS, TILT_X, Instrument, direction_along
 
 _READ = ("position", "along", "distance", "same_point", "plane", "tilt", "bar", "camera")
 
@@ -41,13 +39,11 @@ def observed_by(
     if observe == "along":
         if direction is None:
             raise InputError("", "direction", "is missing; write the direction of the height, e.g. 0, 0, 1")
-        vector = np.array([*direction, 0.0][:3], dtype=float)
-        size = float(np.linalg.norm(vector))
-        if len(vector) != 3 or not np.isfinite(size) or size <= 0.0:
+        found = direction_along(direction)
+        if found is None:
             said = f"needs three numbers of a direction that has a length, not {shown(list(direction))}"
             raise InputError("", "direction", said)
-        x, y, z = (vector / size).tolist()
-        return {"slots": KINDS["along"], "instrument": Instrument(("along",), direction=(x, y, z))}
+        return {"slots": KINDS["along"], "instrument": Instrument(("along",), direction=found)}
     if observe == "distance":
         if anchor is None or len(anchor) not in (2, 3):
             would_do = "where distances are measured from, e.g. 1 m, 0 m, 0.3 m"

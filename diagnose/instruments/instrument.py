@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from arm.chain.vectors import unit
 
 Kind = Literal["position", "along", "distance", "same_point", "plane", "tilt", "bar", "camera"]
 Slots = NDArray[np.int64]
@@ -45,3 +48,14 @@ class Instrument:
     labels: tuple[str, ...] = ()
     tilt_link: int = 0
     camera: Literal["fixed", "on_tool"] = "fixed"
+
+
+def direction_along(numbers: Sequence[float]) -> tuple[float, float, float] | None:
+    """The unit vector along two or three numbers, however large; None where they are no direction."""
+    if len(numbers) not in (2, 3):
+        return None
+    x, y, z = [*numbers, 0.0][:3]
+    try:
+        return unit((x, y, z))
+    except (ValueError, OverflowError):
+        return None

@@ -5,12 +5,10 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Literal, cast
 
-import numpy as np
-
-from units.quantities import InputError, shown
+from units.quantities import InputError, read_number, shown
 from units.reading import Mapping, nearest
 
-from .instrument import KINDS, Instrument, Kind
+from .instrument import KINDS, Instrument, Kind, direction_along
 
 _GO_WITH: MappingProxyType[str, Kind] = MappingProxyType(
     {"direction": "along", "anchor": "distance", "tilt_link": "tilt", "camera": "camera"}
@@ -96,12 +94,12 @@ def _direction(mapping: Mapping) -> tuple[float, float, float]:
     values = mapping.items("direction")
     if len(values) not in (2, 3) or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in values):
         raise mapping.error("direction", f"needs three numbers, not {shown(values)}; e.g. [0, 0, 1]")
-    vector = np.array([*cast(list[float], values), 0.0][:3], dtype=float)
-    size = float(np.linalg.norm(vector))
-    if not np.isfinite(size) or size <= 0.0:
+    place = mapping.path_of("direction")
+    numbers = [read_number(each, file=mapping.file, key=f"{place}[{k}]") for k, each in enumerate(values, start=1)]
+    found = direction_along(numbers)
+    if found is None:
         raise mapping.error("direction", f"{shown(values)} has no length; write {would_do}")
-    x, y, z = (vector / size).tolist()
-    return (x, y, z)
+    return found
 
 
 def _anchor(mapping: Mapping) -> tuple[float, float, float] | None:

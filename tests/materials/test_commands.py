@@ -356,3 +356,16 @@ def test_marks_that_contradict_are_refused(tmp_path, text, words):
     )
     with pytest.raises(InputError, match=re.escape(words)):
         load_layer(tmp_path / "own.yaml")
+
+
+def test_keys_go_by_the_names_of_the_list(materials, tmp_path):
+    """`E` and `yield` are its headings; a key by both its names is a mistake."""
+    ok(materials("add", "my-alloy", "E=80 GPa", "density=3 g/cm3", "yield=200 MPa", "--source", "sheet 12"))
+    ok(materials("edit", "my-alloy", "E.spread", "[78 GPa, 82 GPa]"))
+    made = load_layer(tmp_path / "configuration" / "linkwright" / "materials.yaml").materials["my-alloy"]
+    assert made.need("elastic_modulus") == pytest.approx(80e9)
+    assert made.need("yield_strength") == pytest.approx(200e6)
+    wrong(materials("edit", "my-alloy", "E=81 GPa", "elastic_modulus=82 GPa"), "E: is given by both its names")
+    ok(materials("edit", "my-alloy", "yield", "--unset"))
+    made = load_layer(tmp_path / "configuration" / "linkwright" / "materials.yaml").materials["my-alloy"]
+    assert not made.has("yield_strength")

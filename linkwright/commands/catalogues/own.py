@@ -5,7 +5,7 @@ import shlex
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from dataclasses import replace as renamed
 from datetime import UTC, datetime
 from pathlib import Path
@@ -76,6 +76,7 @@ class OwnCatalogue:
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
         doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
+        keys: what keys are called for short in lists, by which they may be given too.
     """
 
     group: str
@@ -92,6 +93,19 @@ class OwnCatalogue:
     made: Callable[[str, dict[str, str], str], Any]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
     doubts: Callable[[Path], Sequence[str]] = lambda _: ()
+    keys: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    def whole(self, key: str) -> str:
+        """A key as files have it: `E.spread` is `elastic_modulus.spread`."""
+        first, dot, rest = key.partition(".")
+        return f"{self.keys.get(first, first)}{dot}{rest}"
+
+    def in_full(self, given: Mapping[str, str]) -> dict[str, str]:
+        """Values by whole keys. Raises `InputError` where two names of a key are given."""
+        found = {self.whole(key): value for key, value in given.items()}
+        if len(found) < len(given):
+            raise InputError("", next(key for key in given if key != self.whole(key)), "is given by both its names")
+        return found
 
     def path(self, catalogue: Path | None) -> Path:
         """The file to change."""
@@ -162,7 +176,7 @@ class OwnCatalogue:
             replace: Replace = False,
             catalogue: OwnFile = None,
         ) -> None:
-            entry, path = self.made(name, key_values(values, self.such_as), source), self.path(catalogue)
+            entry, path = self.made(name, self.in_full(key_values(values, self.such_as)), source), self.path(catalogue)
             say(editor.add(path, [entry], replace=replace), path)
             self.question(path, name)
 
@@ -258,10 +272,10 @@ def edit_keys_command(own: OwnCatalogue, editor: KeysEditor) -> Callable[..., No
         if unset:
             if len(changes) > 1 or "=" in changes[0]:
                 raise InputError("", "--unset", "takes one KEY and no value")
-            say(editor.remove_key(path, name, changes[0]), path)
+            say(editor.remove_key(path, name, own.whole(changes[0])), path)
             return
         asked = changes_of(changes, own.such_as)
-        values = {key: value_of_text(text, key) for key, text in asked.items()}
+        values = {key: value_of_text(text, key) for key, text in own.in_full(asked).items()}
         say(editor.set_keys(path, name, values, source=source), path)
         own.question(path, name)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -20,6 +21,7 @@ from linkwright.commands.catalogues.own import (
     value_of_text,
 )
 from linkwright.commands.groups import Commands
+from linkwright.commands.materials.query import SHORT
 from linkwright.commands.options import CatalogueFile
 from linkwright.output.files import check_target
 from linkwright.output.table_file import rows_of
@@ -34,7 +36,7 @@ Example: linkwright materials add my-alloy elastic_modulus='80 GPa' density='300
 """
 EDIT_HELP = """Change keys of a material, or the catalogue file in $EDITOR; a shipped material is copied to yours.
 
-Keys are such as density, cost.spread or title; several at once are one edit: KEY=VALUE KEY=VALUE.
+Keys are such as density, E, cost.spread or title; several at once are one edit: KEY=VALUE KEY=VALUE.
 
 Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
 """
@@ -74,6 +76,7 @@ OWN = OwnCatalogue(
     such_as="density='3000 kg/m^3'",
     made=_made,
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
+    keys=MappingProxyType({short: name for name, short in SHORT.items()}),
     read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table, ".xlsx": read_table},
 )
 

@@ -6,6 +6,7 @@ import pytest
 
 from arm.errors.lost_motion import played
 from arm.errors.model import beam_values, beams_of, error_model
+from diagnose.reading.settings import read_settings
 from tests.linkwright.conftest import ARM, PROBLEM
 
 HEADER = "q1_deg,q2_deg,x_mm,y_mm"
@@ -57,6 +58,14 @@ def test_an_axis_is_a_direction_however_long(linkwright, bench, axis):
     assert (status, err) == (0, "") if axis != "[0, 0, 1e-320]" else status == 2
 
 
+@pytest.mark.parametrize("direction", [[1e200, 1.0, 0.0], [1e-150, 0.0, 0.0], [1e308, 1e308]])
+def test_so_is_the_direction_of_a_height(tmp_path, direction):
+    asked = tmp_path / "recording.yaml"
+    told = f"observes: along\ndirection: {direction}\n".replace("e+", ".0e+").replace("e-", ".0e-")
+    asked.write_text(told, encoding="utf-8")
+    assert math.hypot(*read_settings(asked).instrument.direction) == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize(("old", "new"), [("diameter: 60 mm", "diameter: 1e-6 mm"), ("50 kN*m/rad", "1e-9 N*m/rad")])
 def test_an_arm_that_gives_without_end_has_no_answer(linkwright, bench, old, new):
     """Each figure may stand, but the arm of them does not."""
@@ -96,6 +105,9 @@ SAID_OF_SETTINGS = [
     ("time_format: '%Q'\ncolumns: {time_s: x_mm}", "time_format"),
     (f"skip_rows: {10**18}", "skip_rows"),
     (f"skip_rows: {'9' * 5000}", "5000 digits"),
+    ("observes: along\ndirection: [0, 0.0, 0]", "direction: "),
+    (f"observes: along\ndirection: [{'9' * 400}, 0, 0]", "400 digits"),
+    ("observes: along\ndirection: [.inf, 0, 0]", "direction[1]"),
 ]
 
 
