@@ -28,11 +28,14 @@ class Judge(RoundSearch):
     """Finds the best of the designs that it is offered; `pool` holds the poses that told."""
 
     def __init__(
-        self, context: Context, lists: tuple[LinkList, ...], heard: Callable[[int, int], None] | None = None
+        self,
+        context: Context,
+        lists: tuple[LinkList, ...],
+        heard: Callable[[int, int], None] | None = None,
+        table: Table | None = None,
     ) -> None:
-        groups = [Group((each.link,), tuple((own,) for own in each.options), len(each.options)) for each in lists]
-        table = Table(context.problem, context.problem.arm, groups, [context.problem.arm.lengths])
-        super().__init__(context, table, Rounding(None), heard)
+        """`table` is that of the lists (`table_of`), where it is there already."""
+        super().__init__(context, table_of(context, lists) if table is None else table, Rounding(None), heard)
         self.pool = Pool()
 
     def learn(self, arm: Arm, p: Array) -> None:
@@ -74,6 +77,12 @@ class Judge(RoundSearch):
         for name, cuts in self._cuts.items():
             self.pool = self.pool.with_cuts(name, cuts)
         return self.pool
+
+
+def table_of(context: Context, lists: tuple[LinkList, ...]) -> Table:
+    """All options of the links, ready to be combined."""
+    groups = [Group((each.link,), tuple((own,) for own in each.options), len(each.options)) for each in lists]
+    return Table(context.problem, context.problem.arm, groups, [context.problem.arm.lengths])
 
 
 def cut_of(context: Context, pose: WorstPose) -> ErrorCut:

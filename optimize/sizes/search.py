@@ -22,6 +22,7 @@ from optimize.exchange.binding_poses import Pool
 from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import Context
 from optimize.result import Iteration
+from optimize.rounding.designs_at_once import Table
 from sections.numeric import Array
 
 from .judging import Judge
@@ -82,11 +83,13 @@ class ListSearch:
         *,
         progress: Progress | None = None,
         log: Callable[[Iteration], None] | None = None,
+        table: Table | None = None,
     ) -> None:
+        """`table` is that of the lists (`judging.table_of`), where it is there already."""
         self.context, self.lists, self.progress, self._log = context, lists, progress, log
         self.same = context.problem.same
         self.history: list[Iteration] = []
-        self.judge = Judge(context, lists, self._heard)
+        self.judge = Judge(context, lists, self._heard, table)
         self.relaxation = Relaxation(lists)
         self.worth = 1.0
         self.parts = self.compared = 0

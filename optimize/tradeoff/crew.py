@@ -22,7 +22,8 @@ from optimize.limits import Figure, figures_of
 from optimize.problem import Problem
 
 from .journal import Record, design_record
-from .point import Design, Learnt, Search
+from .listed import ListedSearch, listed_arm
+from .point import Design, Learnt, Search, Told
 from .question import Question
 
 
@@ -51,7 +52,7 @@ class Crew:
     def solve(
         self,
         group: str,
-        search: Search,
+        search: Search | ListedSearch,
         wanted: Sequence[Wanted],
         pulse: Callable[[], None],
         keep: Callable[[int, Record | None], None],
@@ -71,12 +72,12 @@ class _Searches:
     def __init__(self, asked: Question) -> None:
         self.asked = asked
         self._problems = dict(asked.groups())
-        self._latest: tuple[str, Search] | None = None
+        self._latest: tuple[str, Search | ListedSearch] | None = None
 
-    def of(self, group: str) -> Search:
+    def of(self, group: str) -> Search | ListedSearch:
         """The search of a group."""
         if self._latest is None or self._latest[0] != group:
-            self._latest = group, Search(self.asked, self._problems[group], _silent)
+            self._latest = group, search_for(self.asked, self._problems[group], _silent)
         return self._latest[1]
 
 
@@ -92,6 +93,11 @@ def _solved(kept: _Searches, item: Item) -> Found:
     return None if design is None else record_of(kept.asked, search.problem, design), search.learnt()
 
 
+def search_for(asked: Question, problem: Problem, told: Told) -> Search | ListedSearch:
+    """The search for a group's problem, which tells how its sections are chosen."""
+    return Search(asked, problem, told) if problem.sizes is None else ListedSearch(asked, problem, told)
+
+
 def record_of(asked: Question, problem: Problem, design: Design) -> Record:
     """What is noted of a design: itself and its figures."""
     whole = asked.problem
@@ -101,6 +107,8 @@ def record_of(asked: Question, problem: Problem, design: Design) -> Record:
 
 def arm_with(problem: Problem, design: Design) -> Arm:
     """The arm of a design."""
+    if problem.sizes is not None:
+        return listed_arm(problem, design.numbers)
     pick = design.combination
     return arm_of(design_space(problem, pick.shapes), np.array(design.numbers), pick.materials)
 

@@ -13,6 +13,7 @@ from arm.files.write import arm_to_yaml
 from materials.material import Material
 from optimize.limits import Figure, Limit
 from optimize.problem import Problem
+from optimize.sizes.listed import Listed
 from units.quantities import InputError, format_quantity
 
 By = Literal["material", "shape"]
@@ -119,8 +120,15 @@ class Question:
         if self.by == "material" and self.given.materials is not None:
             return [(m.name, replace(self.problem, materials=(m,))) for m in self.given.materials]
         if self.by == "shape" and self.given.shapes is not None:
-            return [(shape, replace(self.problem, shapes=(shape,))) for shape in self.given.shapes]
+            return [(shape, self._of_shape(shape)) for shape in self.given.shapes]
         return [("all", self.problem)]
+
+    def _of_shape(self, shape: str) -> Problem:
+        """The problem whose links are all of a shape, sections from lists among them."""
+        sizes = self.problem.sizes
+        if sizes is not None:
+            sizes = tuple(tuple(each for each in own if each.section.shape == shape) for own in sizes)
+        return replace(self.problem, shapes=(shape,), sizes=sizes)
 
     def unlimited(self, group: Problem) -> Problem:
         """A group's problem with the limits that were given, for saying why it has no answer."""
@@ -140,6 +148,8 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
         message = "is settled by `optimize` alone: balance can bring the error to nothing, where a front has no end"
         raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")
     known = axes_of(problem.figures)
+    if problem.sizes is not None:
+        _check_listed(problem, (x, y))
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:
             raise InputError("", option, f"there is no figure '{name}'; take one of {', '.join(known)}")
@@ -180,6 +190,18 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     )
 
 
+def _check_listed(problem: Problem, names: tuple[str, str]) -> None:
+    """What does not go with sections from a list."""
+    if problem.link_length is not None:
+        message = "goes with a trade-off where lengths stay; leave link_length out, or sizes"
+        raise InputError(problem.file, "choose.sizes", message)
+    minimised = [name for name, each in problem.figures.items() if each.minimised]
+    other = next((name for name in names if name in problem.figures and name not in minimised), None)
+    if other is not None:
+        message = f"goes with trade-offs between {', '.join(minimised)}, not with {other}"
+        raise InputError(problem.file, "choose.sizes", message)
+
+
 def digest(asked: Question, accuracy: float) -> str:
     """SHA-256 over all that a front depends on: the arm, the problem, the materials' figures, and what is asked."""
     problem = asked.given
@@ -192,6 +214,7 @@ def digest(asked: Question, accuracy: float) -> str:
         "limits": [[limit.text, limit.poses] for limit in asked.problem.limits],
         "ranges": [problem.link_length, problem.section_size, problem.thickness],
         **({} if problem.taper is None else {"taper": problem.taper}),
+        **({} if problem.sizes is None else {"sizes": [[_listed(each) for each in own] for own in problem.sizes]}),
         "shapes": problem.shapes,
         "materials": [_figures(m, problem.arm.temperature) for m in (*own.values(), *chosen.values())],
         "chosen": list(chosen),
@@ -202,6 +225,10 @@ def digest(asked: Question, accuracy: float) -> str:
         "accuracy": accuracy,
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _listed(each: Listed) -> list[Any]:
+    return [each.section.shape, dict(each.section.given()), None if each.stock is None else each.stock.name]
 
 
 def _figures(material: Material, temperature: float) -> dict[str, Any]:

@@ -11,12 +11,14 @@ from arm.chain.chain import Arm
 from optimize.choice.combinations import MOST_COMBINATIONS, count
 from optimize.problem import Problem
 
-from .crew import Crew, Wanted, arm_with, record_of
+from .crew import Crew, Wanted, arm_with, record_of, search_for
 from .front import Figures
 from .journal import Journal, Record, design_of
+from .listed import ListedSearch
 from .point import Design, Search
 from .question import Axis, Question
 from .refinement import Refined, Stretch, refine
+from .steps import refine_steps
 
 _STEP = 0.2
 """First distance of the points, in the logarithm of x."""
@@ -79,18 +81,24 @@ class Tracer:
         self.resumed = 0
         self._error: float | None = None
         self._first = _LEAST_POINTS
-        self._search: Search | None = None
+        self._search: Search | ListedSearch | None = None
 
     @property
     def exhaustive(self) -> bool:
         """Whether every combination is in the running at each point."""
+        if self._listed:
+            return all(node.design.converged for node in self.nodes)
         return count(self._problem) <= MOST_COMBINATIONS
 
     @property
-    def search(self) -> Search:
+    def _listed(self) -> bool:
+        return self._problem.sizes is not None
+
+    @property
+    def search(self) -> Search | ListedSearch:
         """The search, set up when it is first needed: what a journal knows needs none."""
         if self._search is None:
-            self._search = Search(self.asked, self._problem, self._say)
+            self._search = search_for(self.asked, self._problem, self._say)
         return self._search
 
     def _say(self, text: str) -> None:
@@ -129,7 +137,9 @@ class Tracer:
             return None
         design, figures = design_of(record["design"], self._problem), record["figures"]
         x, y = float(figures[self.asked.x.name]), float(figures[self.asked.y.name])
-        level = held if push == self.asked.y_limit and math.isfinite(held) else self.asked.x.badness(x)
+        # A design from a list leaves some of what is allowed; where it stands is what it has.
+        allowed = push == self.asked.y_limit and math.isfinite(held) and not self._listed
+        level = held if allowed else self.asked.x.badness(x)
         return Node(self.name, level, x, y, design, figures)
 
     def arm(self, design: Design) -> Arm:
@@ -149,7 +159,10 @@ class Tracer:
         if right is None:
             return True
         self.capped = asked.x.badness(right.x) > most * (1.0 - 1e-4)
-        if not self.capped:
+        if self._listed:
+            # The least x of designs as good in y is sought at every point; a limit on x falls between two designs.
+            self.capped = math.isfinite(most)
+        elif not self.capped:
             best = asked.y.badness(right.y) * (1.0 + _AT_BEST_Y)
             right = self.solve(asked.x_limit, best, [right]) or right
             right = replace(right, level=asked.x.badness(right.x))
@@ -160,7 +173,8 @@ class Tracer:
         self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
         together = 1 if self._crew is None else self._crew.together
-        self.refined = refine(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
+        refined = refine_steps if self._listed else refine
+        self.refined = refined(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
         return True
 
     @property

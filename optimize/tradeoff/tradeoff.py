@@ -30,6 +30,7 @@ from .journal import Journal
 from .point import Search
 from .question import Question
 from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
+from .steps import refine_steps
 from .trace import Node, Told, Tracer
 
 ACCURACY = 0.01
@@ -71,11 +72,15 @@ def trade_off(
             if tracer.trace():
                 tracers.append(tracer)
             else:
-                blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
-                without.append((name, blocked[-1].text))
+                without.append((name, "no combination of the sizes listed keeps all limits"))
+                if problem.sizes is None:
+                    blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
+                    without[-1] = name, blocked[-1].text
         except Unreachable as error:
             hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
             without.append((name, f"workspace: {error}{hint}"))
+        except NoAnswer as error:
+            without.append((name, str(error)))
         except KeyboardInterrupt:
             if tracer.nodes:
                 tracers.append(tracer)
@@ -106,8 +111,16 @@ def _silent(_: str) -> None:
 def _unrefined(asked: Question, tracers: Sequence[Tracer]) -> Refined[Node]:
     """The best of all fronts as far as they came."""
     axes = (asked.x, asked.y)
-    nodes = envelope(axes, [undominated(axes, tracer.nodes) for tracer in tracers])
+    nodes = _best_of(asked, [undominated(axes, tracer.nodes) for tracer in tracers])
     return Refined(tuple(nodes), 0.0, (), (), complete=False)
+
+
+def _best_of(asked: Question, fronts: Sequence[Sequence[Node]]) -> list[Node]:
+    """The points on the best of several fronts; between designs from lists there are none."""
+    axes = (asked.x, asked.y)
+    if asked.given.sizes is not None:
+        return undominated(axes, [node for front in fronts for node in front])
+    return envelope(axes, fronts)
 
 
 def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Refined[Node]:
@@ -115,7 +128,7 @@ def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Re
     line is right there too."""
     axes = (asked.x, asked.y)
     named = {tracer.name: tracer for tracer in tracers}
-    nodes = envelope(axes, [undominated(axes, tracer.nodes) for tracer in tracers])
+    nodes = _best_of(asked, [undominated(axes, tracer.nodes) for tracer in tracers])
     changes = [(a, b) for a, b in itertools.pairwise(nodes) if a.group != b.group]
 
     def better(stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
@@ -126,7 +139,8 @@ def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Re
         found = [node for name in names if (node := named[name].at(stretch.level)) is not None]
         return min(found, key=lambda node: axes[1].badness(node.y), default=None)
 
-    return refine(axes, nodes, changes, better, accuracy, most=len(nodes) + 40 * max(len(changes), 1))
+    refined = refine if asked.given.sizes is None else refine_steps
+    return refined(axes, nodes, changes, better, accuracy, most=len(nodes) + 40 * max(len(changes), 1))
 
 
 def _result(
@@ -155,7 +169,8 @@ def _result(
             knee=None if at is None else numbers[at],
             error=0.0 if refined is None else refined.error,
             steps=() if refined is None else _steps(asked, nodes, numbers, refined),
-            idle=_idle(asked, [] if refined is None else refined.nodes),
+            # Between two designs from lists there are none, so that every stretch would be idle.
+            idle=_idle(asked, [] if refined is None or asked.given.sizes is not None else refined.nodes),
             failed=() if refined is None else tuple(asked.x.badness(level) for level in refined.failed),
             capped=capped,
             complete=refined is None or refined.complete,
@@ -165,7 +180,7 @@ def _result(
     fronts = tuple(front(each.name, kept[each.name], each.refined, capped=each.capped) for each in tracers)
     whole = fronts[0]
     if best is not None:
-        nodes = envelope(axes, list(kept.values()))
+        nodes = _best_of(asked, list(kept.values()))
         parts = [each.refined for each in tracers if each.refined is not None]
         both = replace(
             best,

@@ -1,0 +1,155 @@
+"""Points of a trade-off whose sections are listed: of all combinations the one with the least of one figure while the
+other is held, and of those as good the one with the least of the other too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from arm.chain.chain import Arm
+from materials.material import Material
+from optimize.choice.picks import Combination
+from optimize.exchange.binding_poses import Pool
+from optimize.exchange.exchange import context_of
+from optimize.limits import Limit
+from optimize.problem import Problem
+from optimize.rounding.designs_at_once import Table
+from optimize.rounding.options import Option
+from optimize.sizes.judging import table_of
+from optimize.sizes.options import link_lists
+from optimize.sizes.search import CLOSE, ListSearch
+from units.quantities import NoAnswer
+
+from .point import Design, Learnt, Told
+from .question import Axis, Question
+
+_EXACTLY = 1e-9
+"""Of designs as good in the figure pushed as the best, within this share, that with the least of the other counts."""
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A design that is the best for every badness of the figure held from what it has to `most`."""
+
+    push: int
+    least: float
+    most: float
+    design: Design
+
+
+class ListedSearch:
+    """Finds designs from lists for one problem (of a group) of a trade-off."""
+
+    def __init__(self, asked: Question, problem: Problem, told: Told) -> None:
+        """`told` is called between the parts of the work. Raises `NoAnswer` where a link has no section to be."""
+        self.asked, self.problem, self._told = asked, problem, told
+        self.share = 0.0
+        assert problem.sizes is not None
+        for number, (own, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True), start=1):
+            if link.section is not None and not own:
+                raise NoAnswer(f"link {number}: none of the sizes listed is of that shape")
+        self.context = context_of(replace(problem, sizes=None))
+        self.lists = link_lists(problem)
+        self._table: Table = table_of(self.context, self.lists)
+        self._codes = {each.link: _codes(problem, each.link) for each in self.lists}
+        self._known: list[_Known] = []
+
+    def best(self, push: int, held: float, near: Sequence[Design], *, wide: bool = False) -> Design | None:
+        """As `Search.best`; where to start from (`near`, `wide`) is not asked for: every combination is bounded."""
+        del near, wide
+        for known in self._known:
+            if known.push == push and known.least <= held <= known.most:
+                return known.design
+        asked = self.asked
+        pushed, other = (asked.x, asked.y) if push == asked.x_limit else (asked.y, asked.x)
+        found = self._least(pushed, other, held)
+        if found is None or found[1] > asked.cap(push) * (1.0 + 1e-6):
+            return None
+        numbers, badness, proven = found
+        again = self._least(other, pushed, badness * (1.0 + _EXACTLY))
+        least = held
+        if again is not None:
+            numbers, least = again[0], again[1]
+            proven = proven and again[2]
+        shapes: list[str | None] = [None] * self.problem.arm.size
+        materials: list[Material | None] = [None] * self.problem.arm.size
+        codes = [-1.0] * self.problem.arm.size
+        for own, number in zip(self.lists, numbers, strict=True):
+            option = own.options[number]
+            shapes[own.link] = None if option.section is None else option.section.shape
+            materials[own.link], codes[own.link] = option.material, self._codes[own.link][_key(option)]
+        combination = Combination(tuple(shapes), tuple(materials))
+        design = Design(combination, tuple(codes), Pool(), badness, None, proven)
+        if proven:
+            self._known.append(_Known(push, least, held, design))
+        return design
+
+    def _least(self, axis: Axis, other: Axis, held: float) -> tuple[tuple[int, ...], float, bool] | None:
+        """The options with the least of one figure while the other is not above `held`, that least, and whether no
+        combination has less."""
+        limits: tuple[Limit, ...] = self.asked.problem.limits[:-2]
+        if math.isfinite(held):
+            limits = (*limits, other.limit(held))
+        own = replace(self.context.problem, minimize=axis.name, limits=limits)
+        search = ListSearch(replace(self.context, problem=own), self.lists, progress=self._heard(), table=self._table)
+        found = search.run()
+        if found.interrupted:
+            raise KeyboardInterrupt
+        if found.pick is None:
+            return None
+        gap = found.gap
+        return found.pick[:-1], found.objective, gap is not None and gap <= 2.0 * CLOSE
+
+    def _heard(self) -> Callable[[int, int, str], None]:
+        def heard(_done: int, _of: int, text: str) -> None:
+            self._told(text)
+
+        return heard
+
+    def learnt(self) -> Learnt:
+        """Nothing that another search would need."""
+        return Learnt(None, Pool(), {}, {})
+
+    def begin_with(self, learnt: Learnt) -> None:
+        """Every point is sought by itself."""
+
+    def learn_from(self, learnt: Learnt) -> None:
+        """Every point is sought by itself."""
+
+
+def _key(option: Option) -> tuple[object, ...]:
+    return option.section, option.stock, None if option.material is None else option.material.name
+
+
+def _materials(problem: Problem, link: int) -> tuple[Material, ...]:
+    own = problem.arm.links[link].material
+    return problem.materials or (() if own is None else (own,))
+
+
+def _codes(problem: Problem, link: int) -> dict[tuple[object, ...], float]:
+    """The number of each section in each material, as the problem lists them."""
+    assert problem.sizes is not None
+    listed = problem.sizes[link]
+    return {
+        (each.section, None if each.stock is None else each.stock.name, material.name): float(m * len(listed) + k)
+        for m, material in enumerate(_materials(problem, link))
+        for k, each in enumerate(listed)
+    }
+
+
+def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:
+    """The arm with sections by their numbers; links that have none (-1) stay."""
+    assert problem.sizes is not None
+    links = list(problem.arm.links)
+    for place, (number, listed) in enumerate(zip(numbers, problem.sizes, strict=True)):
+        if number < 0.0:
+            continue
+        m, k = divmod(int(number), len(listed))
+        own, material = listed[k], _materials(problem, place)[m]
+        given = links[place].material_given if material == links[place].material else None
+        name = None if own.stock is None else own.stock.name
+        links[place] = replace(
+            links[place], section=own.section, section_name=name, material=material, material_given=given
+        )
+    return problem.arm.with_links(tuple(links))
