@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from diagnose.answer.sentences import of_branches, put_right
 from diagnose.answer.torques import of_unknown_weights
 from diagnose.fitting.origins import located
 from diagnose.fitting.prepare import prepare
+from diagnose.patterns.library import Candidate
 from diagnose.residual.free_origins import turned_by, with_origins_of
 from diagnose.residual.noise import NoiseFloor, noise_floor
 from diagnose.residual.observed import observe, one_condition, visits
@@ -21,7 +23,7 @@ from diagnose.residual.unweighed import weighed_by_torque
 from diagnose.rules.rules import Rules
 from diagnose.search.coupling import coupled, through_what_is_named
 from diagnose.search.labels import mislabelled
-from diagnose.search.large_motions import about_large
+from diagnose.search.large_motions import about_large, candidates_of
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.whole_search import whole_search_p
 from diagnose.several.floors import floor_of_all
@@ -83,11 +85,11 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
 
-    def about(found: tuple[EffectEntry, ...]) -> tuple[Namer, Named]:
+    def about(found: tuple[EffectEntry, ...], before: Sequence[Candidate]) -> tuple[Namer, Named]:
         tell("searching again about what was found", 0.6)
         anew = prepare(observe(arm, searched, about=found, rules=rules), asked, known)
         other = Namer(anew, thorough=asked.thorough, seed=asked.seed)
-        return other, name_missing(other, lambda _: None)
+        return other, name_missing(other, lambda _: None, before)
 
     too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
     too_few |= prepared.criterion.count < rules.search.least_observations
@@ -103,8 +105,9 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
         if named.members:
             again = coupled(namer, asked.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
             if again is not namer:
+                before = candidates_of(namer, named.members)
                 namer = again
-                named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share))
+                named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share), before)
             namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
         if asked.thorough and named.everything:
             told = "calibrating the whole search"

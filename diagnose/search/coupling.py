@@ -92,8 +92,9 @@ def through_what_is_named(
         prepared = softened(namer.prepared, () if settled else entries, without)
         if prepared is namer.prepared:
             break
+        before = [namer.pool.groups[member].candidate for member in named.members]
         namer = namer.with_prepared(prepared)
-        named = name_missing(namer, tell)
+        named = name_missing(namer, tell, before)
     return namer, named
 
 

@@ -18,6 +18,7 @@ from arm.chain.chain import EffectEntry
 from diagnose.fitting.corrected_arm import as_entry
 from diagnose.fitting.fit import beyond_nuisances, fit
 from diagnose.patterns.basis import tip_of
+from diagnose.patterns.library import Candidate
 from diagnose.residual.observed import Observed, beyond_first_order, rms_length
 
 from .aliases import likenesses
@@ -25,7 +26,8 @@ from .naming import Named, Namer
 
 Array = NDArray[np.float64]
 Entries = tuple[EffectEntry, ...]
-Search = Callable[[Entries], tuple[Namer, Named]]
+Search = Callable[[Entries, Sequence[Candidate]], tuple[Namer, Named]]
+"""A search about some motions, on from what was named before."""
 
 
 def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
@@ -33,12 +35,12 @@ def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Name
     members = _members(namer, named)
     if not _may_matter(namer, members):
         return namer, named
-    beginnings = list(_beginnings(namer, members))
-    if not any(_matters(namer, entries) for entries in beginnings):
+    beginnings = [(_motions(namer, each), candidates_of(namer, each)) for each in _beginnings(namer, members)]
+    if not any(_matters(namer, entries) for entries, _ in beginnings):
         return namer, named
     best: tuple[Namer, Named] | None = None
-    for entries in beginnings:
-        trial = _settled(*search(entries), search)
+    for entries, before in beginnings:
+        trial = _settled(*search(entries, before), search)
         # One at a time: each has patterns and a pool of its own.
         best = trial if best is None or _criterion(*trial) < _criterion(*best) else best
         del trial
@@ -56,13 +58,18 @@ def _settled(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
         found = _motions(namer, _members(namer, named))
         if not _matters(namer, found):
             break
-        namer, named = search(found)
+        namer, named = search(found, candidates_of(namer, named.members))
     return namer, named
 
 
 def _members(namer: Namer, named: Named) -> Sequence[int]:
     """What was named; the library's best answer where nothing of it was."""
     return named.members or min(namer.best_of_library().values(), key=lambda subset: subset.criterion).members
+
+
+def candidates_of(namer: Namer, members: Sequence[int]) -> list[Candidate]:
+    """The candidates that some groups are."""
+    return [namer.pool.groups[m].candidate for m in members]
 
 
 def _may_matter(namer: Namer, members: Sequence[int]) -> bool:
@@ -109,9 +116,9 @@ def _motions(namer: Namer, members: Sequence[int]) -> Entries:
     )
 
 
-def _beginnings(namer: Namer, members: Sequence[int]) -> Iterator[Entries]:
+def _beginnings(namer: Namer, members: Sequence[int]) -> Iterator[Sequence[int]]:
     """What was found, and the same with the one that moves most under each of its other names."""
-    yield _motions(namer, members)
+    yield members
     largest = members[int(np.argmax([rms_length(move) for move in _moves(namer, members)]))]
     shared, _ = likenesses(namer, members, largest)
     families, rules = {namer.pool.groups[m].candidate.family for m in members}, namer.rules
@@ -121,4 +128,4 @@ def _beginnings(namer: Namer, members: Sequence[int]) -> Iterator[Entries]:
             break
         if family not in families:
             families.add(family)
-            yield _motions(namer, [number if m == largest else m for m in members])
+            yield [number if m == largest else m for m in members]

@@ -77,6 +77,25 @@ class Namer:
         better = self.criterion_of(found) < self.criterion_of(members) and self.possible(found)
         return tuple(found) if better else tuple(members)
 
+    def numbers_of(self, candidates: Sequence[Candidate]) -> tuple[int, ...]:
+        """The groups of the library that are these candidates, in their order; new ones where a shape was moved off
+        the grid. What is no group here is left out, a family's second too."""
+        known = {
+            (g.candidate.family, tuple(g.candidate.shapes.items())): number
+            for number, g in enumerate(self.pool.groups)
+            if self.library[number]
+        }
+        families = {family for family, _ in known}
+        found: dict[object, int] = {}
+        for candidate in candidates:
+            number = known.get((candidate.family, tuple(candidate.shapes.items())))
+            if number is None and candidate.family in families:
+                columns = columns_of(self.prepared.observed, candidate)
+                number = None if columns is None else self._take_in(candidate, columns)
+            if number is not None:
+                found.setdefault(candidate.family, number)
+        return tuple(found.values())
+
     def seek_pull(self, members: Sequence[int]) -> None:
         """Take in the pull towards a point that explains most beside some groups, wherever that is: on a coarse grid a
         magnet between two points is several small errors of the joints."""
@@ -140,8 +159,12 @@ class Namer:
         return self.criterion(fitted.rss, members)
 
 
-def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
-    """Gate, name and test; `tell` hears the share of the work done."""
+def name_missing(namer: Namer, tell: Callable[[float], None], before: Sequence[Candidate] = ()) -> Named:
+    """Gate, name and test; `tell` hears the share of the work done.
+
+    `before` is what an earlier search of the same recording named, about something else: with many findings the way
+    there is greedy, and of both ways, anew and on from those, the better end counts.
+    """
     # What is drawn to one point may hide between the points of a grid: it is sought before anything is tested.
     namer.seek_pull(())
     gate = namer.test(())
@@ -153,6 +176,13 @@ def name_missing(namer: Namer, tell: Callable[[float], None]) -> Named:
     if len(members) > 1:
         members, p_values = _carried_on(namer, members, p_values)
         tell(0.8)
+    again = namer.numbers_of(before) if len(before) > 3 else ()
+    if len(again) > 3 and namer.possible(again):
+        again = _swapped(namer, again)
+        other, p_of_others = _carried_on(namer, again, own_tests(namer, again))
+        sound = all(p <= namer.rules.false_alarm for p in p_of_others)
+        if sound and namer.criterion_of(other) < namer.criterion_of(members):
+            members, p_values = other, p_of_others
     members, outside, p_values = _against_forms(namer, members, p_values)
     left = namer.test((*members, *outside))
     tell(1.0)
