@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from arm.chain.chain import Arm
+from arm.chain.chain import Arm, Joint
 from arm.chain.following import completed
 from arm.chain.jacobian import jacobian
 from arm.chain.kinematics import tip_position
@@ -91,14 +91,15 @@ def without_instrument(arm: Arm) -> Arm:
 def joint_corrections(arm: Arm, q: Array, payload: float) -> Array:
     """What to add to the joint coordinates (N, n) so that the tip comes to where it nominally is, the shortest such.
 
-    Least squares through the Jacobian, repeated on the true error; directions in which the joints hardly move the tip
-    stay uncorrected.
+    Least squares through the Jacobian, repeated on the true error; directions in which the drives hardly move the tip
+    stay uncorrected, and passive joints and those that are held at one coordinate as they are.
     """
+    drives = np.array([not joint.passive and moves(joint) for joint in arm.joints])
     goal = tip_position(arm, q)
     moved = np.zeros_like(q)
     for _ in range(_STEPS):
         missing = goal - tip_position(arm, q + moved) - model_error(arm, q + moved, payload)
-        slope = np.swapaxes(jacobian(arm, q + moved), 1, 2)
+        slope = np.swapaxes(jacobian(arm, q + moved), 1, 2) * drives
         inverse = np.linalg.pinv(slope, rcond=_SMALLEST)
         moved = moved + np.einsum("nij,nj->ni", inverse, missing)
     return moved
@@ -117,11 +118,17 @@ def default_grid(joints: int, payloads: int = 1) -> int:
 
 
 def grid_axes(arm: Arm, points: int) -> tuple[Array, ...]:
-    """Evenly spaced coordinates over each joint's range (rad, m); one of a joint that only follows others."""
+    """Evenly spaced coordinates over each joint's range (rad, m); one of a joint that only follows others, or is held
+    there."""
     return tuple(
-        np.linspace(*joint.range, points) if joint.driven else np.array([sum(joint.range) / 2.0])
+        np.linspace(*joint.range, points) if moves(joint) else np.array([sum(joint.range) / 2.0])
         for joint in arm.joints
     )
+
+
+def moves(joint: Joint) -> bool:
+    """Whether a joint has a coordinate of its own, which can change."""
+    return joint.driven and joint.range[1] > joint.range[0]
 
 
 def table_at(arm: Arm, q: Array, payloads: tuple[float, ...], heard: Heard | None = None) -> Table:
@@ -152,7 +159,7 @@ def _checked(table: Table, axes: tuple[Array, ...], size: int, payloads: tuple[f
     arm = table.arm
     lower, upper = (np.array([axis[end] for axis in axes]) for end in (0, -1))
     q = completed(arm, spread(lower, upper, _CHECKED))
-    varied = [index for index, joint in enumerate(arm.joints) if joint.driven]
+    varied = [index for index, joint in enumerate(arm.joints) if moves(joint)]
     grid, shape = tuple(axes[index] for index in varied), tuple(len(axes[index]) for index in varied)
     found: list[tuple[Array, Array, Array]] = []
     for number, mass in enumerate(payloads):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from arm.chain.kinematics import tip_position
-from arm.compensation import Heard, default_grid, table_at, table_over
+from arm.compensation import Heard, default_grid, moves, table_at, table_over
 from arm.compensation import Table as Found
 from linkwright.json.compensation import compensation_json, table_columns
 from linkwright.output.files import write_file
@@ -113,8 +113,11 @@ def compensate(
         at = np.array([pose_of(given.model, q) for q in poses])
         with told(progress) as tell:
             return Compensation(given, table_at(given.model, at, masses, _counted(tell)))
-    points = default_grid(sum(joint.driven for joint in given.model.joints), len(masses)) if grid is None else grid
-    rows = points**given.model.size * len(masses)
+    moving = sum(moves(joint) for joint in given.model.joints)
+    if not moving:
+        raise InputError("", "arm", f"{given.name} has no joint that can move; give one a range")
+    points = default_grid(moving, len(masses)) if grid is None else grid
+    rows = points**moving * len(masses)
     if rows > _MOST_ROWS:
         raise InputError("", "grid", f"makes {rows} rows; take fewer, {_MOST_ROWS} at most")
     with told(progress) as tell:
