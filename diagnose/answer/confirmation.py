@@ -125,7 +125,27 @@ class Confirmed:
         rivals = [rival.member for others in self.alternatives for rival in others]
         width = self.observed.residual.shape[1]
         rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
-        return unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+        room = unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+        weak = self._weak()
+        if not weak:
+            return room
+        moved = sum((self.refit.terms[place].moved for place in weak), self.refit.residual)
+        left = self.search.observed.whitened(moved[self._searched()])
+        among = replace(self.search, vector=self.search.pool.projected(left))
+        strong = [member for place, member in enumerate(self.found) if place not in weak]
+        return room.no_less_than(unnamed(among, [*strong, *self.forms], rivals, rows))
+
+    def _weak(self) -> list[int]:
+        """The places of findings that move the tip by less than noise does, beside one that moves it most: that one
+        says nothing of others. None where they are too few for a sample: one alone is a cause of its own."""
+        if self.noise.rms_m is None:
+            return []
+        moved = [self._moved([place]) for place in range(len(self.members))]
+        rules = self.rules.fitting
+        weak = [
+            place for place, each in enumerate(moved) if each < min(rules.weak_finding * self.noise.rms_m, max(moved))
+        ]
+        return weak if len(weak) >= rules.weak_sample else []
 
     def _searched(self) -> NDArray[np.int64]:
         """Where the readings that were searched stand among those that are fitted."""

@@ -330,13 +330,13 @@ def _independent(observed: Observed, left: Array, noise_floor: float | None) -> 
     floor, remains = noise_floor * looks_quieter(observed), rms_length(observed.still(left[:, : observed.components]))
     if remains <= observed.rules.fitting.far_above * floor:
         return 1.0
-    if not _comes_anew(observed):
+    if not comes_anew(observed):
         return 1.0
     size = observed.rows / len(blocks_of(observed.block))
     return 1.0 / (1.0 + (size - 1.0) * (1.0 - (floor / remains) ** 2))
 
 
-def _comes_anew(observed: Observed) -> bool:
+def comes_anew(observed: Observed) -> bool:
     """Whether the arm moved before most visits: a long stay that is cut into visits shares nothing within each."""
     new = np.flatnonzero(np.diff(observed.block) != 0)
     told = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]

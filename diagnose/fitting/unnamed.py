@@ -5,20 +5,26 @@ that are by whatever part of their patterns is alike. Beside what is named, ever
 taken to move the tip by a random amount of one variance, which the restricted likelihood of what is left sets against
 the noise's (H. D. Patterson & R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545). Where nothing
 predicts what is left it is next to nought, and intervals are those of least squares.
+
+What is left was made small by choosing names for it, and says too little of what others move. Weak findings beside a
+strong one are a sample of the small causes of that arm: with them among the unnamed the likelihood sees those that are
+not chosen as large as those that were. And readings of one visit share how exactly the arm came there: where their
+means scatter by more than readings of a visit do, the means alone say how loud the noise is.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
 
 from sections.numeric import Array
 
-from .prepare import Prepared
+from .prepare import Prepared, comes_anew
 
 _TINY = 1e-9
 _STEPS = 121
@@ -27,22 +33,27 @@ _STEPS = 121
 
 @dataclass(frozen=True)
 class Unnamed:
-    """What is not named: the columns `at` (M,) of a basis (n, ...), each times its `deviation` (M,), of which each
-    family of candidates moves one standard deviation in all, over the rows `rows` of the whitened observations that are
-    fitted, and the noise's own `variance`."""
+    """What is not named: the columns `at` (M,) of a basis (n, ...), each times its `weight` (M,) and the `deviation`
+    that each family of candidates moves in all, over the rows `rows` of the whitened observations that are fitted, and
+    the noise's own `variance`."""
 
     basis: Array
     at: NDArray[np.int64]
-    deviation: Array
+    weight: Array
+    deviation: float
     variance: float
     rows: NDArray[np.int64]
+
+    def no_less_than(self, other: Unnamed) -> Unnamed:
+        """The same, each family moving as much as another look at the recording says if that is more."""
+        return replace(self, deviation=max(self.deviation, other.deviation))
 
     def beside(self, operator: Array) -> Array:
         """How far unnamed physics may move some estimates: covariance (k, k) of what an operator (k, n) on all that is
         fitted makes of it, of which the rows searched are a fair sample."""
         # The whole basis, and columns of the outcome: those of the basis would be hundreds of megabytes once more.
         along = (operator[:, self.rows] @ self.basis)[:, self.at]
-        moved = along * self.deviation * (operator.shape[1] / len(self.rows))
+        moved = along * self.weight * self.deviation * (operator.shape[1] / len(self.rows))
         return moved @ moved.T
 
 
@@ -64,10 +75,29 @@ def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int],
     along = told[at] * weight - mixed @ inverse @ named
     left = float(prepared.vector @ prepared.vector - named @ inverse @ named)
     freedom = len(prepared.vector) - pool.nuisance.shape[1] - len(own)
-    ratio, variance = variances(
-        gram, along, left, freedom, len(prepared.vector), rules.largest_unnamed, rules.nothing_unnamed
-    )
-    return Unnamed(pool.basis, at, weight * np.sqrt(ratio * variance), variance, rows)
+    within, repeated = _within_visits(prepared, prepared.vector - pool.basis[:, own] @ (inverse @ named), left, freedom)
+    left, freedom, count = left - within, freedom - repeated, len(prepared.vector)
+    ratio, variance = variances(gram, along, left, freedom, count, rules.largest_unnamed, rules.nothing_unnamed)
+    return Unnamed(pool.basis, at, weight, float(np.sqrt(ratio * variance)), variance, rows)
+
+
+def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: int) -> tuple[float, int]:
+    """The sum of squares that readings of a visit differ by and its degrees of freedom, where visits differ by more
+    than that explains, beyond chance; nought and none elsewhere, and where whitening allows for neighbours already."""
+    observed = prepared.observed
+    if observed.wander > 0.0 or observed.correlation > 0.0 or not comes_anew(observed):
+        return 0.0, 0
+    values, visit = remainder.reshape(observed.rows, -1), prepared.visits
+    count = np.bincount(visit)
+    means = np.stack([np.bincount(visit, weights=column) / count for column in values.T], axis=1)
+    within = float(np.sum((values - means[visit]) ** 2))
+    repeated = values.shape[1] * (len(visit) - len(count))
+    between, apart = left - within, freedom - repeated
+    if within <= 0.0 or apart <= 0:
+        return 0.0, 0
+    ratio = between / apart / (within / repeated)
+    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.fitting.visits_apart
+    return (within, repeated) if beyond else (0.0, 0)
 
 
 def variances(

@@ -206,6 +206,22 @@ class FittingRules:
     largest_unnamed: float = rule(
         0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF
     )
+    weak_finding: float = rule(
+        1.0,
+        "times the noise's RMS",
+        "A finding beside a stronger one that moves less is a sample of the arm's small causes: those that are not "
+        "named may be as large.",
+        JUDGED,
+    )
+    weak_sample: int = rule(
+        2, "weak findings", "One alone is a cause, and tells nothing of how large others are.", JUDGED
+    )
+    visits_apart: float = rule(
+        0.01,
+        "p-value",
+        "Where visits differ by so much more than readings of a visit, intervals rest on how visits differ.",
+        JUDGED,
+    )
     nothing_unnamed: float = rule(
         0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"
     )

@@ -7,6 +7,7 @@ from scipy.stats import multivariate_normal
 from diagnose.fitting.fit import fit
 from diagnose.fitting.refit import refit
 from diagnose.fitting.unnamed import unnamed, variances
+from diagnose.search.subsets import gains, products
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
 
@@ -59,6 +60,60 @@ def test_intervals_cover_beside_small_causes_that_nobody_names():
             amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
             vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
         prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        for room in (None, room_of(prepared, [member])):
+            low, high = refit(prepared, [member], (), fit(prepared, [member]), room).parameters[0][0].interval
+            plain, wide = (plain + (low <= 0.0 <= high), wide) if room is None else (plain, wide + (low <= 0.0 <= high))
+    assert plain < 0.75 * trials
+    assert within(wide, trials=trials)
+
+
+def chosen(prepared, member, count, taken):
+    """A member with so many others, each the one that explains most beside those before."""
+    found, pool = [member], prepared.pool
+    for _ in range(count):
+        gained = gains(pool, products(pool, prepared.vector).beside(pool.columns(found)))
+        families = {pool.groups[m].candidate.family for m in found}
+        free = [k for k in taken if pool.groups[k].candidate.family not in families]
+        found.append(max(free, key=lambda k: gained[k]))
+    return found
+
+
+def test_intervals_cover_though_names_were_chosen_to_leave_little():
+    """Of a dozen small causes what three names take up is chosen; what is left says that next to nothing else is there,
+    and the weak names themselves say that there is."""
+    null = prepared_null()
+    member = group_of(null, "joint_compliance", (2,))
+    rng, trials = np.random.default_rng(31), 60
+    own = null.pool.groups[member].candidate.family
+    others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
+    left_alone, sampled = 0, 0
+    for _ in range(trials):
+        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
+        for k in rng.choice(others, 12, replace=False).tolist():
+            group = null.pool.groups[k]
+            way = rng.normal(size=group.rank)
+            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
+            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
+        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        members = chosen(prepared, member, 3, others)
+        narrow = room_of(prepared, members)
+        for room in (narrow, narrow.no_less_than(room_of(prepared, [member]))):
+            low, high = refit(prepared, members, (), fit(prepared, members), room).parameters[0][0].interval
+            inside = low <= 0.0 <= high
+            left_alone, sampled = (left_alone + inside, sampled) if room is narrow else (left_alone, sampled + inside)
+    assert left_alone < 0.85 * trials
+    assert within(sampled, trials=trials)
+
+
+def test_intervals_cover_where_visits_differ():
+    """An arm that returns to a pose twice as inexactly as readings of a visit differ: each visit counts once."""
+    null = prepared_null(repeats=4)
+    member = group_of(null, "joint_compliance", (2,))
+    rng, trials, visit = np.random.default_rng(32), 80, null.visits
+    plain, wide = 0, 0
+    for _ in range(trials):
+        apart = 2.0 * null.observed.scale * rng.standard_normal((visit[-1] + 1, null.observed.residual.shape[1]))
+        prepared = with_residual(null, noise_of(null, rng) + apart[visit])
         for room in (None, room_of(prepared, [member])):
             low, high = refit(prepared, [member], (), fit(prepared, [member]), room).parameters[0][0].interval
             plain, wide = (plain + (low <= 0.0 <= high), wide) if room is None else (plain, wide + (low <= 0.0 <= high))
