@@ -14,6 +14,7 @@ from diagnose.answer.sentences import of_branches, put_right
 from diagnose.answer.torques import of_unknown_weights
 from diagnose.fitting.origins import located
 from diagnose.fitting.prepare import prepare
+from diagnose.mistakes.zeros import refuse_another_zero
 from diagnose.patterns.library import Candidate
 from diagnose.residual.free_origins import turned_by, with_origins_of
 from diagnose.residual.noise import NoiseFloor, noise_floor
@@ -80,6 +81,8 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
     prepared = prepare(observe(arm, searched, rules=rules), asked, known)
+    if not isinstance(searched, Several):
+        refuse_another_zero(arm, searched, prepared, asked, known)
     if not floors and len(prepared.rejected) > rules.fitting.most_outliers * searched.size:
         noise = _less_doubtful(noise, noise_floor(prepared.observed.recording, arm, rules=rules.residual))
     tell("searching for what is missing", 0.3)

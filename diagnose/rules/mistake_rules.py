@@ -173,5 +173,17 @@ class MistakeRules:
     swapped_levels: int = rule(
         4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
     )
+    rows_beyond: float = rule(
+        0.1,
+        "share of the rows",
+        "As many beyond the declared range of a joint may tell of another zero; fewer went too far.",
+        JUDGED,
+    )
+    zero_fits: float = rule(
+        30.0,
+        "2 ln of the likelihoods' ratio",
+        "Another zero that a free frame or tool swallows must fit the tip so much better: five standard errors.",
+        JUDGED,
+    )
     zero_steps: int = rule(72, "steps of a turn", "Where a zero is first looked for: every 5 deg.", TIME)
     most_signs: int = rule(7, "joints", "So many may count the other way together, at most.", TIME)
