@@ -71,6 +71,7 @@ class Confirmed:
             self._test_what_is_left()
         self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
         self.scattered = False
+        self._predicted: float | None = None
         self.lack_of_fit = self._lack_of_fit()
         self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
 
@@ -272,13 +273,12 @@ class Confirmed:
         if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= rules.enough_returns:
             lasting = self.noise.drift_m**2 < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
-            folds = hardest(splits(self.search.observed, self.options.seed))
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
             local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
             # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
             whole = rms_length(self.observed.still(remaining(self.prepared, fit(self.prepared, ()))[:, :width]))
             unexplained = bool(self.members) and left**2 - floor**2 > rules.most_left * (whole**2 - floor**2)
-            lasting = local or unexplained or predictable(self.namer, self.found, folds) > rules.lasting
+            lasting = local or unexplained or self._predictable() > rules.lasting
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.members and self._only_scatter())
         self.scattered = not lasting
@@ -330,8 +330,14 @@ class Confirmed:
         local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
         if local or beyond > rules.scatter_left * whole:
             return False
-        folds = hardest(splits(self.search.observed, self.options.seed))
-        return predictable(self.namer, self.found, folds) * left**2 <= rules.scatter_predicts * beyond
+        return self._predictable() * left**2 <= rules.scatter_predicts * beyond
+
+    def _predictable(self) -> float:
+        """The share of what is left beside the findings that is predicted where it was not seen; worked out once."""
+        if self._predicted is None:
+            folds = hardest(splits(self.search.observed, self.options.seed))
+            self._predicted = predictable(self.namer, self.found, folds)
+        return self._predicted
 
     def _scatter(self) -> float | None:
         """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the
