@@ -62,7 +62,8 @@ class Plan:
     recording does not say where the anchor is, and `bar` is where along bars the tip touches (m). A tilt's noise is
     in rad. `camera_noise` is that of a camera's depths (m) and of its turns about each axis (rad), by default five
     times `noise` and what `noise` makes of a target of 0.1 m. `at` are readings that name what to record in its
-    place: poses, sides, payloads, temperatures and times are theirs.
+    place: poses, sides, payloads, temperatures and times are theirs. `torque_noise` (n,; none: no torques) is that of
+    the torques that the drives hold at rest, without friction (N*m, of slides N).
     """
 
     poses: int
@@ -86,6 +87,7 @@ class Plan:
     anchor_free: bool = False
     bar: tuple[float, ...] = ()
     at: Recording | None = None
+    torque_noise: tuple[float, ...] = ()
     camera_noise: tuple[float, float] | None = None
 
     @property
@@ -131,6 +133,11 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     if plan.slots and min(plan.slots) > DISTANCE and not levelled and not camera:
         bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
+    if plan.torque_noise:
+        loads = [np.broadcast_to(np.asarray(joint.drive_load), (bare.size,)) for joint in state.joints]
+        # Noise of its own: the same seed gives the same tips with and without torques.
+        scatter = np.array(plan.torque_noise) * np.random.default_rng([plan.seed, 1]).standard_normal(bare.q.shape)
+        bare = replace(bare, torque=scatter - np.stack(loads, axis=1))
     asked = Asked(
         bare.size,
         joint_side=plan.joint_side,
@@ -266,6 +273,8 @@ def _in_part(
 def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     """The readings brought to where the arm, with all its physics, touches points or planes."""
     visit = np.repeat(np.arange(bare.size // plan.repeats), plan.repeats)
+    if plan.at is not None:
+        visit = np.cumsum(np.concatenate([[0], np.any(np.diff(bare.q, axis=0) != 0.0, axis=1)])).astype(np.int64)
     off = plan.noise * random.standard_normal((bare.size, 3)) + _outliers(plan, random, (bare.size, 3))
 
     def tips(q: Array) -> Array:
@@ -274,9 +283,9 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         return columns(state.tip(), bare.size) + moved.tip
 
     planes = plan.slots == (PLANE,)
-    found = touched(arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar)
+    found = touched(arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar, planned=bare.touches)
     q = _written(found.q, arm)
-    named = replace(plan.instrument, labels=tuple(f"{number + 1}" for number in range(found.count)))
+    named = replace(plan.instrument, labels=bare.instrument.labels or tuple(f"{k + 1}" for k in range(found.count)))
     whole = replace(
         bare,
         q=q,

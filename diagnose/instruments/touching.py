@@ -15,6 +15,8 @@ from arm.chain.jacobian import jacobian
 from sections.numeric import Array
 from units.quantities import InputError
 
+from .view import touched_planes
+
 _NEAR, _EXACT = 60, 8
 """Newton's steps by the nominal arm, and then by the whole model."""
 _LONGEST, _MISSED = 0.3, 1e-7
@@ -45,18 +47,28 @@ def touched(
     *,
     planes: bool,
     bar: Sequence[float] = (),
+    count: int | None = None,
+    planned: NDArray[np.int64] | None = None,
 ) -> Touches:
     """Postures near `start` (N, n), alike for the readings of a `visit` (N,), in which the tips that `true_tips` gives
     for joints (N, n) touch points, planes, or bars at places `bar` along them, m, `off` (N, 3) m by what nobody can
-    repeat. Raises `InputError`."""
+    repeat. There are `count` of them (by default so many that each is touched some times), or those that `planned` (N,)
+    numbers, which lie where the arm undeformed touches them. Raises `InputError`."""
     visits = int(visit.max()) + 1
     flat = arm.planar()
-    count = max(1, visits // (2 * _POSTURES if planes else _POSTURES))
+    count = count or max(1, visits // (2 * _POSTURES if planes else _POSTURES))
     label = (visit % count).astype(np.int64)
+    if planned is not None:
+        label, count = planned.copy(), int(planned.max()) + 1
     low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
     middle = completed(arm, low + (high - low) * random.uniform(0.3, 0.7, (count, arm.size)))
     points, _ = nominal(arm, middle, 3)
     normals = _normals(count, random, flat=flat)
+    if planned is not None:
+        there = nominal(arm, start, 3)[0]
+        fitted, offsets, _ = touched_planes(there, planned, count, flat=flat)
+        middles = np.stack([there[planned == one].mean(axis=0) for one in range(count)])
+        normals, points = (fitted, offsets[:, None] * fitted) if planes else (normals, middles)
     places = np.array(bar) if len(bar) else np.zeros(1)
     along = places[(visit // count) % len(places)]
     # Bars lie along what stands across planes, each about where one posture has the tip.
@@ -76,8 +88,11 @@ def touched(
         q = completed(arm, np.clip(q + moved * np.minimum(1.0, _LONGEST / longest), low, high))
     good = np.abs(missed(true_tips(q))).max(axis=1) < _MISSED
     good &= np.bincount(visit, weights=~good)[visit] == 0
-    least = (3 if flat else 4) if planes else 2
-    for one in range(count):
+    least = least_touches(planes=planes, flat=flat)
+    if planned is not None and not good.all():
+        where = int(visit[~good][0]) + 1
+        raise InputError("", "at", f"names a posture (visit {where}) from which what it touches cannot be reached")
+    for one in range(count if planned is None else 0):
         own = good & (label == one)
         if len(np.unique(visit[own])) < least or len(np.unique(along[own])) < min(2, len(places)):
             good &= label != one
@@ -89,6 +104,11 @@ def touched(
     kept, renumbered = np.unique(label[good], return_inverse=True)
     label[good] = renumbered.reshape(-1)
     return Touches(good, q, label, len(kept), along)
+
+
+def least_touches(*, planes: bool, flat: bool) -> int:
+    """From how many postures a point or a plane has to be touched to tell anything."""
+    return (3 if flat else 4) if planes else 2
 
 
 def _normals(count: int, random: np.random.Generator, *, flat: bool) -> Array:

@@ -17,11 +17,15 @@ from sections.numeric import Array
 INSTRUMENTS = MappingProxyType(
     {
         "tracker": ("x", "y", "z"), "x": ("x",), "y": ("y",), "z": ("z",), "xy": ("x", "y"), "xz": ("x", "z"),
-        "yz": ("y", "z"), "along": ("along",), "distance": ("distance",),
+        "yz": ("y", "z"), "along": ("along",), "distance": ("distance",), "tilt": ("tilt x", "tilt y"),
+        "same_point": ("x of a point", "y of a point", "z of a point"), "plane": ("plane",),
+        "camera": ("camera x", "camera y", "camera depth", "turn about x", "turn about y", "turn about z"),
     }
 )  # fmt: skip
 """The instruments by name, each with the numbers that it reads: components of the tip in the measuring frame, its
-height along a direction, its distance from an anchor."""
+height along a direction, its distance from an anchor, how a level is tilted, how far it is from a point or plane
+that is touched again, where and how turned a camera sees a target."""
+_OUT_OF_PLANE = ("z", "tilt y", "z of a point")
 
 Place = tuple[str, tuple[int, ...]]
 """An effect and the joints or links (from 0; none: wherever) where it acts."""
@@ -34,10 +38,12 @@ class Asked:
     """`poses` visits of `repeats` readings each. `effects` are those to be seen (none: all that can be), each at one
     place or wherever it acts; `pairs_only` where they are to be told from each other and from nothing else.
 
-    `sigma` (m) is what each component scatters by, `payloads` kg, `frame` and `tool` say what is fitted along, `avoid`
+    `sigma` is what each component scatters by (m, of tilts rad; of a camera across its view, `camera_noise` being that
+    of its depths, m, and turns, rad), `payloads` kg, `frame` and `tool` say what is fitted along, `avoid`
     are boxes that the arm keeps out of. `seed` fixes all draws. Where a height or a distance is read, `slots` (see
     `instruments.instrument`) and `reads` say so: along which direction, from which anchor, which the recording may not
-    tell (`anchor_free`).
+    tell (`anchor_free`); so they do of tilts and cameras. `torque_noise` (n,; none: they are not read) is what each
+    drive's torque scatters by, N*m, of slides N.
     """
 
     poses: int
@@ -54,7 +60,20 @@ class Asked:
     slots: tuple[int, ...] = ()
     reads: Instrument = field(default_factory=Instrument)
     anchor_free: bool = False
+    camera_noise: tuple[float, float] = (0.0, 0.0)
+    torque_noise: tuple[float, ...] = ()
     rules: Rules = RULES
+
+    @property
+    def touches(self) -> bool:
+        """Whether points or planes are touched."""
+        return self.instrument in ("same_point", "plane")
+
+    def scatter(self, axes: Sequence[str]) -> Array:
+        """What each of the numbers read (k,) scatters by, m and rad."""
+        deep, turns = self.camera_noise
+        own = {"camera depth": deep, "turn about x": turns, "turn about y": turns, "turn about z": turns}
+        return np.array([own.get(axis, self.sigma) for axis in axes])
 
 
 def seen_axes(instrument: str, arm: Arm) -> tuple[str, ...]:
@@ -62,7 +81,9 @@ def seen_axes(instrument: str, arm: Arm) -> tuple[str, ...]:
 
     Raises ValueError where it sees nothing.
     """
-    axes = tuple(axis for axis in INSTRUMENTS[instrument] if axis != "z" or not arm.planar())
+    if instrument == "camera" and arm.planar():
+        raise ValueError("camera needs an arm in space; of one in the plane, name x, y or tracker")
+    axes = tuple(axis for axis in INSTRUMENTS[instrument] if axis not in _OUT_OF_PLANE or not arm.planar())
     if not axes:
         raise ValueError(f"{instrument} is all out of the plane in which the arm moves; name x, y or tracker")
     return axes

@@ -45,17 +45,18 @@ def chosen_visits(
     rules: PlanRules,
     rng: np.random.Generator,
     tell: Callable[[float], None],
+    never: Sequence[int] = (),
 ) -> tuple[list[int], list[int], bool]:
     """The numbers of `count` visits, and of those to return to: all that `returns` gives for the first, which are taken
-    beside. A visit is taken once, so that other poses are looked at as well. Once there are `count` an interrupt leaves
-    those that stand then; last is said whether one did."""
+    beside; none of `never`. A visit is taken once, so that other poses are looked at as well. Once there are `count` an
+    interrupt leaves those that stand then; last is said whether one did."""
     score = _Score(patterns, rules)
     work, done = count * (1 + rules.passes), 0
-    first = score.best(score.beforehand, ())
+    first = score.best(score.beforehand, never)
     back = list(returns(first))
     total = score.beforehand + score.of(back)
     chosen: list[int] = []
-    barred = set(back)
+    barred = {*back, *never}
     for _ in range(count):
         chosen.append(score.best(total, (*chosen, *barred)))
         total = total + score.of(chosen[-1:])

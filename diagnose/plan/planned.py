@@ -6,10 +6,21 @@ import math
 from dataclasses import dataclass
 
 from arm.chain.chain import Arm
+from arm.chain.kinematics import tip_position
+from diagnose.instruments.view import touched_planes
 from diagnose.recording import Recording
 
 from .asked import Asked
 from .promise import Promise, Shown
+
+
+@dataclass(frozen=True)
+class Touched:
+    """A point, or the middle of where a plane is touched, `at` (m, base frame), and the plane's `normal`."""
+
+    label: str
+    at: tuple[float, float, float]
+    normal: tuple[float, ...] | None
 
 
 @dataclass(frozen=True)
@@ -39,11 +50,34 @@ class Planned:
         rows = self.recording.row
         return self.recording.kept((rows - 1) % self.asked.repeats == 0)
 
+    @property
+    def touched(self) -> tuple[Touched, ...]:
+        """The points or planes that are touched, as the arm undeformed reaches them."""
+        visits = self.visits
+        if visits.touches is None:
+            return ()
+        at, flat, count = tip_position(self.arm, visits.q), self.arm.planar(), len(visits.instrument.labels)
+        normals = touched_planes(at, visits.touches, count, flat=flat)[0]
+        middle = [at[visits.touches == label].mean(axis=0).tolist() for label in range(count)]
+        planes = self.asked.instrument == "plane"
+        return tuple(
+            Touched(name, (where[0], where[1], where[2]), tuple(normal.tolist()) if planes else None)
+            for name, where, normal in zip(visits.instrument.labels, middle, normals, strict=True)
+        )
+
     def at_random(self, shown: Shown) -> float:
         """The smallest size of a parameter that the middle one of the plans at random shows; infinite where most do not
         show it."""
         found = [next((each.smallest for each in one.shown if _same(each, shown)), math.inf) for one in self.random]
         return sorted(found)[len(found) // 2] if found else math.inf
+
+    def torques_at_random(self, joint: int, name: str) -> float:
+        """The standard error of `links`, `payload` or `friction` by the torque of a drive (joint from 1) that the
+        middle one of the plans at random has; infinite where most do not tell it."""
+        told = [next((each for each in one.torques if each.joint == joint), None) for one in self.random]
+        values: list[float | None] = [None if each is None else getattr(each, name) for each in told]
+        found = sorted(math.inf if value is None else value for value in values)
+        return found[len(found) // 2] if found else math.inf
 
     @property
     def told_at_random(self) -> tuple[int, int]:

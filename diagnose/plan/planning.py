@@ -13,7 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
+from arm.chain.kinematics import tip_position
 from diagnose.fitting.prepare import nuisances
+from diagnose.instruments.camera import is_camera
+from diagnose.instruments.touching import least_touches
+from diagnose.instruments.view import touched_planes
 from diagnose.options import Progress
 from diagnose.patterns.library import Candidate, candidates, columns_of
 from diagnose.patterns.pool import orthonormal
@@ -27,6 +31,7 @@ from .design import Patterns, chosen_visits
 from .order import in_order, returns_of, with_time
 from .planned import Planned
 from .promise import Promise, another_cause, is_asked, promised, seen_columns, usual_size
+from .torques import told_by_torques, torque_rows
 from .tried import Tried, tried_visits
 from .written import as_read, plan_text, read_plan, to_record
 
@@ -50,14 +55,21 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     patterns = _patterns(arm, asked, tried, axes, after)
     rng = np.random.default_rng(asked.seed)
     many = returns_of(asked)
-    chosen, back, interrupted = chosen_visits(
-        patterns,
-        asked.poses - many,
-        (lambda visit: _returned(tried, visit, asked)) if many else lambda _: (),
-        asked.rules.plan,
-        rng,
-        lambda share: tell("choosing visits", 0.05 + 0.6 * share),
-    )
+    barred: tuple[int, ...] = ()
+    while True:
+        chosen, back, interrupted = chosen_visits(
+            patterns,
+            asked.poses - many,
+            (lambda visit: _returned(tried, visit, asked)) if many else lambda _: (),
+            asked.rules.plan,
+            rng,
+            lambda share: tell("choosing visits", 0.05 + 0.6 * share),
+            barred,
+        )
+        more = _touched_too_seldom(arm, tried, [*chosen, *back], asked)
+        if interrupted or set(more) <= set(barred):
+            break
+        barred = (*barred, *more)
     order = in_order(chosen, back, tried.payload, tried.q, tried.sides, asked)
     recording, promise = _checked(arm, asked, tried, order, axes, after)
     random: list[Promise] = []
@@ -75,6 +87,23 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
         arm, asked, recording, axes, promise, tuple(random), returned, correlation, tried.size,
         time.perf_counter() - began, after, interrupted,
     )  # fmt: skip
+
+
+def _touched_too_seldom(arm: Arm, tried: Tried, visits: Sequence[int], asked: Asked) -> tuple[int, ...]:
+    """All visits tried to points or planes that those chosen touch, but so seldom that nothing would come of it, or on
+    a line."""
+    if tried.label is None:
+        return ()
+    planes, flat, chosen = asked.instrument == "plane", arm.planar(), np.array(visits, dtype=np.int64)
+    least, count = least_touches(planes=planes, flat=flat), int(tried.label.max()) + 1
+    label = tried.label[chosen]
+    few = [each for each in range(count) if 0 < len(np.unique(tried.q[chosen[label == each]], axis=0)) < least]
+    if planes:
+        reach = touched_planes(tip_position(arm, tried.q[chosen]), label, count, flat=flat)[2]
+        size = float(np.linalg.norm(np.ptp(tip_position(arm, tried.q), axis=0)))
+        narrow = reach[:, 1] <= asked.rules.plan.across_plane * size
+        few += [each for each in range(count) if narrow[each] and (label == each).any()]
+    return tuple(np.flatnonzero(np.isin(tried.label, few)).tolist())
 
 
 def _returned(tried: Tried, visit: int, asked: Asked) -> Sequence[int]:
@@ -97,13 +126,16 @@ def _checked(
     arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: Sequence[str], after: Recording | None
 ) -> tuple[Recording, Promise]:
     """The visits as a recording, and what it will show by the file that holds it."""
-    made = to_record(arm, tried.q[order], tried.sides[order], tried.payload[order], asked)
+    label = None if tried.label is None else tried.label[order]
+    made = to_record(arm, tried.q[order], tried.sides[order], tried.payload[order], asked, label)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "plan.csv"
-        path.write_text(plan_text(made, arm, axes), encoding="utf-8")
-        read = as_read(read_plan(path, arm, rules=asked.rules), asked)
+        path.write_text(plan_text(made, arm, axes, torques=bool(asked.torque_noise)), encoding="utf-8")
+        read = as_read(read_plan(path, arm, rules=asked.rules), arm, asked)
         read = replace(read, file="", frame=asked.frame, tool=asked.tool)
-    return read, promised(arm, read if after is None else going_on(after, read, arm), axes, asked)
+    promise = promised(arm, read if after is None else going_on(after, read, arm), axes, asked)
+    # Each recording's torques are looked at by themselves.
+    return read, replace(promise, torques=told_by_torques(arm, read, asked))
 
 
 def going_on(before: Recording, then: Recording, arm: Arm) -> Recording:
@@ -131,12 +163,15 @@ def _as_plan(before: Recording) -> Recording:
         frame=before.frame,
         tool=before.tool,
         branch=before.branch,
+        orientation=before.orientation if is_camera(before) else None,
+        seat=before.seat if is_camera(before) else "unused",
     )
 
 
 def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:
     """What the causes look like at every visit tried. Raises `NothingToSee`."""
-    there = as_read(to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1)), asked)
+    made = to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1), tried.label)
+    there = as_read(made, arm, asked)
     observed = _in_any_order(arm, replace(there, frame=asked.frame, tool=asked.tool), asked)
     chosen = _one_of_each(observed, asked)
     scale = [_usual(candidate, columns, observed, axes, asked) for candidate, columns in chosen]
@@ -158,7 +193,34 @@ def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: 
         base = orthonormal(taken)
         left = left - base @ (base.T @ left)
         known[beside.shape[2] :, beside.shape[2] :] = left.T @ left
-    return _to_choose(chosen, rows * np.sqrt(asked.repeats), beside.shape[2], known, asked)
+    patterns = _to_choose(chosen, rows * np.sqrt(asked.repeats), beside.shape[2], known, asked)
+    return _with_torques(patterns, arm, there, asked) if asked.torque_noise else patterns
+
+
+def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, asked: Asked) -> Patterns:
+    """The same with what the drives' torques show of weights and friction, each asked for beside the causes; no cause
+    is mistaken for those."""
+    unasked, wanted = (np.sqrt(asked.repeats) * each for each in torque_rows(arm, tried, asked))
+    before, own = unasked.shape[2], wanted.shape[2]
+    first, size = patterns.nuisances, patterns.rows.shape[2]
+
+    tip = patterns.rows
+    of_tip, of_drives = ((*part.shape[:2],) for part in (tip, unasked))
+    seen = [tip[:, :, :first], np.zeros((*of_tip, before)), tip[:, :, first:], np.zeros((*of_tip, own))]
+    held = [np.zeros((*of_drives, first)), unasked, np.zeros((*of_drives, size - first)), wanted]
+    rows = np.concatenate([np.concatenate(seen, axis=2), np.concatenate(held, axis=2)], axis=1)
+    kept = np.concatenate([np.arange(first), np.arange(first, size) + before])
+    known = np.zeros((rows.shape[2],) * 2)
+    known[np.ix_(kept, kept)] = patterns.known
+    added = np.arange(own) + size - first
+    return replace(
+        patterns,
+        rows=rows,
+        nuisances=first + before,
+        known=known,
+        asked=np.concatenate([patterns.asked, added]).astype(np.int64),
+        against=np.concatenate([patterns.against, np.zeros((own, patterns.against.shape[1]), dtype=bool)]),
+    )
 
 
 def _in_any_order(arm: Arm, recording: Recording, asked: Asked) -> Observed:
@@ -187,13 +249,13 @@ def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: Seque
     """The usual size of each column (d,); of products with unknown weights what is as large as the scatter."""
     if len(candidate.sizes) == columns.shape[2]:
         return np.array([usual_size(candidate, name) for name in candidate.sizes])
-    rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, asked.sigma) ** 2, axis=1), axis=0))
+    rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, asked.scatter(axes)) ** 2, axis=1), axis=0))
     return 1.0 / np.where(rms > 0.0, rms, 1.0)
 
 
 def _rows(observed: Observed, parts: Sequence[Array], axes: Sequence[str], asked: Asked) -> Array:
     """Columns (V, C, d) one beside another, as the instrument's readings have them, over their scatter."""
-    return seen_columns(observed, np.concatenate(parts, axis=2), axes, asked.sigma)
+    return seen_columns(observed, np.concatenate(parts, axis=2), axes, asked.scatter(axes))
 
 
 def _to_choose(

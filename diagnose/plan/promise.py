@@ -29,6 +29,8 @@ from diagnose.simulate import Plan, simulate
 from sections.numeric import Array
 
 from .asked import Asked, Place, view
+from .torques import TorqueTold
+from .written import weightless
 
 
 @dataclass(frozen=True)
@@ -71,10 +73,12 @@ class Shown:
 
 @dataclass(frozen=True)
 class Promise:
-    """What readings will show: a `Shown` for each cause asked for, and those that they cannot show at all."""
+    """What readings will show: a `Shown` for each cause asked for, and those that they cannot show at all; and what the
+    drives' torques will tell."""
 
     shown: tuple[Shown, ...]
     unseen: tuple[tuple[str, tuple[int, ...]], ...]
+    torques: tuple[TorqueTold, ...] = ()
 
     @property
     def pairs(self) -> int:
@@ -118,25 +122,23 @@ def is_asked(effect: str, at: tuple[int, ...], asked: Sequence[Place]) -> bool:
     return not asked or any(effect == name and (not places or places == at) for name, places in asked)
 
 
-def seen_columns(observed: Observed, columns: Array, axes: Sequence[str], sigma: float) -> Array:
-    """Columns (N, C, d) as the instrument's readings have them, over their scatter, (N, k, d)."""
-    width = observed.components
+def seen_columns(observed: Observed, columns: Array, axes: Sequence[str], scatter: Array) -> Array:
+    """Columns (N, C, d) as the instrument's readings have them, over their scatter (k,), (N, k, d)."""
     if observed.view is not None:  # its readings are what was planned for
-        return columns[:, :width] / sigma
-    return np.einsum("kc,ncd->nkd", view(axes, width), columns[:, :width]) / sigma
+        return columns[:, : len(scatter)] / scatter[:, None]
+    width = observed.components
+    return np.einsum("kc,ncd->nkd", view(axes, width), columns[:, :width]) / scatter[:, None]
 
 
 def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Prepared:
     """The recording that a sound arm would give, ready to be searched."""
-    weightless = arm.with_links(
-        tuple(replace(link, mass=0.0) if link.section is None and link.mass is None else link for link in arm.links)
-    )
-    made = _simulated(weightless, recording, asked)
+    made = _simulated(weightless(arm), recording, asked)
     observed = observe(arm, made, rules=asked.rules)
+    scatter = asked.scatter(axes)
     observed = replace(observed, scale=np.full(observed.residual.shape[1], asked.sigma))
 
     def white(columns: Array) -> Array:
-        rows = seen_columns(observed, columns, axes, asked.sigma)
+        rows = seen_columns(observed, columns, axes, scatter)
         return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
 
     beside, names = nuisances(observed)
@@ -155,18 +157,32 @@ def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) ->
 def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
     """The readings of an arm as its model says, by the instrument that was asked for: what each of several recordings
     reads by itself."""
-    plan = Plan(1, noise=asked.sigma, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
+    plan = Plan(
+        1,
+        noise=asked.sigma,
+        at=recording,
+        seed=asked.seed,
+        slots=asked.slots,
+        instrument=asked.reads,
+        camera_noise=asked.camera_noise,
+    )
     parts = recording.parts() if isinstance(recording, Several) else (recording,)
-    if not asked.slots and len({part.branch for part in parts}) == 1:
+    if asked.touches or (not asked.slots and len({part.branch for part in parts}) == 1):
+        # What touches stands elsewhere then: where the arm as it is meets what it touches.
         return simulate(arm.on(parts[0].branch), plan).recording
-    read: list[Array] = []
+    read: list[Recording] = []
     for number, part in enumerate(parts):
         own = replace(plan, at=part, seed=asked.seed + number)
         if asked.slots:
             there = part.instrument
             own = replace(own, instrument=replace(there, anchor=there.anchor or asked.reads.anchor))
-        read.append(simulate(arm.on(part.branch), own).recording.tip)
-    return replace(recording, tip=np.concatenate(read))
+        read.append(simulate(arm.on(part.branch), own).recording)
+    turns = [each.orientation for each in read if each.orientation is not None]
+    return replace(
+        recording,
+        tip=np.concatenate([each.tip for each in read]),
+        orientation=np.concatenate(turns) if turns else recording.orientation,
+    )
 
 
 def _shown(prepared: Prepared, found: Detectable, asked: Asked) -> Shown:

@@ -10,28 +10,36 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from arm.chain.arrays import columns
+from arm.chain.arrays import columns, nominal
 from arm.chain.branches import ways
 from arm.chain.chain import Arm
 from arm.chain.following import completed
 from arm.chain.kinematics import place
+from diagnose.instruments.touching import touched
 from diagnose.rules.plan_rules import PlanRules
 from sections.numeric import Array
+from units.quantities import InputError
 
 from .asked import Asked, Box
 
 _WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
 
 
+class TooFewPostures(Exception):
+    """There are not so many postures from which points or planes can be touched again."""
+
+
 @dataclass(frozen=True)
 class Tried:
     """V visits: joint coordinates `q` (V, n), `sides` (V, n) of +1 and -1, `payload` (V,) kg. `random` (V,) marks those
-    at poses spread over the ranges, the others being corners."""
+    at poses spread over the ranges, the others being corners. `label` (V,) numbers the point or plane that is touched,
+    None where nothing is."""
 
     q: Array
     sides: Array
     payload: Array
     random: NDArray[np.bool_]
+    label: NDArray[np.int64] | None = None
 
     @property
     def size(self) -> int:
@@ -43,7 +51,7 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     """Poses spread over the joint ranges (a Sobol sequence) and at their corners, each under every payload and from two
     opposite sides, each joint's drawn by itself.
 
-    Raises ValueError where the boxes leave fewer poses than are asked for.
+    Raises ValueError where the boxes leave fewer poses than are asked for, `TooFewPostures` for what touches.
     """
     rules, rng = asked.rules.plan, np.random.default_rng(asked.seed)
     low = np.array([joint.range[0] for joint in arm.joints])
@@ -69,13 +77,49 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     at_ends[:, moving] = low[moving] + (high - low)[moving] * corners
     ends_clear = _clear(arm, at_ends, run, asked.avoid)
     q = np.concatenate([np.concatenate(poses)[:count], ends_clear])
+    random, label = np.arange(len(q)) < spread, np.zeros(len(q), dtype=np.int64)
+    if asked.touches:
+        q, random, label = _touching(arm, q, random, run, asked)
+        if len(q) < asked.poses:
+            raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")
     if len(q) < asked.poses:
         raise ValueError(f"the boxes to avoid leave {len(q)} poses of the {asked.poses} asked for, of many tried")
     sides = rng.choice([-1.0, 1.0], (len(q), arm.size))
-    random = np.arange(len(q)) < spread
-    each = [(q, sign * sides, np.full(len(q), payload), random) for payload in asked.payloads for sign in (1.0, -1.0)]
+    each = [
+        (q, sign * sides, np.full(len(q), payload), random, label) for payload in asked.payloads for sign in (1.0, -1.0)
+    ]
     parts = [np.concatenate(part) for part in zip(*each, strict=True)]
-    return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool))
+    touched_there = parts[4].astype(np.int64) if asked.touches else None
+    return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool), touched_there)
+
+
+def _touching(
+    arm: Arm, q: Array, random: NDArray[np.bool_], run: Array, asked: Asked
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
+    """Postures near some poses (P, n) in which the arm touches one of some points or planes again, which of them are
+    near poses spread over the ranges, and what each touches (from 0)."""
+    rules, planes = asked.rules.plan, asked.instrument == "plane"
+    count = max(1, asked.poses // (rules.touches_of_plane if planes else rules.touches_of_point))
+    try:
+        found = touched(
+        arm, q, np.arange(len(q)), np.zeros((len(q), 3)), lambda at: nominal(arm, at, 3)[0],
+        np.random.default_rng(asked.seed), planes=planes, count=count,
+    )  # fmt: skip
+    except InputError:
+        raise TooFewPostures("touches nothing again within the joint ranges") from None
+    clear = found.keep & _may_be_come_to(found.q, run, arm, asked)
+    whole = _clear(arm, found.q[clear], run, ())
+    return whole, random[clear], found.label[clear]
+
+
+def _may_be_come_to(q: Array, run: Array, arm: Arm, asked: Asked) -> NDArray[np.bool_]:
+    """Which poses keep clear of the boxes and can be come to from both sides."""
+    low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
+    inside = np.asarray(((q >= low + run - 1e-9) & (q <= high - run + 1e-9)).all(axis=1), dtype=np.bool_)
+    if asked.avoid:
+        for sign in (0.0, 1.0, -1.0):
+            inside &= ~meets(arm, completed(arm, q + sign * run), asked.avoid)
+    return inside
 
 
 def approach(arm: Arm, rules: PlanRules) -> Array:

@@ -8,10 +8,12 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from arm.chain.following import completed
 from arm.chain.kinematics import tip_position
+from diagnose.instruments.instrument import ALONG, DISTANCE, LABELS, Instrument
 from diagnose.reading.columns import UnitMissing, meaning_of
 from diagnose.reading.read import measurable, recording_from
 from diagnose.reading.settings import ReadingSettings
@@ -19,18 +21,31 @@ from diagnose.reading.table import Layout, Table, read_table
 from diagnose.reading.write import cell, recording_columns
 from diagnose.recording import Recording, since_the_reading_before
 from diagnose.rules.rules import RULES, Rules
+from diagnose.simulate import Plan, simulate
 from sections.numeric import Array
 from units.quantities import InputError
 
 from .asked import Asked
 
-READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm")
+_TURNS = ("qw", "qx", "qy", "qz")
+READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm", "tilt_x_deg", "tilt_y_deg", *_TURNS)
 """What a plan leaves blank of what a recording holds."""
+_HEADERS = MappingProxyType(
+    {
+        "x of a point": (), "y of a point": (), "z of a point": (), "plane": (),
+        "tilt x": ("tilt_x_deg",), "tilt y": ("tilt_y_deg",), "camera x": ("x_mm",), "camera y": ("y_mm",),
+        "camera depth": ("z_mm",), "turn about x": _TURNS, "turn about y": (), "turn about z": (),
+    }
+)  # fmt: skip
+"""The columns of what is read, where they are not its name in mm: three turns are four numbers of a quaternion."""
 
 
-def to_record(arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked) -> Recording:
+def to_record(
+    arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked, label: NDArray[np.int64] | None = None
+) -> Recording:
     """Visits in their order, q (N, n), sides (N, n), payload (N,) kg, as a recording whose tip is where the arm stands
-    undeformed; each visit read `repeats` times, by a clock of usual paces."""
+    undeformed, at what it touches by `label` (N,) from 0; each visit read `repeats` times, by a clock of usual
+    paces."""
     rules, each = asked.rules.plan, asked.repeats
     visits = len(q)
     change = np.concatenate([[0.0], np.cumsum(np.diff(payload) != 0.0)])
@@ -47,13 +62,25 @@ def to_record(arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked) ->
         last_moves=since_the_reading_before(read),
         payload_mass=np.repeat(payload, each),
         branch=arm.tip,
+        touches=None if label is None else np.repeat(label, each),
+        instrument=Instrument() if label is None else _labelled_by(asked.reads, label),
     )
 
 
-def as_read(recording: Recording, asked: Asked) -> Recording:
-    """Readings of the tip's whole place as an instrument of heights or distances reads them; of others as they are."""
+def _labelled_by(reads: Instrument, label: NDArray[np.int64]) -> Instrument:
+    return replace(reads, labels=tuple(f"{number + 1}" for number in range(int(label.max()) + 1)))
+
+
+def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
+    """Readings of the tip's whole place as another instrument reads them without noise; of that place as they are."""
     if not asked.slots:
         return recording
+    if asked.touches:
+        nought = np.zeros((recording.size, len(asked.slots)))
+        return replace(recording, tip=nought, slots=np.tile(asked.slots, (recording.size, 1)))
+    if not set(asked.slots) <= {ALONG, DISTANCE}:
+        made = Plan(1, noise=0.0, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
+        return simulate(weightless(arm), made).recording
     tip = np.zeros((recording.size, 3))
     tip[:, : recording.tip.shape[1]] = recording.tip
     read = tip @ np.array(asked.reads.direction or (0.0, 0.0, 0.0))
@@ -63,13 +90,25 @@ def as_read(recording: Recording, asked: Asked) -> Recording:
     return replace(recording, tip=read[:, None], slots=np.tile(asked.slots, (recording.size, 1)), instrument=own)
 
 
-def plan_text(recording: Recording, arm: Arm, axes: Sequence[str]) -> str:
-    """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip."""
+def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: bool = False) -> str:
+    """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip, and for the
+    drives' `torques`."""
     kept = [each for each in recording_columns(recording, arm) if each[0] not in READ]
-    lines = [",".join([*(name for name, _, _ in kept), *(f"{axis}_mm" for axis in axes)])]
-    blank = "," * len(axes)
+    units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
+    held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
+    left = [name for axis in axes for name in _HEADERS.get(axis, (f"{axis}_mm",))]
+    touched = {} if recording.touches is None else {LABELS[recording.instrument.kinds[0]]: recording.touches}
+    labels = recording.instrument.labels
+    lines = [",".join([*(name for name, _, _ in kept), *held, *left, *touched])]
+    blank = "," * len([*held, *left])
     lines += [
-        ",".join(cell(values[row], digits) for _, values, digits in kept) + blank for row in range(recording.size)
+        ",".join(
+            [
+                ",".join(cell(values[row], digits) for _, values, digits in kept) + blank,
+                *(labels[int(which[row])] for which in touched.values()),
+            ]
+        )
+        for row in range(recording.size)
     ]
     return "\n".join(lines) + "\n"
 
@@ -80,12 +119,35 @@ def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:
     table = read_table(Path(path), Layout())
     q = completed(arm, np.stack([_coordinate(table, arm, index) for index in range(arm.size)], axis=1))
     tips = _undeformed(arm, q)
-    columns = {name: cells for name, cells in table.columns.items() if not _of_tip(name, arm)}
+    touched = tuple(LABELS.values())
+    columns = {name: cells for name, cells in table.columns.items() if name not in touched and not _of_tip(name, arm)}
     columns |= {f"{axis}_mm": 1e3 * values for axis, values in zip("xyz", tips.T, strict=False)}
     read = recording_from(
         replace(table, columns=MappingProxyType(columns)), arm, ReadingSettings(tip=arm.tip), rules=rules
     )
-    return replace(read, frame="known", tool="known", sigma=None)
+    return _labelled(replace(read, frame="known", tool="known", sigma=None), table)
+
+
+def _labelled(recording: Recording, table: Table) -> Recording:
+    """A plan with what each of its visits touches, where it has a column that says so."""
+    for kind in ("same_point", "plane"):
+        name = LABELS[kind]
+        if name not in table.columns:
+            continue
+        cells = [table.text(name, row) for row in range(len(table.row))]
+        cells = [cells[int(row) - 1] for row in recording.row]
+        if all(cells):
+            labels = tuple(dict.fromkeys(cells))
+            which = np.array([labels.index(text) for text in cells], dtype=np.int64)
+            return replace(recording, touches=which, instrument=Instrument((kind,), labels=labels))
+    return recording
+
+
+def weightless(arm: Arm) -> Arm:
+    """The arm with links of unknown mass taken for nothing, as `observe` has it."""
+    return arm.with_links(
+        tuple(replace(link, mass=0.0) if link.section is None and link.mass is None else link for link in arm.links)
+    )
 
 
 def _undeformed(arm: Arm, q: Array) -> Array:
@@ -110,6 +172,9 @@ def _of_tip(header: str, arm: Arm) -> bool:
         "rz",
         "along",
         "distance",
+        "tilt_x",
+        "tilt_y",
+        "tau",
     )
 
 

@@ -8,8 +8,9 @@ J. M. Hollerbach, Int. J. Robot. Res. 5(3) (1986) 101, doi:10.1177/0278364986005
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,72 @@ class DriveTorque:
         return apart <= 2.0 * float(np.hypot(self.links.error, self.payload.error))
 
 
+@dataclass(frozen=True)
+class DriveDesign:
+    """What a drive's torque is fitted by, visit by visit: `load` (V,) that links and payload make together, a constant
+    and what is not alike everywhere of payload, side and velocity (`own`, each (V,)), and first moments `each` (V, k);
+    `weigh` (V,) is what the model has the links weigh, with the payload where that cannot be told by itself
+    (`together`)."""
+
+    load: Array
+    weigh: Array
+    own: Mapping[str, Array]
+    each: Array
+    together: bool
+
+    @property
+    def spread(self) -> float:
+        """How far the load spreads, a standard deviation, N*m or N."""
+        return float(np.std(self.load))
+
+    @property
+    def columns(self) -> Array:
+        """What is fitted (V, 1 + own + k): the constant, the own columns, the moments."""
+        return np.column_stack([np.ones(len(self.load)), *self.own.values(), self.each])
+
+    def share(self, rules: ResidualRules) -> Array | None:
+        """By what of the moments' coefficients (k,) one has how many times as much as in the model the links weigh:
+        how much of that is in what the moments found make of them; None where they weigh next to nothing."""
+        if float(np.ptp(self.weigh)) <= rules.torque_seen * self.spread:
+            return None
+        about = self.weigh - self.weigh.mean()
+        return (self.each - self.each.mean(axis=0)).T @ about / float(about @ about)
+
+    def errors(self, scatter: float, rules: ResidualRules) -> dict[str, float]:
+        """The standard errors where each visit scatters by so much, N*m or N: of the factors of payload and links, of
+        friction (side, N*m or N) and of what goes with velocity."""
+        columns = self.columns
+        covariance = scatter**2 * np.linalg.pinv(columns.T @ columns, rcond=_TOLD**2, hermitian=True)
+        found = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(self.own, start=1)}
+        share, first = self.share(rules), 1 + len(self.own)
+        if share is not None:
+            found["links"] = float(np.sqrt(max(share @ covariance[first:, first:] @ share, 0.0)))
+        return found
+
+
+def drive_designs(
+    arm: Arm, recording: Recording, state: PoseState, visit: NDArray[np.int64], rules: ResidualRules
+) -> tuple[DriveDesign, ...]:
+    """What the torque of each drive is fitted by at the visits (N,) of a recording, where `state` is the arm at its
+    readings."""
+    bare = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        payload_mass=np.zeros(recording.size),
+        tip_force=(0.0, 0.0, 0.0),
+    )
+    number = np.unique(visit, return_inverse=True)[1].reshape(-1)
+    found: list[DriveDesign] = []
+    for joint in range(arm.size):
+        whole, links = (
+            np.broadcast_to(np.asarray(each.joints[joint].drive_load, dtype=float), (recording.size,))
+            for each in (state, bare)
+        )
+        found.append(_design(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules))
+    return tuple(found)
+
+
 def drive_torques(
     arm: Arm, recording: Recording, state: PoseState, visit: NDArray[np.int64], rules: ResidualRules
 ) -> tuple[DriveTorque, ...]:
@@ -79,23 +146,10 @@ def drive_torques(
     """
     if recording.torque is None:
         return ()
-    bare = solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        payload_mass=np.zeros(recording.size),
-        tip_force=(0.0, 0.0, 0.0),
-    )
     number = np.unique(visit, return_inverse=True)[1].reshape(-1)
-    found: list[DriveTorque] = []
-    for joint in range(arm.size):
-        whole, links = (
-            np.broadcast_to(np.asarray(each.joints[joint].drive_load, dtype=float), (recording.size,))
-            for each in (state, bare)
-        )
-        told = _of_drive(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules)
-        found += [told] if told is not None else []
-    return tuple(found)
+    designs = drive_designs(arm, recording, state, visit, rules)
+    told = (_of_drive(joint, recording, number, design, rules) for joint, design in enumerate(designs))
+    return tuple(each for each in told if each is not None)
 
 
 def _moments(arm: Arm, state: PoseState, joint: int) -> Array:
@@ -112,7 +166,7 @@ def _moments(arm: Arm, state: PoseState, joint: int) -> Array:
     return np.stack(found, axis=1)
 
 
-def _of_drive(
+def _design(
     joint: int,
     recording: Recording,
     visit: NDArray[np.int64],
@@ -120,14 +174,14 @@ def _of_drive(
     payload: Array,
     moments: Array,
     rules: ResidualRules,
-) -> DriveTorque | None:
-    assert recording.torque is not None
+) -> DriveDesign:
+    """What a drive's torque is fitted by, where links and payload make it hold (N,), and unit moments (N, k)."""
     count = np.bincount(visit)
 
     def mean(values: Array) -> Array:
         return np.bincount(visit, weights=values) / count
 
-    torque, load = mean(recording.torque[:, joint]), mean(links + payload)
+    load = mean(links + payload)
     further = [None if each is None else mean(each[:, joint]) for each in (recording.sides, recording.velocity)]
     wanted = {"payload": mean(payload), "side": further[0], "velocity": further[1]}
     spread = float(np.std(load))
@@ -141,28 +195,31 @@ def _of_drive(
     each = each[:, np.ptp(each, axis=0) > 0.0]
     if "payload" in own:
         # One payload throughout is a part of what the links weigh.
-        beside = np.column_stack([np.ones(len(torque)), each])
+        beside = np.column_stack([np.ones(len(load)), each])
         told = own["payload"] - beside @ np.linalg.lstsq(beside, own["payload"], rcond=_TOLD)[0]
         if float(np.std(told)) <= rules.torque_seen * spread:
             del own["payload"]
     together = "payload" not in own and bool(payload.any())
-    weigh = load if together else mean(links)
-    design = np.column_stack([np.ones(len(torque)), *own.values(), each])
+    return DriveDesign(load, load if together else mean(links), MappingProxyType(own), each, together)
+
+
+def _of_drive(
+    joint: int, recording: Recording, visit: NDArray[np.int64], fitted: DriveDesign, rules: ResidualRules
+) -> DriveTorque | None:
+    assert recording.torque is not None
+    count, own, spread, load = np.bincount(visit), fitted.own, fitted.spread, fitted.load
+    torque = np.bincount(visit, weights=recording.torque[:, joint]) / count
+    design = fitted.columns
     values, _, rank, _ = np.linalg.lstsq(design, torque, rcond=_TOLD)
     freedom = len(torque) - int(rank)
     if spread <= rules.torque_least * float(np.std(torque)) or freedom < rules.enough_freedom or not np.std(torque):
         return None  # what the model has it hold is next to nothing of what it holds: a joint upright, or at rest
     left = torque - design @ values
     scatter = float(np.sqrt(np.sum(left**2) / freedom))
-    spread_of = scatter**2 * np.linalg.pinv(design.T @ design, rcond=_TOLD**2, hermitian=True)
-    first = 1 + len(own)
-    known = {name: Factor(float(values[k]), float(np.sqrt(spread_of[k, k]))) for k, name in enumerate(own, start=1)}
-    if float(np.ptp(weigh)) > rules.torque_seen * spread:
-        # How much of what the model has the links weigh is in what the moments found make of them.
-        about = weigh - weigh.mean()
-        share = (each - each.mean(axis=0)).T @ about / float(about @ about)
-        error = float(np.sqrt(max(share @ spread_of[first:, first:] @ share, 0.0)))
-        known["links"] = Factor(float(share @ values[first:]), error)
+    errors, share = fitted.errors(scatter, rules), fitted.share(rules)
+    known = {name: Factor(float(values[k]), errors[name]) for k, name in enumerate(own, start=1)}
+    if share is not None:
+        known["links"] = Factor(float(share @ values[1 + len(own) :]), errors["links"])
     rub = np.zeros(len(torque))
     for name in ("side", "velocity"):
         if name in known:
@@ -181,7 +238,7 @@ def _of_drive(
         float(np.corrcoef(held, load)[0, 1]),
         -held[visit],
         instead=False,
-        together=together,
+        together=fitted.together,
     )
     differs = any(each is not None and each.differs(rules) for each in (made.links, made.payload))
     return replace(made, instead=differs and not made.scaled and noise <= rules.torque_noise * spread)

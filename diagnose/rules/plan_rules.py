@@ -62,6 +62,14 @@ class PlanRules:
     )
     orders: int = rule(400, "draws", "Of which the order is taken that goes least with any joint.", TIME)
     rivals: int = rule(5, "plans", "At random, whose middle figure a plan is set beside.", TIME)
+    touches_of_point: int = rule(6, "visits", "For each point that is touched again.", JUDGED, rows="It is planned.")
+    touches_of_plane: int = rule(12, "visits", "For each plane that is touched.", JUDGED, rows="It is planned.")
+    across_plane: float = rule(
+        0.02,
+        "share of the reach",
+        "Touches of a plane that reach less far across hardly tell how it is turned.",
+        JUDGED,
+    )
     between_readings: float = rule(2.0, "s", "From reading to reading, for the clock of a plan.", "usual")
     between_visits: float = rule(20.0, "s", "For a move, for the clock of a plan.", "usual")
     between_payloads: float = rule(300.0, "s", "To change the payload, for the clock of a plan.", "usual")

@@ -41,6 +41,14 @@ Direction = Annotated[
     str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
 ]
 Anchor = Annotated[str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")]
+TiltLink = Annotated[
+    str | None, typer.Option("--tilt-link", metavar="LINK", help="Where a level stands, for tilt: base, or 2.")
+]
+Torques = Annotated[
+    str | None,
+    typer.Option("--torques", metavar="LIST", help="Drives' torques too, which scatter by so much: '0.5 N*m'."),
+]
+Camera = Annotated[str | None, typer.Option("--camera", metavar="WHERE", help="Of a camera: fixed, or on_tool.")]
 
 Tip = Annotated[
     str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")

@@ -14,7 +14,7 @@ from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, parse_yaml
 
-from .options import Anchor, CatalogueFile, Direction, JsonFile, Tip, as_options, asked_of
+from .options import Anchor, Camera, CatalogueFile, Direction, JsonFile, TiltLink, Tip, Torques, as_options, asked_of
 
 HELP = """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
@@ -77,15 +77,12 @@ def simulate(
     anchor_free: Annotated[
         bool, typer.Option("--anchor-free", help="The settings do not tell where the anchor is.")
     ] = False,
-    tilt_link: Annotated[
-        str | None, typer.Option("--tilt-link", metavar="LINK", help="Where a level stands, for tilt: base, or 2.")
-    ] = None,
+    tilt_link: TiltLink = None,
     bar: Annotated[
         str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
     ] = None,
-    camera: Annotated[
-        str | None, typer.Option("--camera", metavar="WHERE", help="Of a camera: fixed, or on_tool.")
-    ] = None,
+    camera: Camera = None,
+    torques: Torques = None,
     declare_sigma: Annotated[
         bool, typer.Option("--declare-sigma", help="Write the noise into the settings beside the recording.")
     ] = False,
@@ -138,6 +135,7 @@ def simulate(
                 tilt_link=tilt_link,
                 bar=listed(bar),
                 camera=camera,  # pyright: ignore[reportArgumentType] - what it can be is checked there
+                torques=listed(torques),
                 at=at,
             )
         made.save(out)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from arm.chain.chain import EffectEntry
 from arm.files.read import arm_from
 from diagnose.instruments.asked import observed_by
+from diagnose.instruments.instrument import LABELS
 from diagnose.plan.written import read_plan
 from diagnose.reading.read import read_recording as read_file
 from diagnose.reading.read import recording_from
@@ -168,6 +169,7 @@ def simulate(
     tilt_link: str | int | None = None,
     bar: Sequence[Quantity] | None = None,
     camera: Literal["fixed", "on_tool"] | None = None,
+    torques: Quantity | Sequence[Quantity] | None = None,
     at: File | None = None,
 ) -> Simulation:
     """A recording from a model, with noise and repeats: poses spread over the joint ranges.
@@ -181,8 +183,9 @@ def simulate(
     `anchor` (lengths; `anchor_free`: the recording does not tell where it is), the `tilt` of a level on a `tilt_link`
     (`base`, or a link's number; its noise counts in a metre: 15 um are 15 urad), or that the `same_point` or `plane`
     was touched again, or a `bar` at places along it (lengths), or where a `camera` (`fixed`, or `on_tool`) sees a
-    target: its depths are five times noisier, and its turns by the noise over 0.1 m. Raises `InputError`, and
-    `MissingProperty` where the arm lacks a figure.
+    target: its depths are five times noisier, and its turns by the noise over 0.1 m. `torques` is what
+    a drive's measured torque scatters by (text, or N m; one for each joint, of a slide a force): what each holds at
+    rest is written then, without friction. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
 
     >>> import linkwright as lw
     >>> lw.simulate(
@@ -196,8 +199,14 @@ def simulate(
     if at is not None and observe in ("same_point", "plane", "bar"):
         raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)
+    reads: dict[str, Any] = {
+        "observe": observe, "direction": direction, "anchor": _lengths("anchor", anchor), "anchor_free": anchor_free,
+        "tilt_link": tilt_link, "bar": _lengths("bar", bar), "camera": camera,
+    }  # fmt: skip
     if at is not None and observe == "position":
-        observe, direction, anchor, anchor_free = _planned(Path(at), direction, anchor, anchor_free=anchor_free)
+        reads = _planned(Path(at), reads)
+    if readings is not None and reads["observe"] in ("same_point", "plane") and readings.touches is None:
+        raise InputError("", "at", f"names nothing that is touched: it needs a {LABELS[reads['observe']]} in each row")
     plan = _plan(
         poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,
         noise=in_si(noise, "length", "noise"),
@@ -213,16 +222,8 @@ def simulate(
         commands=commands,
         base_target=base_target,
         orientation=orientation,
-        **observed_by(
-            observe,
-            direction,
-            _lengths("anchor", anchor),
-            given.model,
-            anchor_free=anchor_free,
-            tilt_link=tilt_link,
-            bar=_lengths("bar", bar),
-            camera=camera,
-        ),
+        torque_noise=torque_noise(torques, given),
+        **observed_by(arm=given.model, **reads),
         at=readings,
     )
     made = simulated(given.model, plan)
@@ -230,16 +231,21 @@ def simulate(
     return Simulation(given, recording, made, plan)
 
 
-def _planned(
-    plan: Path, direction: Sequence[float] | None, anchor: Sequence[Quantity] | None, *, anchor_free: bool
-) -> tuple[str, Sequence[float] | None, Sequence[Quantity] | None, bool]:
-    """What a plan is for, as the settings beside it say: observe, direction, anchor and whether that is free."""
+def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
+    """What a plan is for, as the settings beside it say, where a caller did not."""
     own = read_settings(find_settings(plan)).instrument
-    if own is None or own.kinds not in (("along",), ("distance",)):
-        return "position", direction, anchor, anchor_free
-    if own.kinds == ("along",):
-        return "along", direction or own.direction, anchor, anchor_free
-    return "distance", direction, anchor or own.anchor, anchor_free or own.anchor is None
+    if own is None or own.kinds not in (("along",), ("distance",), ("tilt",), ("camera",), ("same_point",), ("plane",)):
+        return reads
+    kind = own.kinds[0]
+    said: dict[str, Any] = {
+        "direction": own.direction if kind == "along" else None,
+        "anchor": own.anchor if kind == "distance" else None,
+        "tilt_link": (own.tilt_link or "base") if kind == "tilt" else None,
+        "camera": own.camera if kind == "camera" else None,
+    }
+    found = {name: reads[name] if said.get(name) is None or reads[name] is not None else said[name] for name in reads}
+    free = reads["anchor_free"] or (kind == "distance" and own.anchor is None)
+    return {**found, "observe": kind, "anchor_free": free}
 
 
 def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files: bool = False) -> Arm:
@@ -252,6 +258,27 @@ def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files:
     reader = Reader(content, file="with_")
     added: tuple[EffectEntry, ...] = arm_from(reader, catalogue_of(arm.catalogue), tip=arm.model.tip).effects
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
+
+
+def torque_noise(given: Quantity | Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
+    """What each drive's torque scatters by (n,), N*m, of slides N: one for all, or one for each; nothing where none was
+    given. Raises `InputError`."""
+    if given is None:
+        return ()
+    joints = arm.model.joints
+    each = [given] if isinstance(given, str | int | float) else list(given)
+    if len(each) == 1 and all(joint.revolute for joint in joints):
+        each = each * len(joints)
+    if len(each) != len(joints):
+        kinds = ", ".join("0.5 N*m" if joint.revolute else "5 N" for joint in joints)
+        raise InputError("", "torques", f"needs one scatter for all joints that turn, or one for each joint: {kinds}")
+    found = [
+        in_si(value, "torque" if joint.revolute else "force", "torques")
+        for value, joint in zip(each, joints, strict=True)
+    ]
+    if min(found) <= 0.0:
+        raise InputError("", "torques", "must be positive")
+    return tuple(found)
 
 
 def _lengths(name: str, given: Sequence[Quantity] | None) -> list[float] | None:

@@ -30,7 +30,7 @@ def describe(found: Planned) -> Description:
     facts = Facts(
         (
             Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
-            Fact("noise", length(asked.sigma, 3), f"each of {', '.join(found.axes)}"),
+            *_noise(found),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
             Fact("smaller than at random", number(better, 3), "times, on average"),
             *_apart(found),
@@ -55,6 +55,8 @@ def describe(found: Planned) -> Description:
                 lead="With a probability of 90 %, as a diagnosis would find it. Told from others: from that size on.",
             )
         )
+    if promise.torques:
+        items.append(_torques(found))
     items.append(section("What it will not tell", Lines(_not_told(seen, promise.unseen))))
     items.append(section("Visits", _visits(found), detail=True))
     items.append(Lines(_how(found)))
@@ -79,6 +81,20 @@ def _apart(found: Planned) -> tuple[Fact, ...]:
     return tuple(facts)
 
 
+def _noise(found: Planned) -> tuple[Fact, ...]:
+    """What the numbers scatter by; of a camera depths and turns by themselves."""
+    asked, turns = found.asked, [axis for axis in found.axes if axis.startswith("turn")]
+    if not turns:
+        own = Value(_scatter(found)) if asked.instrument == "tilt" else length(asked.sigma, 3)
+        return (Fact("noise", own, f"each of {', '.join(found.axes)}"),)
+    deep, turned = asked.camera_noise
+    return (
+        Fact("noise across", length(asked.sigma, 3), "each of camera x, camera y"),
+        Fact("noise in depth", length(deep, 3), "camera depth"),
+        Fact("noise of turns", Value(format_quantity(turned, "angle", digits=3)), f"each of {', '.join(turns)}"),
+    )
+
+
 def _gains(found: Planned) -> list[float]:
     """How many times smaller each size is than at random, where both show it."""
     sizes = [(found.at_random(each), each.smallest) for each in found.promise.shown]
@@ -89,6 +105,29 @@ def _returns(found: Planned) -> str:
     if not found.returns:
         return "none to one pose"
     return f"{len(found.returns)} of the visits to one pose ({', '.join(map(str, found.returns))})"
+
+
+def _torques(found: Planned) -> Item:
+    """What the drives' torques will tell, and what they would at random poses."""
+    columns = ("drive", "links weigh", "at random", "payload weighs", "at random", "friction", "at random")
+    rows: list[tuple[str | Value, ...]] = []
+    for each in found.promise.torques:
+        kind = "torque" if found.arm.joints[each.joint - 1].revolute else "force"
+        cells: list[str | Value] = [count(each.joint)]
+        for name, of in (("links", ""), ("payload", ""), ("friction", kind)):
+            own, random = getattr(each, name), found.torques_at_random(each.joint, name)
+            cells += [_within(own, of), _within(random, of)]
+        rows.append(tuple(cells))
+    lead = "Within so much, with a probability of 95 %: weights of what the model says, friction of what it is."
+    if any(each.together for each in found.promise.torques):
+        lead += " The payload is always the same, and weighs with the links."
+    return section("What torques will tell", table(columns, rows), lead=lead)
+
+
+def _within(error: float | None, kind: str) -> Value:
+    if error is None or not math.isfinite(error):
+        return Value("–")
+    return Value(format_quantity(1.96 * error, kind, digits=3)) if kind else Value(f"{figure(196.0 * error, 3)} %")
 
 
 def _row(found: Planned, each: Shown) -> tuple[str | Value, ...]:
@@ -132,8 +171,10 @@ def _visits(found: Planned) -> Item:
     for row in range(visits.size):
         sides = "" if visits.sides is None else " ".join("+" if side > 0 else "-" for side in visits.sides[row])
         mass = 0.0 if visits.payload_mass is None else float(visits.payload_mass[row])
-        rows.append((count(row + 1), pose(found.arm, visits.q[row].tolist()), sides, Value(f"{mass:g} kg")))
-    return table(("visit", "pose", "each joint comes upwards or downwards", "payload"), rows)
+        at = () if visits.touches is None else (visits.instrument.labels[int(visits.touches[row])],)
+        rows.append((count(row + 1), pose(found.arm, visits.q[row].tolist()), sides, Value(f"{mass:g} kg"), *at))
+    touches = () if visits.touches is None else ("touches",)
+    return table(("visit", "pose", "each joint comes upwards or downwards", "payload", *touches), rows)
 
 
 def _reading(found: Planned) -> tuple[str, ...]:
@@ -141,6 +182,30 @@ def _reading(found: Planned) -> tuple[str, ...]:
     reads = found.asked.reads
     if reads.direction is not None:
         return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
+    if found.touched:
+        what = "plane" if found.asked.instrument == "plane" else "point"
+        near = ", ".join(f"{each.label} at ({', '.join(mm(value) for value in each.at)})" for each in found.touched)
+        normals = [
+            f"{each.label} ({', '.join(f'{value:.2f}' for value in each.normal)})"
+            for each in found.touched
+            if each.normal
+        ]
+        across = f"; normals {', '.join(normals)}" if normals else ""
+        return (
+            f"Each visit touches the {what} that it names: {near}{across}; about there is near enough.",
+            "Its joint coordinates are about where that is: write over them what the encoders read at each touch.",
+        )
+    if reads.kinds == ("tilt",):
+        where = f"link {reads.tilt_link}" if reads.tilt_link else "the base"
+        return (f"Read is how a level on {where} is tilted; how exactly it sits there the recording tells.",)
+    if reads.kinds == ("camera",):
+        on_tool = reads.camera == "on_tool"
+        where = "is on the tool and sees a fixed target" if on_tool else "is fixed and sees a target on the tool"
+        still = "the target" if on_tool else "the camera, which looks at their middle,"
+        return (
+            f"The camera {where}; where both are the recording tells. This is foreseen with {still} 1.5 to 2 times as "
+            "far from the middle of the places reached as these reach; whether the target is in view is not asked.",
+        )
     if reads.anchor is None:
         return ()
     where = ", ".join(mm(value) for value in reads.anchor)
@@ -154,6 +219,16 @@ def _compared(found: Planned) -> str:
     return f"At random: the middle of {len(found.random)} plans of the same kind."
 
 
+def _placed(found: Planned) -> str:
+    asked = found.asked
+    return "" if asked.instrument == "tilt" else f", frame {asked.frame}, tool {asked.tool}"
+
+
+def _scatter(found: Planned) -> str:
+    asked = found.asked
+    return format_quantity(asked.sigma, "angle", digits=3) if asked.instrument == "tilt" else mm(asked.sigma, 3)
+
+
 def _how(found: Planned) -> tuple[str, ...]:
     asked = found.asked
     lines = [
@@ -161,8 +236,8 @@ def _how(found: Planned) -> tuple[str, ...]:
         f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: drift is told from "
         "place.",
         *_reading(found),
-        f"Rests on a sound arm simulated at the plan's readings (noise {mm(asked.sigma, 3)}, frame {asked.frame}, tool "
-        f"{asked.tool}) and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
+        f"Rests on a sound arm simulated at the plan's readings (noise {_scatter(found)}{_placed(found)}) "
+        f"and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
         f"proven best. {_compared(found)}",
     ]
     if asked.avoid:

@@ -10,11 +10,14 @@ import typer
 import linkwright as lw
 from linkwright.commands.options import (
     Anchor,
+    Camera,
     CatalogueFile,
     Direction,
     JsonFile,
     MarkdownFile,
+    TiltLink,
     Tip,
+    Torques,
     as_options,
     asked_of,
     tell,
@@ -41,16 +44,27 @@ def plan(
     ] = None,
     instrument: Annotated[
         str,
-        typer.Option("--instrument", help="tracker (x, y, z), x, y, z, xy, xz, yz, along or distance."),
+        typer.Option(
+            "--instrument", help="tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point or plane."
+        ),
     ] = "tracker",
     direction: Direction = None,
     anchor: Anchor = None,
     anchor_free: Annotated[
         bool, typer.Option("--anchor-free", help="The anchor is about there: the recording has to tell where.")
     ] = False,
+    tilt_link: TiltLink = None,
+    camera: Camera = None,
     sigma: Annotated[
         str | None,
-        typer.Option("--sigma", metavar="LENGTH", help="What each component scatters by; 15 um by default."),
+        typer.Option("--sigma", metavar="LENGTH", help="What each component scatters by; 15 um (a tilt: 15 urad)."),
+    ] = None,
+    sigma_depth: Annotated[
+        str | None, typer.Option("--sigma-depth", metavar="LENGTH", help="Of a camera's depths; five times sigma.")
+    ] = None,
+    torques: Torques = None,
+    sigma_angle: Annotated[
+        str | None, typer.Option("--sigma-angle", metavar="ANGLE", help="Of a camera's turns; sigma over 0.1 m.")
     ] = None,
     repeats: Annotated[int, typer.Option("--repeats", metavar="N", help="Readings in a row at each visit.")] = 3,
     payload: Annotated[
@@ -103,6 +117,11 @@ def plan(
             direction=None if direction is None else numbers(direction),
             anchor=listed(anchor),
             anchor_free=anchor_free,
+            tilt_link=tilt_link,
+            camera=camera,  # pyright: ignore[reportArgumentType]
+            sigma_depth=sigma_depth,
+            sigma_angle=sigma_angle,
+            torques=listed(torques),
             seed=seed,
             progress=told,
         )

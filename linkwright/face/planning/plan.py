@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,17 +15,19 @@ from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place, seen_axes
 from diagnose.plan.planned import Planned
 from diagnose.plan.planning import NothingToSee
 from diagnose.plan.planning import plan as planned
+from diagnose.plan.tried import TooFewPostures
 from diagnose.plan.written import READ, plan_text
 from diagnose.reading.write import settings_text
 from diagnose.recording import Recording as Readings
 from diagnose.result import Diagnosis as Found
 from diagnose.rules.rules import RULES
 from diagnose.several.recordings import Several
+from diagnose.simulate import Plan as Noise
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
 from linkwright.face.given import File, Quantity, in_si
 from linkwright.face.progress import Progress, interrupts, told
-from linkwright.face.recording import Recording, recording_columns
+from linkwright.face.recording import Recording, recording_columns, torque_noise
 from linkwright.face.result import Result, figure_of
 from linkwright.json.planning import plan_json
 from linkwright.output.files import write_file
@@ -82,7 +84,8 @@ class Plan(Result):
 
     def text(self) -> str:
         """The plan as CSV: a recording whose tip is still blank."""
-        return plan_text(self.found.recording, self.arm.model, self.found.axes)
+        held = bool(self.found.asked.torque_noise)
+        return plan_text(self.found.recording, self.arm.model, self.found.axes, torques=held)
 
     @property
     def settings(self) -> str | None:
@@ -139,6 +142,11 @@ def plan(
     direction: Sequence[float] | None = None,
     anchor: Sequence[Quantity] | None = None,
     anchor_free: bool = False,
+    tilt_link: str | int | None = None,
+    camera: Literal["fixed", "on_tool"] | None = None,
+    sigma_depth: Quantity | None = None,
+    sigma_angle: Quantity | None = None,
+    torques: Quantity | Sequence[Quantity] | None = None,
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Plan:
@@ -147,9 +155,16 @@ def plan(
     `for_` names effects (`"backlash"`, or `"backlash:2"` at one joint or link); none: all that a diagnosis can seek.
     `instrument` sees x, y and z (`tracker`), or some of them (`z`, `xy`), the height `along` a `direction`, or the
     `distance` from an `anchor` (lengths; with `anchor_free` it stands about there, and nobody knows just where), each
-    with a scatter of `sigma` (text, or m; 15 um, or what the recording `after` scatters by; that recording's instrument
-    is taken). `payloads` are masses (text, or kg); by default none and the
-    arm's own. `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
+    with a scatter of `sigma` (text, or m; 15 um, or what the recording `after` scatters by; that recording's
+    instrument is taken). So it sees the `tilt` of a level on a `tilt_link` (`"base"`, or a link's number), whose
+    `sigma` is an angle (15 urad), or where a `camera` (`"fixed"`, or `"on_tool"`) sees a target: `sigma` is what
+    that scatters by across its view, `sigma_depth` in depth (five times that), `sigma_angle` in turns (that over
+    0.1 m), and where camera and target are is found along. And it plans to touch the `same_point` (a ball in a
+    socket) or a `plane` again in several postures, places that nobody need know exactly. `torques`, what a drive's
+    measured torque scatters by (text, or N m; one for each joint, of a slide a force), reads those as well: what
+    they will tell of weights and friction is planned for beside the causes. `payloads` are masses (text, or kg); by
+    default none and the arm's own.
+    `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
     already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
     where they were. The same `seed` gives the same plan. Ctrl-C, once there are as many visits as asked for, ends the
     choice with the best so far, marked `interrupted`. Of several arms on one torso it is for the tip that the arm was
@@ -174,18 +189,20 @@ def plan(
     for key, value in (("frame", frame), ("tool", tool)):
         if value not in ("known", "free"):
             raise InputError("", key, f"is known or free, not {shown(value)}")
-    noise = None if sigma is None else in_si(sigma, "length", "sigma")
-    if noise is not None and noise <= 0.0:
-        raise InputError("", "sigma", "must be positive")
     boxes = tuple(_box(each) for each in avoid)
     masses = _payloads(payloads, given)
+    held = torque_noise(torques, given)
+    _refuse_unknown_weights(held, given)
     try:
         seen_axes(instrument, given.model)
     except ValueError as error:
         raise InputError("", "instrument", str(error)) from None
 
-    def reading(there: Readings | None) -> tuple[str, dict[str, Any]]:
-        return _reading(instrument, direction, anchor, given, there, anchor_free=anchor_free)
+    def reading(there: Readings | None) -> _Reads:
+        said = _Reads(instrument, direction, anchor, anchor_free, tilt_link, camera)
+        found = _reading(said, given, there)
+        _refuse_free(found.instrument, frame, tool)
+        return _with_noise(found, there, sigma, sigma_depth, sigma_angle)
 
     if after is None:
         reading(None)
@@ -195,12 +212,14 @@ def plan(
         # The instrument that is there stays where it stands.
         frame = "free" if before.recording.frame == "free" else frame
         tool = "free" if before.recording.tool == "free" else tool
-    if noise is None:
-        noise = _NOISE if before is None else _scatter(before)
-    instrument, reads = reading(None if before is None else before.recording)
+    reads = reading(None if before is None else before.recording)
+    noise = reads.sigma or (_NOISE if before is None else _scatter(before))
+    if reads.instrument == "camera":
+        # Where camera and target are nobody knows: that is what the arm tells.
+        frame = tool = "free"
     asked = Asked(
-        poses, effects or apart, instrument, noise, repeats, masses, frame, tool, boxes, seed,
-        pairs_only=bool(apart), **reads,
+        poses, effects or apart, reads.instrument, noise, repeats, masses, frame, tool, boxes, seed,
+        pairs_only=bool(apart), camera_noise=reads.of_camera(noise), torque_noise=held, **reads.asked,
     )  # fmt: skip
     with told(progress) as hear, interrupts() as check:
 
@@ -212,54 +231,144 @@ def plan(
             found = planned(given.model, asked, heard, None if before is None else before.recording)
         except NothingToSee:
             raise NoAnswer("nothing of what is asked for moves anything that this instrument sees") from None
+        except TooFewPostures as error:
+            raise InputError("", "instrument", f"{shown(reads.instrument)} {error}") from None
         except ValueError as error:
             raise InputError("", "avoid", str(error)) from None
     return Plan(given, found)
 
 
-def _reading(
-    instrument: str,
-    direction: Sequence[float] | None,
-    anchor: Sequence[Quantity] | None,
-    arm: Arm,
-    before: Readings | None,
-    *,
-    anchor_free: bool,
-) -> tuple[str, dict[str, Any]]:
-    """The instrument, and what says how it reads heights or distances: as asked, or as the recording before did."""
-    there = None if before is None else _instrument_of(before, instrument)
+@dataclass(frozen=True)
+class _Reads:
+    """What an instrument reads, in a caller's words; `asked` is that as a plan is asked for, `sigma` its scatter (None:
+    nobody said), `deep` and `turns` those of a camera's depths and turns."""
+
+    instrument: str
+    direction: Sequence[float] | None
+    anchor: Sequence[Quantity] | None
+    anchor_free: bool
+    tilt_link: str | int | None
+    camera: Literal["fixed", "on_tool"] | None
+    asked: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    sigma: float | None = None
+    deep: float | None = None
+    turns: float | None = None
+
+    def of_camera(self, sigma: float) -> tuple[float, float]:
+        """The scatter of a camera's depths (m) and turns (rad) where that across its view is `sigma`."""
+        usual = Noise(1, noise=sigma).of_camera
+        return self.deep or usual[0], self.turns or usual[1]
+
+
+_OWN = (("direction", "along"), ("anchor", "distance"), ("tilt_link", "tilt"), ("camera", "camera"))
+"""What says how an instrument reads, and the instrument that it goes with."""
+_TOUCHES = ("same_point", "plane")
+
+
+def _reading(said: _Reads, arm: Arm, before: Readings | None) -> _Reads:
+    """The instrument, and what says how it reads: as asked, or as the recording before did."""
+    there = None if before is None else _instrument_of(before, said.instrument)
     if there is not None:
-        instrument, direction = there.kinds[0], direction or there.direction
-        if instrument == "distance" and anchor is None and there.anchor is None:
-            raise InputError("", "anchor", "is missing: the recording does not tell where it is; say about where")
-        anchor_free = anchor_free or (instrument == "distance" and there.anchor is None)
-        anchor = anchor or there.anchor
-    for name, given, kind in (("direction", direction, "along"), ("anchor", anchor, "distance")):
-        if given is not None and instrument != kind:
+        said = _of_before(said, there)
+    instrument = said.instrument
+    for name, kind in _OWN:
+        if getattr(said, name) is not None and instrument != kind:
             raise InputError("", name, f"goes with the instrument {kind}, not {shown(instrument)}")
-    if anchor_free and instrument != "distance":
+    if said.anchor_free and instrument != "distance":
         raise InputError("", "anchor_free", f"goes with the instrument distance, not {shown(instrument)}")
-    if instrument not in ("along", "distance"):
-        return instrument, {}
-    at = None if anchor is None else [in_si(each, "length", "anchor") for each in anchor]
-    found = observed_by(instrument, direction, at, arm.model, anchor_free=anchor_free)
+    if instrument not in (*dict(_OWN).values(), *_TOUCHES):
+        return said
+    seen_axes(instrument, arm.model)
+    at = None if said.anchor is None else [in_si(each, "length", "anchor") for each in said.anchor]
+    found = observed_by(
+        instrument,
+        said.direction,
+        at,
+        arm.model,
+        anchor_free=said.anchor_free,
+        tilt_link=said.tilt_link,
+        camera=said.camera,
+    )
     own: Instrument = found["instrument"]
     if arm.model.planar() and own.direction is not None and not any(own.direction[:2]):
         raise InputError("", "direction", "is out of the plane in which the arm moves; name one within it")
-    return instrument, {"slots": found["slots"], "reads": own, "anchor_free": anchor_free}
+    return replace(said, asked={"slots": found["slots"], "reads": own, "anchor_free": said.anchor_free})
+
+
+def _of_before(said: _Reads, there: Instrument) -> _Reads:
+    """What is said, and otherwise what the instrument that is there already tells."""
+    kind = there.kinds[0]
+    if kind == "distance" and said.anchor is None and there.anchor is None:
+        raise InputError("", "anchor", "is missing: the recording does not tell where it is; say about where")
+    link, camera = there.tilt_link or "base", there.camera
+    for name, given, own in (("tilt_link", said.tilt_link, link), ("camera", said.camera, camera)):
+        if given is not None and kind == dict(_OWN)[name] and str(given) != str(own):
+            raise InputError("", name, f"is {own} in the recording to go on from, not {shown(given)}")
+    return replace(
+        said,
+        instrument=kind,
+        direction=said.direction or there.direction,
+        anchor=said.anchor or there.anchor,
+        anchor_free=said.anchor_free or (kind == "distance" and there.anchor is None),
+        tilt_link=link if kind == "tilt" else said.tilt_link,
+        camera=camera if kind == "camera" else said.camera,
+    )
+
+
+def _with_noise(
+    said: _Reads, before: Readings | None, sigma: Quantity | None, deep: Quantity | None, turns: Quantity | None
+) -> _Reads:
+    """The same with what it scatters by, as far as anybody said."""
+    camera = said.instrument == "camera"
+    kind = "angle" if said.instrument == "tilt" else "length"
+    found: dict[str, float | None] = {}
+    for name, given, of in (("sigma", sigma, kind), ("sigma_depth", deep, "length"), ("sigma_angle", turns, "angle")):
+        if given is not None and name != "sigma" and not camera:
+            raise InputError("", name, f"goes with the instrument camera, not {shown(said.instrument)}")
+        found[name] = value = None if given is None else in_si(given, of, name)
+        if value is not None and value <= 0.0:
+            raise InputError("", name, "must be positive")
+    across, depth, angle = found["sigma"], found["sigma_depth"], found["sigma_angle"]
+    if camera and before is not None:
+        each = before.each[0] if isinstance(before, Several) else before
+        if before.orientation is None:
+            raise InputError("", "after", f"{before.file} holds no orientations; a plan for a camera needs them")
+        axes, angle = each.sigma_axes, angle or each.sigma_angle
+        across, depth = across or (axes[0] if axes else None), depth or (axes[2] if axes else None)
+        if across is None:
+            raise InputError("", "sigma", f"is missing: {before.file} does not declare what its camera scatters by")
+    return replace(said, sigma=across, deep=depth, turns=angle)
+
+
+def _refuse_unknown_weights(torques: Sequence[float], arm: Arm) -> None:
+    """What torques tell of weights is foreseen from the arm file's."""
+    links = enumerate(arm.model.links, start=1)
+    none = [str(number) for number, link in links if link.section is None and link.mass is None]
+    if torques and none:
+        said = f"needs the mass of each link; give one to link{'s' * (len(none) > 1)} {', '.join(none)}"
+        raise InputError("", "torques", said)
+
+
+def _refuse_free(instrument: str, frame: str, tool: str) -> None:
+    """A level minds neither where a frame stands nor where a target sits, touches have no frame."""
+    for name, given in (("frame", frame), ("tool", tool)):
+        if instrument == "tilt" and given == "free":
+            raise InputError("", name, "goes with an instrument that reads the tip's place; a level does not see it")
+        if instrument in _TOUCHES and given == "free" and name == "frame":
+            raise InputError("", name, "goes with an instrument that reads the tip's place; touches are in no frame")
 
 
 def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
-    """The instrument of heights or distances that a recording was made with, None of the tip's place. Raises
-    `InputError` for others, and where another one is asked for."""
+    """The instrument of heights, distances, tilts or a camera that a recording was made with, None of the tip's place.
+    Raises `InputError` for others, and where another one is asked for."""
     each = recording.each if isinstance(recording, Several) else (recording,)
     if recording.slots is None:
-        if instrument in ("along", "distance"):
+        if instrument in (*dict(_OWN).values(), *_TOUCHES):
             raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
         return None
     kinds = {one.instrument.kinds for one in each}
-    if not kinds <= {("along",), ("distance",)} or len(kinds) > 1:
-        said = "is not of one instrument of the tip's place, of heights or of distances, which a plan goes on from"
+    if not kinds <= {(kind,) for _, kind in _OWN} or len(kinds) > 1:
+        said = "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
         raise InputError("", "after", f"{recording.file} {said}")
     if instrument not in ("tracker", each[0].instrument.kinds[0]):
         raise InputError("", "after", f"{recording.file} holds its {each[0].instrument.kinds[0]}, not {instrument}")
