@@ -11,6 +11,7 @@ import yaml
 
 import linkwright as lw
 from arm.chain.kinematics import tip_position
+from arm.effects import EFFECTS
 from linkwright.results.budget import describe
 from tests import two_arms
 from units.quantities import InputError
@@ -154,6 +155,22 @@ def test_a_plan_promises_what_least_squares_would(tmp_path):
     assert 4.0 < smallest / deviation < 6.5
 
 
+def test_what_one_arm_has_recorded_counts_for_the_plan_of_the_other(tmp_path):
+    """The least that shows of the torso after both, by plain matrices: information of both recordings adds up."""
+    (tmp_path / "arm.yaml").write_text(two_arms.arm_text())
+    (tmp_path / "left.csv").write_text(two_arms.recorded("left", 12, 3, noise=15e-6, compliance=50e-6))
+    (tmp_path / "left.yaml").write_text("tip: left\n")
+    without = [each for each in EFFECTS if each not in QUICK]
+    before = lw.diagnose(tmp_path / "arm.yaml", tmp_path / "left.csv", without=without)
+    arm = lw.read_arm(tmp_path / "arm.yaml", tip="right")
+    found = lw.plan(arm, poses=8, for_=["joint_compliance:2"], repeats=1, after=before, sigma="15 um")
+    step, moved = 1e-9, []
+    for which, q in ((0, before.found.recording.q), (1, found.found.recording.q)):
+        moved += [(two_arms.tips(row, compliance=step)[which] - two_arms.tips(row)[which]) / step for row in q]
+    (smallest,) = found.shown["smallest"]
+    assert 4.0 < smallest / (15e-6 / np.linalg.norm(moved)) < 6.5
+
+
 QUICK = ("joint_compliance", "encoder_offset", "link_length")
 
 
@@ -170,8 +187,6 @@ def recordings(tmp_path):
 
 
 def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
-    from arm.effects import EFFECTS
-
     without = [each for each in EFFECTS if each not in QUICK]
     arm = recordings / "arm.yaml"
     found = lw.compare(arm, recordings / "right1.csv", recordings / "right4.csv", without=without)
@@ -184,8 +199,6 @@ def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
 
 
 def test_a_torso_is_watched_by_the_recordings_of_both(recordings):
-    from arm.effects import EFFECTS
-
     days = [recordings / f"{tip}{k}.csv" for k, tip in enumerate(("left", "right", "left", "left", "right", "left"))]
     without = [each for each in EFFECTS if each not in QUICK]
     found = lw.watch(recordings / "arm.yaml", days, for_=["joint_compliance"], without=without)
