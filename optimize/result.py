@@ -241,6 +241,8 @@ class OptimizationResult:
     drives_exhaustive: bool = True
     interrupted: bool = False
     """Whether an interrupt ended the search: this is then the best design that it had."""
+    start: str | None = None
+    """Why `before` is not the arm as given but one with other lengths, where that does not reach what is asked."""
     rounded: Rounded | None = None
     """The design of sizes that can be had, where that was asked for and there is one."""
     not_rounded: NotRounded | None = None

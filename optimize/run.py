@@ -28,6 +28,7 @@ from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
+from .reaching import start_that_reaches
 from .result import Iteration, OptimizationResult, Status
 from .robust.places import robust_places
 from .robust.run import robust_optimum
@@ -56,10 +57,17 @@ def optimise(
 
     `told` hears at once of limits that no design can keep, before it is found out what they would have to be.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
-    the best design so far is the result, marked `interrupted`. Raises `NoAnswer` where the workspace cannot be reached,
+    the best design so far is the result, marked `interrupted`. Where lengths are free and the arm as given does not
+    reach a box or path, the search begins with lengths that do. Raises `NoAnswer` where it cannot be reached,
     `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
     where a figure is missing that the problem needs.
     """
+    start = start_that_reaches(problem)
+    if start is not None:
+        if told is not None:
+            told(start.why)
+        further: Any = {"log": log, "progress": progress, "told": told, "executor": executor, "journal": journal}
+        return replace(optimise(start.problem, **further), start=start.why)
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
         settings["journal"] = journal
@@ -87,8 +95,7 @@ def optimise(
         placed = choose_placed(problem, progress=progress, log=log, executor=executor, journal=journal)
         found = placed.driven
     except Unreachable as error:
-        hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
-        raise NoAnswer(f"workspace: {error}{hint}") from None
+        raise NoAnswer(f"workspace: {error}") from None
     context, choice, problem = found.context, found.choice, found.context.problem
     if choice is None:
         why = explained(context, unsolved=found.unsolved, told=found.feasibility, progress=progress)

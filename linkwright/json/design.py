@@ -271,6 +271,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         **fields(
             result, "status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"
         ),
+        "start": result.start,
         "objective": {"value": factor * result.objective, "unit": unit},
         "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
         "lower_bound_mm": factor * result.lower_bound if errors else None,

@@ -54,6 +54,7 @@ def describe(result: OptimizationResult) -> Description:
         *design.relative_words(result.after),
         *design.rigid_links_words(result.after),
         *_robust(result),
+        *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *design.warnings(result.before, "arm as given"),
         *design.warnings(result.after, "new design"),
         *design.sideways(result.before, result.after, result.limits, "new design"),

@@ -13,10 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.worst.coverage import unreached
 from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.exchange.binding_poses import Pool, Room
 from optimize.exchange.design import (
+    LENGTH,
     TAPER,
     DesignSpace,
     arm_of,
@@ -27,7 +29,9 @@ from optimize.exchange.design import (
     starting_points,
 )
 from optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
+from optimize.exchange.other_lengths import other_lengths, with_lengths
 from optimize.exchange.program import Program, Solution, carried_mass
+from optimize.exchange.rescue import solved
 from optimize.exchange.signs import one_signed
 from optimize.journal import Journal
 from optimize.limits import OfDesign, Totals, excess
@@ -47,8 +51,16 @@ _RUNGS = 24
 """Steps from the lightest sections to the heaviest at which the error is looked at where it may have several minima."""
 _NEAR = 0.3
 """How far a descent into one of them may lead, in each of the optimiser's numbers (a third more or less, of a size)."""
+_HELD, _HOPEFUL = 0.05, 1.1
+"""How far (in its logarithm) a length may move while sizes are found for it; what must not be worse by more then."""
+_AT_OTHER_LENGTHS = 6
+"""So many combinations are tried with other lengths."""
 _KEPT = 2
 """Compiled programs are large: so many are kept."""
+
+
+Best = tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float]
+"""A combination with its space and its materials' row, the exchange and how it ended, and the objective (SI)."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +97,7 @@ class Chooser:
         self.history: list[Iteration] = []
         self._listener = log
         self.pool: Pool | None = None
-        self.best: tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float] | None = None
+        self.best: Best | None = None
         self.candidates: dict[Combination, Candidate] = {}
         self.kept = _KEPT
         self.feasibility: Feasibility | None = None
@@ -189,6 +201,62 @@ class Chooser:
             self.finish(pick, start)
         if not self.one_signed():
             self._descend(pick, space, materials)
+
+    def try_other_lengths(self) -> None:
+        """Descents from other lengths, where those are free and the places to reach stay where they are, each with its
+        own binding poses, by the best combination and those that came near it."""
+        if self.best is None:
+            return
+        pick, space, _, _, exchanged, _ = self.best
+        near = [each for each in self._by_objective()[:_AT_OTHER_LENGTHS] if each != pick]
+        starts = other_lengths(self.context, space, exchanged.x, pick.materials)
+        for number, start in enumerate(starts):
+            if self.progress is not None:
+                self.progress(number, len(starts), "other lengths")
+            best, pool, noted = self.best, self.pool, dict(self.candidates)
+            try:
+                self.pool = first_pool(self.context, space, start, pick.materials)
+            except Unreachable:
+                continue
+            lengths = space.sections_and_lengths([float(value) for value in start])[1]
+            for each in (pick, *near):
+                own = start
+                if each.shapes != pick.shapes:
+                    other = self._exchange(each.shapes).space
+                    own = starting_points(other, material_row(each.materials, self.context.problem), 1)[0]
+                    own = with_lengths(other, own, lengths)
+                self._finish_near_lengths(each, own)
+            if self.best is best or self._unreached(self.best) > self._unreached(best):
+                self.best, self.pool, self.candidates = best, pool, noted
+
+    def _finish_near_lengths(self, pick: Combination, start: Array) -> None:
+        """Sizes for the lengths of a start first, then lengths not far from those, then any: a descent from sizes that
+        belong to other lengths leads back to these."""
+        assert self.pool is not None
+        exchange, materials = self._exchange(pick.shapes), material_row(pick.materials, self.context.problem)
+        program = exchange.program(self.pool)
+        lengths = np.array([variable.name == LENGTH for variable in exchange.space.variables])
+        near = (start, np.where(lengths, _HELD, np.inf))
+        held = solved(program, start, materials, self.pool, limits=self.context.problem.limits, within=near)
+        if not held.solved:
+            return
+        hopeful = _HOPEFUL * self.objective
+        if objective_of(self.context, program, held.x, materials, held.error) < hopeful:
+            done = self.finish(pick, held.x, within=np.where(lengths, _NEAR, np.inf), above=hopeful)
+            self.finish(pick, held.x if done is None else done.x)
+
+    def _by_objective(self) -> list[Combination]:
+        """The combinations that have an objective or a bound, best first."""
+        values = {pick: each.objective for pick, each in self.candidates.items() if each.objective is not None}
+        return sorted(values, key=lambda pick: values[pick])
+
+    def _unreached(self, best: Best) -> float:
+        """The share of a box or a path that a design does not reach."""
+        pick, space, _, _, exchanged, _ = best
+        p = numeric_beams(arm_of(space, exchanged.x, pick.materials), self.context.problem.load_cases)
+        search = self.context.search
+        missed = unreached(search.workspace, lambda q: search.tip(q, p), search.lower, search.upper)
+        return 0.0 if missed is None else missed.share
 
     def one_signed(self, *, everywhere: bool = False) -> bool:
         """Whether no terms of the error cancel at the poses that hold the best design, so that it has no pits; or
@@ -362,7 +430,7 @@ class Chooser:
         return solved
 
     def finish(
-        self, pick: Combination, start: Array, *, within: float | None = None, above: float | None = None
+        self, pick: Combination, start: Array, *, within: float | Array | None = None, above: float | None = None
     ) -> Exchanged | None:
         """The exchange of a combination from a start, unless it is given up: where it cannot beat the best so far, or
         an objective `above` that. The best design so far is kept; returns how the exchange ended, where it did."""
@@ -388,7 +456,13 @@ class Chooser:
         return done
 
     def _ended(
-        self, pick: Combination, exchange: Exchange, materials: Array, start: Array, within: float | None, known: float
+        self,
+        pick: Combination,
+        exchange: Exchange,
+        materials: Array,
+        start: Array,
+        within: float | Array | None,
+        known: float,
     ) -> Ended:
         """How an exchange ends that is given up above what is known; as it ended before where that is kept."""
         assert self.pool is not None

@@ -130,6 +130,7 @@ def chosen(
             among = among_many(chooser)
             gap = among.gap
         chooser.polish()
+        chooser.try_other_lengths()
         own = given_design(problem)
         if own is not None:
             chooser.no_worse_than(own.combination, own.x)

@@ -47,6 +47,8 @@ MATERIAL_FIELDS = (
     "wall_modulus",
 )
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
+LENGTH = "length"
+"""The variable that is the length of a link."""
 TAPER = "taper"
 """The variable that is the size of a link's far end over that at its joint."""
 _UNIFORM = 1e-6
@@ -85,7 +87,7 @@ class DesignSpace:
     @property
     def free_lengths(self) -> bool:
         """Whether lengths are among the variables."""
-        return any(variable.name == "length" for variable in self.variables)
+        return any(variable.name == LENGTH for variable in self.variables)
 
     def values(self, x: Any) -> list[Any]:
         """The design quantities (SI) of all variables."""
@@ -125,7 +127,7 @@ class DesignSpace:
                 continue
             first = self.shapes.index(shape) if "size" in self.problem.same else link
             sizes = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == first}
-            found.append(([sizes[variable.name] for variable in SHAPES[shape].variables], own.get("length", length)))
+            found.append(([sizes[variable.name] for variable in SHAPES[shape].variables], own.get(LENGTH, length)))
         return found
 
     def log_tapers(self, x: Any) -> list[Any]:
@@ -217,7 +219,7 @@ def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpac
             variables.append(Variable(link, TAPER, True, 1.0, *problem.taper))
         if problem.link_length is not None:
             low, high = problem.link_length
-            variables.append(Variable(link, "length", True, 1.0, low, high))
+            variables.append(Variable(link, LENGTH, True, 1.0, low, high))
     for each in problem.balances:
         scale = max(abs(each.lower), abs(each.upper))
         variables.append(Variable(each.place, each.field, False, scale, each.lower, each.upper))
@@ -425,7 +427,7 @@ def _given_balance(space: DesignSpace) -> list[float]:
 
 def _own_values(space: DesignSpace, link: int, section: Section, length: float, taper: float = 1.0) -> list[float]:
     named = dict(zip((v.name for v in section.variables), section.variable_values(), strict=True))
-    named["length"] = length
+    named[LENGTH] = length
     named[TAPER] = taper
     return [
         variable.to_x(min(max(float(named[variable.name]), variable.lower), variable.upper))

@@ -1,0 +1,142 @@
+"""Other lengths of the links to start from, where a box or a path stays where it is while lengths are free.
+
+Of a long and a short link either may be the first, and all lengths between that reach the same places may be worse than
+both: a descent from one arm never comes to the other. Lengths spread over what is allowed are looked at with the
+sections of a design that is known; descents go from the best of them that are no neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import islice, permutations
+
+import numpy as np
+
+from arm.errors.model import beams_of
+from arm.worst.workspace import Unreachable, spread
+from materials.material import Material
+from optimize.problem import Problem
+from sections.numeric import Array
+
+from .design import LENGTH, DesignSpace, arm_of, numeric_beams
+from .exchange import Context
+from .program import anchored
+
+_LOOKED_AT = 24
+"""Lengths spread over those allowed, beside the design's own in other orders."""
+_ORDERS = 5
+_POSES = 256
+_APART = 0.15
+"""Lengths of which no logarithm differs by more are neighbours."""
+_HOPEFUL = 2.0
+"""Lengths with which the sections known do worse than this many times the design are no start."""
+_ROUNDS = 50
+_SUM = 1e-9
+
+
+def other_lengths(
+    context: Context, space: DesignSpace, x: Array, chosen: Sequence[Material | None], most: int = 4
+) -> list[Array]:
+    """Designs like `x` with other lengths, the most promising first, at most so many; none where the places to reach
+    move with the lengths."""
+    if not anchored(space) or context.scenarios is not None or not context.uses_error:
+        return []
+    at = np.flatnonzero([variable.name == LENGTH for variable in space.variables])
+    own = np.exp(x[at])
+    orders = [own[list(order)] for order in islice(permutations(reversed(range(len(at)))), _ORDERS)]
+    known = _score(context, space, x, chosen)
+    found: list[tuple[float, Array]] = []
+    for lengths in (*orders, *spread_lengths(space.problem, _LOOKED_AT)):
+        if not allowed(space.problem, lengths) or _near(lengths, own):
+            continue
+        trial = x.copy()
+        trial[at] = np.log(lengths)
+        score = _score(context, space, trial, chosen)
+        if score < _HOPEFUL * known:
+            found.append((score, trial))
+    starts: list[Array] = []
+    for _, trial in sorted(found, key=lambda each: each[0]):
+        if len(starts) < most and not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts):
+            starts.append(trial)
+    return starts
+
+
+def with_lengths(space: DesignSpace, x: Array, lengths: Sequence[float]) -> Array:
+    """The optimiser's numbers `x` with the lengths (m) of those links whose lengths are free."""
+    found = x.copy()
+    for number, variable in enumerate(space.variables):
+        if variable.name == LENGTH:
+            found[number] = variable.to_x(lengths[variable.link])
+    return found
+
+
+def _near(one: Array, other: Array) -> bool:
+    return float(np.abs(np.log(one / other)).max(initial=0.0)) < _APART
+
+
+def _score(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Material | None]) -> float:
+    """About the error (m) times the mass (kg): what sections as heavy as another design's would have of it, as loads
+    bend solid sections."""
+    arm = arm_of(space, x, chosen)
+    p = numeric_beams(arm, context.problem.load_cases)
+    search = context.search
+    try:
+        q = search.poses(p, _POSES)
+    except Unreachable:
+        return np.inf
+    error = max(float(search.errors(q, p, case).error.max()) for case in range(len(context.model.cases)))
+    beams = beams_of(arm, context.problem.load_cases)
+    return error * max(sum(float(beam.mass_per_length * beam.length) for beam in beams), 1e-9)
+
+
+def free_links(problem: Problem) -> list[int]:
+    """The links (from 0) whose lengths are free."""
+    return [k for k, link in enumerate(problem.arm.links) if link.elastic] if problem.link_length is not None else []
+
+
+def sums_allowed(problem: Problem) -> tuple[float, float]:
+    """The least and the greatest sum (m) of the free lengths that `reach` and `link_length` allow."""
+    assert problem.link_length is not None
+    free = free_links(problem)
+    rest = sum(link.length for link in problem.arm.links) - sum(problem.arm.links[k].length for k in free)
+    low, high = (len(free) * each for each in problem.link_length)
+    for limit in problem.limit("reach"):
+        low = max(low, limit.value - rest) if limit.relation in (">=", "==") else low
+        high = min(high, limit.value - rest) if limit.relation in ("<=", "==") else high
+    return low, high
+
+
+def allowed(problem: Problem, lengths: Array) -> bool:
+    """Whether free lengths (m) keep their bounds and those of the reach."""
+    assert problem.link_length is not None
+    least, most = sums_allowed(problem)
+    low, high = problem.link_length
+    inside = bool(np.all(lengths >= low * (1.0 - _SUM)) and np.all(lengths <= high * (1.0 + _SUM)))
+    return inside and least * (1.0 - _SUM) <= float(lengths.sum()) <= most * (1.0 + _SUM)
+
+
+def spread_lengths(problem: Problem, count: int) -> list[Array]:
+    """About `count` choices of the free lengths (m), spread over what bounds and reach allow; none where these leave
+    nothing."""
+    assert problem.link_length is not None
+    size = len(free_links(problem))
+    least, most = sums_allowed(problem)
+    if size == 0 or least > most * (1.0 + _SUM):
+        return []
+    low, high = np.full(size, problem.link_length[0]), np.full(size, problem.link_length[1])
+    found = [moved(row, low, high, (least, most)) for row in spread(low, high, count)[:count]]
+    return [each for each in found if allowed(problem, each)]
+
+
+def moved(lengths: Array, low: Array, high: Array, sums: tuple[float, float]) -> Array:
+    """The lengths (m) with their sum brought between two others, all by the same as far as their bounds allow."""
+    out = np.clip(lengths, low, high)
+    for _ in range(_ROUNDS):
+        missing = min(max(float(out.sum()), sums[0]), sums[1]) - float(out.sum())
+        if abs(missing) <= 1e-12:
+            break
+        movable = (out < high) if missing > 0.0 else (out > low)
+        if not movable.any():
+            break
+        out = np.clip(out + movable * missing / movable.sum(), low, high)
+    return out

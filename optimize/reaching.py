@@ -1,0 +1,183 @@
+"""Lengths to start from, where those of the arm as given do not reach the box or path asked for and are free.
+
+Lengths spread over what `link_length` and `reach` allow are tried at places of the region, then closer and closer
+around those that come nearest. Of lengths that reach it those are taken that the arm as given comes to first on the way
+to them, and a little more, so that the design does not start where the arm is stretched.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.chain.kinematics import place, tip_position
+from arm.worst.workspace import Unreachable, joint_box, path_points, pull, sample, spread
+from sections.numeric import Array
+from units.quantities import NoAnswer
+
+from .exchange.other_lengths import allowed, free_links, moved, spread_lengths, sums_allowed
+from .problem import Problem
+
+_TRIED, _CLOSER, _ROUNDS = 48, 24, 8
+_PLACES = 60
+_ACROSS = 5
+"""Places along each side of a box."""
+_POSES = 8
+"""Poses from which a place is tried."""
+_REACHED = 1e-7
+_FIRST = 3
+"""So many of the lengths that reach all are gone towards."""
+_HALVINGS = 10
+_FURTHER = 0.1
+"""How much of the rest of the way is gone beyond the first lengths that reach all."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """A problem whose arm has lengths that reach its box or path, and why it is not the arm as given."""
+
+    problem: Problem
+    why: str
+
+
+def start_that_reaches(problem: Problem) -> Start | None:
+    """The problem with other lengths to start from, where these are free and the arm as given does not reach what is
+    asked; None where it does.
+
+    Raises `NoAnswer` where no lengths were found that do.
+    """
+    if problem.link_length is None or problem.workspace.kind == "joints" or not free_links(problem):
+        return None
+    missing = _missed(problem, problem.arm)
+    if missing is None:
+        return None
+    finder = _Finder(problem)
+    lengths = finder.found()
+    if lengths is None:
+        raise NoAnswer(f"workspace: {missing}; {finder.in_vain()}")
+    arm = _with(problem, lengths)
+    words = " and ".join(f"{1e3 * length:.4g}" for length in arm.lengths)
+    why = f"the arm as given does not reach it all ({missing}): the search began with links of {words} mm"
+    return Start(replace(problem, arm=arm), f'{why}, and "before" is that arm')
+
+
+def _missed(problem: Problem, arm: Arm) -> Unreachable | None:
+    lower, upper = joint_box(arm, problem.workspace)
+    try:
+        sample(problem.workspace, lambda q: tip_position(arm, q), lower, upper, 64 * 2 ** min(arm.size, 6))
+    except Unreachable as error:
+        return error
+    return None
+
+
+def _with(problem: Problem, lengths: Array) -> Arm:
+    links = list(problem.arm.links)
+    for index, length in zip(free_links(problem), lengths, strict=True):
+        links[index] = replace(links[index], length=float(length))
+    return problem.arm.with_links(tuple(links))
+
+
+class _Finder:
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.free = free_links(problem)
+        assert problem.link_length is not None
+        self.low, self.high = (np.full(len(self.free), each) for each in problem.link_length)
+        self.sums = sums_allowed(problem)
+        self.places = _places(problem)
+        self.box = problem.workspace.kind == "box"
+        lower, upper = joint_box(problem.arm, problem.workspace)
+        self.lower, self.upper = lower, upper
+        self.starts = spread(lower, upper, _POSES)[:_POSES]
+        self.best: tuple[float, Array, Array] = (math.inf, np.zeros(0), np.zeros(0))
+
+    def found(self) -> Array | None:
+        """Lengths that reach every place (of a box, where none do, as many as any that were tried), or None."""
+        own = moved(np.array([self.problem.arm.lengths[k] for k in self.free]), self.low, self.high, self.sums)
+        tried = [own, *spread_lengths(self.problem, _TRIED)]
+        rows = np.array([each for each in tried if allowed(self.problem, each)])
+        if not len(rows):
+            return None
+        misses = self._misses(rows)
+        width = 0.25 * (self.high - self.low)
+        generator = np.random.default_rng(3)
+        for _ in range(_ROUNDS):
+            if misses.max(axis=1).min() <= _REACHED:
+                break
+            center = rows[int(misses.max(axis=1).argmin())]
+            shifts = generator.uniform(-1.0, 1.0, (_CLOSER, len(center))) * width
+            closer = [moved(center + shift, self.low, self.high, self.sums) for shift in shifts]
+            more = np.array([each for each in closer if allowed(self.problem, each)]).reshape(-1, len(center))
+            if len(more):
+                rows, misses = np.vstack([rows, more]), np.vstack([misses, self._misses(more)])
+            width = 0.5 * width
+        order = np.argsort(misses.max(axis=1))
+        self.best = (float(misses[order[0]].max()), rows[order[0]], misses[order[0]])
+        whole = np.flatnonzero(misses.max(axis=1) <= _REACHED)
+        if len(whole):
+            near = sorted(whole, key=lambda k: float(np.abs(rows[k] - own).max()))[:_FIRST]
+            return min((self._first(own, rows[k]) for k in near), key=lambda each: float(np.abs(each - own).max()))
+        reached = (misses <= _REACHED).sum(axis=1)
+        return rows[int(reached.argmax())] if self.box and reached.max() > 0 else None
+
+    def _first(self, own: Array, other: Array) -> Array:
+        """Where on the way from lengths to others that reach all the places these are first reached, and a bit on."""
+        low, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            reaches = self._misses((own + middle * (other - own))[None]).max() <= _REACHED
+            low, high = (low, middle) if reaches else (middle, high)
+        for share in (high + _FURTHER * (1.0 - high), high, 1.0):
+            lengths = own + share * (other - own)
+            if _missed(self.problem, _with(self.problem, lengths)) is None:
+                return lengths
+        return other
+
+    def _misses(self, rows: Array) -> Array:
+        """How far (m) the tip stays from each place with each choice of lengths: (choices, places)."""
+        count, places = len(rows), len(self.places)
+        every = np.tile(np.array(self.problem.arm.lengths), (count, 1))
+        every[:, self.free] = rows
+        lengths = np.repeat(every, places * _POSES, axis=0)
+        targets = np.tile(np.repeat(self.places, _POSES, axis=0), (count, 1))
+        starts = np.tile(self.starts, (count * places, 1))
+
+        def tip(q: Array) -> Array:
+            at = place(self.problem.arm, list(q.T), list(lengths.T)).tip()
+            return np.stack([np.broadcast_to(each, len(q)) for each in at], axis=1)
+
+        used = np.array([1.0, 1.0, 0.0 if self.problem.workspace.in_plane else 1.0])
+        _, miss = pull(tip, starts, targets, self.lower, self.upper, used)
+        return miss.reshape(count, places, _POSES).min(axis=2)
+
+    def in_vain(self) -> str:
+        """What is said where no lengths were found."""
+        low, high = (f"{1e3 * each:.4g}" for each in (self.low[0], self.high[0]))
+        sums = [f", {limit.text}" for limit in self.problem.limit("reach")]
+        kept = f"link_length {low} to {high} mm{''.join(sums)}"
+        if not len(self.best[1]):
+            return f"no lengths keep {kept}"
+        missing, lengths, misses = self.best
+        words = " and ".join(f"{1e3 * each:.4g}" for each in _with(self.problem, lengths).lengths)
+        axes = 2 if self.problem.workspace.in_plane else 3
+        point = ", ".join(f"{1e3 * each:.4g}" for each in self.places[int(misses.argmax())][:axes])
+        return (
+            f"no lengths were found within {kept} that reach all of it: the best, {words} mm, "
+            f"stay {1e3 * missing:.4g} mm short of ({point}) mm"
+        )
+
+
+def _places(problem: Problem) -> Array:
+    """Places (N, 3) of the region: along a path those that are looked at, in a box a grid with its corners."""
+    if problem.workspace.kind == "path":
+        points = path_points(problem.workspace)
+        if len(points) <= _PLACES:
+            return points
+        vertices = np.array(problem.workspace.points)
+        return np.unique(np.vstack([vertices, points[:: math.ceil(len(points) / _PLACES)]]), axis=0)
+    low, high = np.min(problem.workspace.points, axis=0), np.max(problem.workspace.points, axis=0)
+    sides = [np.linspace(a, b, _ACROSS) if b > a else np.array([a]) for a, b in zip(low, high, strict=True)]
+    return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
