@@ -14,20 +14,14 @@ import numpy as np
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import place, tip_position
-from arm.worst.workspace import Unreachable, joint_box, path_points, pull, sample, spread
+from arm.worst.workspace import Unreachable, joint_box, pull, sample, spread
 from sections.numeric import Array
 from units.quantities import NoAnswer
 
-from .exchange.other_lengths import allowed, free_links, moved, spread_lengths, sums_allowed
+from .exchange.other_lengths import REACHED, TRIES, allowed, few_places, free_links, moved, spread_lengths, sums_allowed
 from .problem import Problem
 
 _TRIED, _CLOSER, _ROUNDS = 48, 24, 8
-_PLACES = 60
-_ACROSS = 5
-"""Places along each side of a box."""
-_POSES = 8
-"""Poses from which a place is tried."""
-_REACHED = 1e-7
 _FIRST = 3
 """So many of the lengths that reach all are gone towards."""
 _HALVINGS = 10
@@ -87,11 +81,11 @@ class _Finder:
         assert problem.link_length is not None
         self.low, self.high = (np.full(len(self.free), each) for each in problem.link_length)
         self.sums = sums_allowed(problem)
-        self.places = _places(problem)
+        self.places = few_places(problem)
         self.box = problem.workspace.kind == "box"
         lower, upper = joint_box(problem.arm, problem.workspace)
         self.lower, self.upper = lower, upper
-        self.starts = spread(lower, upper, _POSES)[:_POSES]
+        self.starts = spread(lower, upper, TRIES)[:TRIES]
         self.best: tuple[float, Array, Array] = (math.inf, np.zeros(0), np.zeros(0))
 
     def found(self) -> Array | None:
@@ -105,7 +99,7 @@ class _Finder:
         width = 0.25 * (self.high - self.low)
         generator = np.random.default_rng(3)
         for _ in range(_ROUNDS):
-            if misses.max(axis=1).min() <= _REACHED:
+            if misses.max(axis=1).min() <= REACHED:
                 break
             center = rows[int(misses.max(axis=1).argmin())]
             shifts = generator.uniform(-1.0, 1.0, (_CLOSER, len(center))) * width
@@ -116,11 +110,11 @@ class _Finder:
             width = 0.5 * width
         order = np.argsort(misses.max(axis=1))
         self.best = (float(misses[order[0]].max()), rows[order[0]], misses[order[0]])
-        whole = np.flatnonzero(misses.max(axis=1) <= _REACHED)
+        whole = np.flatnonzero(misses.max(axis=1) <= REACHED)
         if len(whole):
             near = sorted(whole, key=lambda k: float(np.abs(rows[k] - own).max()))[:_FIRST]
             return min((self._first(own, rows[k]) for k in near), key=lambda each: float(np.abs(each - own).max()))
-        reached = (misses <= _REACHED).sum(axis=1)
+        reached = (misses <= REACHED).sum(axis=1)
         return rows[int(reached.argmax())] if self.box and reached.max() > 0 else None
 
     def _first(self, own: Array, other: Array) -> Array:
@@ -128,7 +122,7 @@ class _Finder:
         low, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            reaches = self._misses((own + middle * (other - own))[None]).max() <= _REACHED
+            reaches = self._misses((own + middle * (other - own))[None]).max() <= REACHED
             low, high = (low, middle) if reaches else (middle, high)
         for share in (high + _FURTHER * (1.0 - high), high, 1.0):
             lengths = own + share * (other - own)
@@ -141,8 +135,8 @@ class _Finder:
         count, places = len(rows), len(self.places)
         every = np.tile(np.array(self.problem.arm.lengths), (count, 1))
         every[:, self.free] = rows
-        lengths = np.repeat(every, places * _POSES, axis=0)
-        targets = np.tile(np.repeat(self.places, _POSES, axis=0), (count, 1))
+        lengths = np.repeat(every, places * TRIES, axis=0)
+        targets = np.tile(np.repeat(self.places, TRIES, axis=0), (count, 1))
         starts = np.tile(self.starts, (count * places, 1))
 
         def tip(q: Array) -> Array:
@@ -151,7 +145,7 @@ class _Finder:
 
         used = np.array([1.0, 1.0, 0.0 if self.problem.workspace.in_plane else 1.0])
         _, miss = pull(tip, starts, targets, self.lower, self.upper, used)
-        return miss.reshape(count, places, _POSES).min(axis=2)
+        return miss.reshape(count, places, TRIES).min(axis=2)
 
     def in_vain(self) -> str:
         """What is said where no lengths were found."""
@@ -168,16 +162,3 @@ class _Finder:
             f"no lengths were found within {kept} that reach all of it: the best, {words} mm, "
             f"stay {1e3 * missing:.4g} mm short of ({point}) mm"
         )
-
-
-def _places(problem: Problem) -> Array:
-    """Places (N, 3) of the region: along a path those that are looked at, in a box a grid with its corners."""
-    if problem.workspace.kind == "path":
-        points = path_points(problem.workspace)
-        if len(points) <= _PLACES:
-            return points
-        vertices = np.array(problem.workspace.points)
-        return np.unique(np.vstack([vertices, points[:: math.ceil(len(points) / _PLACES)]]), axis=0)
-    low, high = np.min(problem.workspace.points, axis=0), np.max(problem.workspace.points, axis=0)
-    sides = [np.linspace(a, b, _ACROSS) if b > a else np.array([a]) for a, b in zip(low, high, strict=True)]
-    return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)

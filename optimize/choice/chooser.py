@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.worst.coverage import unreached
 from arm.worst.workspace import Unreachable
 from executors import Executor
 from optimize.exchange.binding_poses import Pool, Room
@@ -29,7 +28,7 @@ from optimize.exchange.design import (
     starting_points,
 )
 from optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
-from optimize.exchange.other_lengths import other_lengths, with_lengths
+from optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
 from optimize.exchange.program import Program, Solution, carried_mass
 from optimize.exchange.rescue import solved
 from optimize.exchange.signs import one_signed
@@ -226,8 +225,13 @@ class Chooser:
                     own = starting_points(other, material_row(each.materials, self.context.problem), 1)[0]
                     own = with_lengths(other, own, lengths)
                 self._finish_near_lengths(each, own)
-            if self.best is best or self._unreached(self.best) > self._unreached(best):
+            if self.best is best or self._reaches_less(self.best, best):
                 self.best, self.pool, self.candidates = best, pool, noted
+
+    def _reaches_less(self, one: Best, other: Best) -> bool:
+        """Whether a design reaches less of a box or a path than another one does."""
+        shares = [share_unreached(self.context, each[1], each[4].x, each[0].materials) for each in (one, other)]
+        return shares[0] > shares[1]
 
     def _finish_near_lengths(self, pick: Combination, start: Array) -> None:
         """Sizes for the lengths of a start first, then lengths not far from those, then any: a descent from sizes that
@@ -249,14 +253,6 @@ class Chooser:
         """The combinations that have an objective or a bound, best first."""
         values = {pick: each.objective for pick, each in self.candidates.items() if each.objective is not None}
         return sorted(values, key=lambda pick: values[pick])
-
-    def _unreached(self, best: Best) -> float:
-        """The share of a box or a path that a design does not reach."""
-        pick, space, _, _, exchanged, _ = best
-        p = numeric_beams(arm_of(space, exchanged.x, pick.materials), self.context.problem.load_cases)
-        search = self.context.search
-        missed = unreached(search.workspace, lambda q: search.tip(q, p), search.lower, search.upper)
-        return 0.0 if missed is None else missed.share
 
     def one_signed(self, *, everywhere: bool = False) -> bool:
         """Whether no terms of the error cancel at the poses that hold the best design, so that it has no pits; or

@@ -7,13 +7,15 @@ sections of a design that is known; descents go from the best of them that are n
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import islice, permutations
 
 import numpy as np
 
 from arm.errors.model import beams_of
-from arm.worst.workspace import Unreachable, spread
+from arm.worst.coverage import unreached
+from arm.worst.workspace import Unreachable, path_points, pull, spread
 from materials.material import Material
 from optimize.problem import Problem
 from sections.numeric import Array
@@ -32,6 +34,11 @@ _HOPEFUL = 2.0
 """Lengths with which the sections known do worse than this many times the design are no start."""
 _ROUNDS = 50
 _SUM = 1e-9
+_PLACES = 60
+_ACROSS = 5
+"""Places along each side of a box."""
+TRIES, REACHED = 8, 1e-7
+"""Poses from which a place is tried, and how near (m) the tip must come."""
 
 
 def other_lengths(
@@ -44,7 +51,7 @@ def other_lengths(
     at = np.flatnonzero([variable.name == LENGTH for variable in space.variables])
     own = np.exp(x[at])
     orders = [own[list(order)] for order in islice(permutations(reversed(range(len(at)))), _ORDERS)]
-    known = _score(context, space, x, chosen)
+    known, reached = _score(context, space, x, chosen), _reached(context, space, x, chosen)
     found: list[tuple[float, Array]] = []
     for lengths in (*orders, *spread_lengths(space.problem, _LOOKED_AT)):
         if not allowed(space.problem, lengths) or _near(lengths, own):
@@ -52,13 +59,51 @@ def other_lengths(
         trial = x.copy()
         trial[at] = np.log(lengths)
         score = _score(context, space, trial, chosen)
-        if score < _HOPEFUL * known:
+        if score < _HOPEFUL * known and _reached(context, space, trial, chosen) >= reached:
             found.append((score, trial))
     starts: list[Array] = []
     for _, trial in sorted(found, key=lambda each: each[0]):
-        if len(starts) < most and not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts):
+        if len(starts) == most:
+            break
+        if not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts):
             starts.append(trial)
     return starts
+
+
+def share_unreached(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Material | None]) -> float:
+    """The share of a box or a path that a design does not reach."""
+    p = numeric_beams(arm_of(space, x, chosen), context.problem.load_cases)
+    search = context.search
+    missed = unreached(search.workspace, lambda q: search.tip(q, p), search.lower, search.upper)
+    return 0.0 if missed is None else missed.share
+
+
+def _reached(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Material | None]) -> int:
+    """How many of a few places in a box a design reaches; all points looked at of a path are reached anyway."""
+    if context.problem.workspace.kind != "box":
+        return 0
+    search, places = context.search, few_places(context.problem)
+    p = numeric_beams(arm_of(space, x, chosen), context.problem.load_cases)
+    starts = spread(search.lower, search.upper, TRIES)[:TRIES]
+    targets, used = (
+        np.repeat(places, TRIES, axis=0),
+        np.array([1.0, 1.0, float(not context.problem.workspace.in_plane)]),
+    )
+    start = np.tile(starts, (len(places), 1))
+    _, miss = pull(lambda q: search.tip(q, p), start, targets, search.lower, search.upper, used)
+    return int((miss.reshape(len(places), -1).min(axis=1) <= REACHED).sum())
+
+
+def few_places(problem: Problem) -> Array:
+    """Places (N, 3) of the region, m: along a path those that are looked at, in a box a grid with its corners."""
+    points = np.array(problem.workspace.points)
+    if problem.workspace.kind == "path":
+        every = path_points(problem.workspace)
+        few = every if len(every) <= _PLACES else every[:: math.ceil(len(every) / _PLACES)]
+        return np.unique(np.vstack([points, few]), axis=0)
+    low, high = points.min(axis=0), points.max(axis=0)
+    sides = [np.linspace(a, b, _ACROSS) if b > a else np.array([a]) for a, b in zip(low, high, strict=True)]
+    return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def with_lengths(space: DesignSpace, x: Array, lengths: Sequence[float]) -> Array:
