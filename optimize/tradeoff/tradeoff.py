@@ -22,7 +22,6 @@ from optimize.choice.picks import options
 from optimize.exchange.design import material_row
 from optimize.infeasible.answer import Infeasibility, Infeasible
 from optimize.infeasible.needed import explained
-from optimize.reaching import start_that_reaches
 from units.quantities import NoAnswer
 
 from .crew import Crew
@@ -58,9 +57,6 @@ def trade_off(
     `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the question needs.
     """
     began = time.perf_counter()
-    start = start_that_reaches(asked.problem)
-    if start is not None:
-        asked = replace(asked, problem=start.problem)
     book = journal or Journal(None, "")
     known = book.size
     for materials in options(asked.problem)[1]:
@@ -81,7 +77,8 @@ def trade_off(
                     blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
                     without[-1] = name, blocked[-1].text
         except Unreachable as error:
-            without.append((name, f"workspace: {error}"))
+            hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
+            without.append((name, f"workspace: {error}{hint}"))
         except NoAnswer as error:
             without.append((name, str(error)))
         except KeyboardInterrupt:
