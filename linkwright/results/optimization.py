@@ -304,10 +304,13 @@ def iteration_line(iteration: Iteration, minimize: str) -> str:
 
 def status_words(result: OptimizationResult) -> str:
     """How sure the answer is."""
+    # Few sections may have any lengths: what was not compared need not be many combinations.
+    bounded = result.listed and result.gap is not None
+    why = "bounded, not compared one by one" if bounded else "too many combinations to try every one"
     return {
         "certified": "certified: no pose of the workspace is worse, within the gap",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
-        "searched": f"searched: too many combinations to try every one; {_others(result)}",
+        "searched": f"searched: {why}; {_others(result)}",
         "stopped": "stopped at the limit of iterations: a better design may exist",
         "interrupted": f"interrupted: the best design so far, {_rests_on(result)}; a better one may exist",
         "doubtful": f"doubtful: {'; '.join(result.doubts)}",
