@@ -77,7 +77,8 @@ class Conclusion(Confirmed):
         unknown = None
         if self.outside or self.left_over:
             folds = hardest(splits(self.search.observed, self.options.seed))
-            unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m)
+            there = self.observed.recording
+            unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m, there)
         findings = self._findings()
         apart = differences(self.prepared, self.refit, self.outside, self.p_values)
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)

@@ -13,6 +13,7 @@ from diagnose.fitting.held_out import residual_held_out
 from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.forms import SENTENCES
 from diagnose.patterns.library import Candidate
+from diagnose.recording import Recording
 from diagnose.residual.observed import looks_quieter, rms_length
 from diagnose.result import Dependence, Form, RejectedForm, Unknown
 from diagnose.rules.answer_rules import AnswerRules
@@ -58,10 +59,13 @@ def describe(
     dependences: Sequence[Dependence],
     folds: Folds,
     noise_floor: float | None = None,
+    at: Recording | None = None,
 ) -> Unknown:
     """Describe what is left beside the `known` groups, led by the `outside` forms that won.
 
-    `noise_floor` (m) is what no form can tell, the RMS length of the noise; None where nobody knows it.
+    The smooth model of it is given at the readings `at`: by default at those that were searched, which of a long
+    recording are not all. `noise_floor` (m) is what no form can tell, the RMS length of the noise; None where nobody
+    knows it.
     """
     prepared, observed = namer.prepared, namer.prepared.observed
     rules = observed.rules.answer
@@ -77,7 +81,7 @@ def describe(
     enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in own), default=0.0)
     won = next((each for each in own if each.effect in telling and telling[each.effect] >= enough), None)
     on = _depends(namer, outside, dependences, rules)
-    predicted, share = _smooth(namer, known, folds)
+    predicted, share = _smooth(namer, known, folds, at)
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
@@ -131,8 +135,8 @@ def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:
     return max([_smooth(namer, known, folds)[1], *forms])
 
 
-def _smooth(namer: Namer, known: Sequence[int], folds: Folds) -> tuple[Array, float]:
-    """A smooth model of what is left beside the `known` groups, at the readings (N, D), m, and the share of the sum of
+def _smooth(namer: Namer, known: Sequence[int], folds: Folds, at: Recording | None = None) -> tuple[Array, float]:
+    """A smooth model of what is left beside the `known` groups, at readings (N, D), m, and the share of the sum of
     squares that it, with the scales of the whole, predicts on folds that it has not seen."""
     prepared, width, rules = namer.prepared, namer.prepared.observed.components, namer.prepared.observed.rules.answer
     left = remaining(prepared, fit(prepared, list(known)))[:, :width]
@@ -148,7 +152,7 @@ def _smooth(namer: Namer, known: Sequence[int], folds: Folds) -> tuple[Array, fl
         model = smooth_model(inputs[~out], left[~out], others, alike=whole, rules=rules)
         missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
         total += float(np.sum(left[out] ** 2))
-    return whole.predict(inputs), 1.0 - missed / total if total > 0.0 else 0.0
+    return whole.predict(inputs if at is None else _inputs(namer, at)), 1.0 - missed / total if total > 0.0 else 0.0
 
 
 def largest_first(prepared: Prepared, fitted: Fit, forms: Sequence[int]) -> list[int]:
@@ -253,10 +257,20 @@ def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) ->
     return tuple(found)
 
 
-def _inputs(namer: Namer) -> Array:
-    recording = namer.prepared.observed.recording
-    further = (recording.time, recording.temperature, recording.payload_mass)
-    columns = [values[:, None] for values in further if values is not None and np.ptp(values) > 0.0]
+def _inputs(namer: Namer, at: Recording | None = None) -> Array:
+    """What a smooth model goes by at the readings `at`, by default those searched: coordinates, and what varied of
+    time, temperature and payload in what was searched."""
+    searched = namer.prepared.observed.recording
+    recording = searched if at is None else at
+
+    def further(of: Recording) -> tuple[Array | None, ...]:
+        return of.time, of.temperature, of.payload_mass
+
+    columns = [
+        values[:, None]
+        for own, values in zip(further(searched), further(recording), strict=True)
+        if own is not None and values is not None and np.ptp(own) > 0.0
+    ]
     return np.concatenate([recording.q, *columns], axis=1)
 
 

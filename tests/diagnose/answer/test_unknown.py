@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
+from diagnose.options import Options
+from diagnose.rules.rules import RULES
+from linkwright.output.diagnosis_folder import compensation_csv
 from tests.diagnose.core_cases import SIGMA, pushed, recorded
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -31,6 +34,17 @@ def test_a_step_in_time(space):
     assert found.where.since == found.unknown.since
     assert found.unknown.amplitude == pytest.approx(5.0 * SIGMA * np.sqrt((len(shift) - start) / len(shift)), rel=0.35)
     assert found.rms_after < 1.15 * found.noise_floor
+
+
+def test_a_long_recording_is_described_at_all_of_its_readings():
+    """Of a long recording some visits are searched; what a controller takes off is told at every reading."""
+    arm, recording = null()
+    field = 8.0 * SIGMA * np.sin(2.0 * recording.q[:, :1]) * np.cos(3.0 * recording.q[:, 1:2]) * np.array([[1.0, 0.4]])
+    rules = replace(RULES, search=replace(RULES.search, longest=int(0.6 * recording.tip.size)))
+    found = diagnose(arm, replace(recording, tip=recording.tip + field), Options(rules=rules))
+    assert found.verdict == "unknown"
+    assert len(found.unknown.predicted) == len(found.residual_after)
+    assert compensation_csv(found).count("\n") == len(found.residual_after) + 1
 
 
 def test_a_joint_that_slips():
