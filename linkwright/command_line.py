@@ -16,6 +16,7 @@ from linkwright.output.stream import (
     OutputClosed,
     drop_errors,
     drop_output,
+    forget_odd_measures,
     open_closed_streams,
     printable,
     results_alone,
@@ -109,6 +110,7 @@ def command_line(asked: str = "") -> typer.Typer:
 def outcome(arguments: Sequence[str] | None = None) -> int:
     """Run the command line with these arguments (the process's own by default) and return the exit status."""
     open_closed_streams()
+    forget_odd_measures()
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

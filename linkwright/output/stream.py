@@ -54,6 +54,19 @@ def open_closed_streams() -> None:
         sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
 
 
+def asked_measure(name: str) -> int | None:
+    """What COLUMNS or LINES of the environment asks for, where that is a number of columns or lines."""
+    said = os.environ.get(name, "")
+    return int(said) if re.fullmatch("0*[1-9][0-9]{0,4}", said, re.ASCII) else None
+
+
+def forget_odd_measures() -> None:
+    """Take COLUMNS and LINES out of the environment where they are no measure: `rich` takes digits of any script."""
+    for name in ("COLUMNS", "LINES"):
+        if asked_measure(name) is None:
+            os.environ.pop(name, None)
+
+
 class _Aside:
     """Takes what is printed to standard error, so that `results`, the standard output, gets nothing but results."""
 

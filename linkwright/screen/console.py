@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from textwrap import TextWrapper
 from typing import Any, NoReturn
@@ -13,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from linkwright.output.stream import OutputClosed, drop_output, printable
+from linkwright.output.stream import OutputClosed, asked_measure, drop_output, printable
 
 from .narrow import FittingTable
 
@@ -48,18 +47,13 @@ def console(*, errors: bool = False) -> Console:
     COLUMNS says another width. Sentences are broken at words on a terminal, and wherever a width is asked for.
     """
     stream = sys.stderr if errors else sys.stdout
-    asked, terminal = _columns(), stream.isatty()
+    asked, terminal = asked_measure("COLUMNS"), stream.isatty()
+    asked = asked and max(asked, _NARROWEST)
     width = asked or (None if terminal else PLAIN_WIDTH)
     others = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}  # read here
     made = _Console(stderr=errors, width=width, highlight=False, emoji=False, markup=False, _environ=others)
     made.broken = terminal or asked is not None
     return made
-
-
-def _columns() -> int | None:
-    """What COLUMNS asks for, where that is a width."""
-    said = os.environ.get("COLUMNS", "")
-    return max(int(said), _NARROWEST) if re.fullmatch("0*[1-9][0-9]{0,4}", said, re.ASCII) else None
 
 
 def _broken(sentence: str, width: int) -> str:

@@ -42,6 +42,15 @@ def test_a_pipe_that_closes_or_is_full(process):
         assert (done.returncode, done.stdout) == (status, "")
 
 
+@pytest.mark.parametrize("measure", ["²", "0", "2000000000", "wide"])
+def test_help_on_a_terminal_of_odd_measures(linkwright, monkeypatch, measure):
+    plain = linkwright("--help")
+    assert plain[0] == 0
+    for name in ("COLUMNS", "LINES"):
+        monkeypatch.setenv(name, measure)
+    assert linkwright("--help") == plain
+
+
 def on_a_terminal(bench, columns, **environment):
     """What `evaluate` shows on a terminal of so many columns."""
     ours, theirs = pty.openpty()
