@@ -173,6 +173,12 @@ class MistakeRules:
     swapped_levels: int = rule(
         4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
     )
+    swapped_sides: int = rule(
+        3,
+        "pairs of joints",
+        "Whose sides are tried in each other's columns: where each one's tell most of how the other is off.",
+        TIME,
+    )
     rows_beyond: float = rule(
         0.1,
         "share of the rows",

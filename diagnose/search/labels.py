@@ -1,4 +1,5 @@
-"""Labels that stand beside the wrong readings: sides or payloads logged a visit late or early, turned round or swapped.
+"""Labels that stand beside the wrong readings: sides or payloads logged a visit late or early, turned round or swapped,
+the sides of two joints in each other's columns.
 
 Where nothing in the library explains a mismatch, or it is only scatter, each such mistake is tried: the recording is
 searched again with the labels put right. A mistake is told only where the physics then named leaves the noise floor.
@@ -15,10 +16,11 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from diagnose.fitting.fit import fit, remaining
-from diagnose.fitting.prepare import prepare
+from diagnose.fitting.prepare import nuisances, prepare
 from diagnose.options import Options
+from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe, rms_length, visits
+from diagnose.residual.observed import Observed, observe, rms_length, visits
 from diagnose.result import Mislabelled
 from diagnose.rules.rules import Rules
 from sections.numeric import Array
@@ -41,7 +43,7 @@ def mislabelled(
     """
     rules = asked.rules
     enough = min(rules.mistakes.label_leaves * left, rules.fitting.at_the_floor * floor)
-    tried = list(_relabelled(arm, recording, rules))
+    tried = [*_relabelled(arm, recording, rules), *_crossed(observe(arm, recording, rules=rules))]
     namers: list[tuple[float, Namer, _Tried]] = []
     for number, each in enumerate(tried):
         tell(number / (len(tried) + 1))
@@ -86,6 +88,33 @@ def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried
             for one, other in itertools.combinations(levels.tolist(), 2):
                 told = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"
                 yield _Tried(told, replace(recording, payload_mass=_swapped(payload, one, other)))
+
+
+def _crossed(observed: Observed) -> Iterator[_Tried]:
+    """The recording with the sides of two joints exchanged: those pairs where each one's sides tell most of how the
+    other is off, beside what every joint's own sides tell."""
+    recording, most = observed.recording, observed.rules.mistakes.swapped_sides
+    if recording.sides is None:
+        return
+    joints = range(recording.sides.shape[1])
+    # How far a joint's motion to and fro moves the tip, by the sides of each joint.
+    moved = [observed.drive_moved(joint)[:, :, None] * np.nan_to_num(recording.sides)[:, None, :] for joint in joints]
+    own = np.stack([moved[joint][:, :, joint] for joint in joints], axis=2)
+    beside = orthonormal(observed.whitened(np.concatenate([nuisances(observed)[0], own], axis=2)))
+    left = observed.whitened(observed.residual)
+    left -= beside @ (beside.T @ left)
+    told: list[tuple[float, int, int]] = []
+    for one, other in itertools.combinations(joints, 2):
+        if np.array_equal(recording.sides[:, one], recording.sides[:, other]):
+            continue
+        crossed = observed.whitened(np.stack([moved[one][:, :, other], moved[other][:, :, one]], axis=2))
+        crossed -= beside @ (beside.T @ crossed)
+        told.append((float(np.sum((orthonormal(crossed).T @ left) ** 2)), one, other))
+    for _, one, other in sorted(told, reverse=True)[:most]:
+        sides = recording.sides.copy()
+        sides[:, [one, other]] = sides[:, [other, one]]
+        said = f"the sides of joints {one + 1} and {other + 1} stand in each other's columns (dirN)"
+        yield _Tried(said, replace(recording, sides=sides))
 
 
 def _sources(visit: NDArray[np.int64], late: int) -> Iterator[tuple[str, NDArray[np.int64], NDArray[np.bool_]]]:

@@ -53,6 +53,35 @@ def test_sides_beside_the_wrong_readings_are_told(tmp_path: Path, logged: Array,
     assert found.labels.said in found.sentence
 
 
+def slack(folder: Path, columns: list[int], seed: int = 4) -> Diagnosis:
+    """Lost motion held by friction at two joints, 0.3 and 0.6 mrad, joint by joint by the textbook; sides written down
+    in another order of columns."""
+    rng = np.random.default_rng(seed)
+    visits = 90
+    stood = np.repeat(rng.uniform(-1.5, 1.5, (visits, 3)), 2, axis=0)
+    sides = np.repeat(rng.choice([-1.0, 1.0], (visits, 3)), 2, axis=0)
+    tip = planar_tip(stood - np.array([0.0, 0.15e-3, 0.3e-3]) * sides)
+    tip += SIGMA * rng.standard_normal(tip.shape)
+    said = table(stood, tip, **{f"dir{k + 1}": sides[:, column] for k, column in enumerate(columns)})
+    (folder / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
+    return diagnose(ARM, read_recording(written(folder / "recording.csv", said), ARM, folder / "recording.yaml"))
+
+
+def test_sides_of_two_joints_in_each_others_columns_are_told(tmp_path: Path) -> None:
+    found = slack(tmp_path, [0, 2, 1])
+    assert found.verdict in ("unknown", "none")
+    assert found.labels is not None
+    assert found.labels.said == "the sides of joints 2 and 3 stand in each other's columns (dirN)"
+    assert {at for _, at in found.labels.named} == {(2,), (3,)}
+    assert found.labels.rms < 1.1 * np.sqrt(2.0) * SIGMA
+
+
+def test_sides_in_their_own_columns_are_left_alone(tmp_path: Path) -> None:
+    found = slack(tmp_path, [0, 1, 2])
+    assert found.labels is None
+    assert {each.at for each in found.findings} == {(2,), (3,)}
+
+
 def test_sides_that_are_right_are_left_alone(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, None)
     assert found.labels is None
