@@ -26,6 +26,7 @@ from diagnose.search.coupling import coupled, through_what_is_named
 from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large, candidates_of
 from diagnose.search.naming import Named, Namer, name_missing
+from diagnose.search.one_set_of_weights import under_one_set
 from diagnose.search.whole_search import whole_search_p
 from diagnose.several.floors import floor_of_all
 from diagnose.several.other_arms import of_different_arms, of_other_arms
@@ -112,6 +113,7 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
                 namer = again
                 named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share), before)
             namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
+            named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
         if asked.thorough and named.everything:
             told = "calibrating the whole search"
             p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share), executor)

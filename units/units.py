@@ -141,6 +141,7 @@ def kinds() -> dict[str, Kind]:
         _kind("second_moment_of_area", "m^4", "318 cm^4", (0.0, "mm^4"), (1e-10, "cm^4"), (1e-2, "m^4")),
         _kind("angle", "rad", "0.5 deg", (0.0, "urad"), (1e-5, "mrad"), (1e-3, "deg")),
         _kind("mass", "kg", "0.7 kg", (0.0, "g"), (0.1, "kg"), (1e5, "t")),
+        _kind("first_moment", "kg*m", "0.3 kg*m"),
         _kind("density", "kg/m^3", "2700 kg/m^3", (0.0, "kg/m^3")),
         _kind("elastic_modulus", "Pa", "71 GPa", *pressure),
         _kind("pressure", "Pa", "250 MPa", *pressure),

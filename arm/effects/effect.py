@@ -200,6 +200,17 @@ def always_shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, f
     return True
 
 
+@dataclass(frozen=True)
+class Sum:
+    """A parameter that an effect may be given by in place of a size, and is told by where a recording does not show its
+    sizes one by one: the sum of them times `factors`, by what the arm's beams and the place (from 0) are; None where
+    that is no one figure. `beside` is the size of which only this sum may show."""
+
+    name: str
+    factors: Callable[[Sequence[Beam], int], Mapping[str, float] | None]
+    beside: str
+
+
 LAST_RANK = 1000
 """The rank of an effect that says nothing of how common it is."""
 
@@ -251,6 +262,7 @@ class Effect:
     `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
     calibration takes it.
     `watched` marks what is looked at in every watch over dated recordings, found or not.
+    `told_as` is a sum of its sizes by which it is told where they do not show one by one.
     `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
     see what the tip does not.
     """
@@ -298,6 +310,7 @@ class Effect:
     under_forces: bool = False
     weights_named: bool = False
     watched: bool = False
+    told_as: Sum | None = None
     against_plumb: Callable[[Settings], Vector] = stands_plumb
 
     @property

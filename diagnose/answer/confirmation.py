@@ -22,8 +22,9 @@ from diagnose.residual.noise import NoiseFloor
 from diagnose.residual.observed import Observed, kept, looks_quieter, observed_about, rms_length
 from diagnose.result import LackOfFit
 from diagnose.rules.rules import Rules
-from diagnose.search.aliases import Rival, renamed, rivals
+from diagnose.search.aliases import Rival, rivals
 from diagnose.search.naming import Named, Namer, weighed_again
+from diagnose.search.one_set_of_weights import renamed_under_one_set
 from sections.numeric import Array
 
 from .lack_of_fit import refuted_by
@@ -363,7 +364,7 @@ class Confirmed:
         """The members under the name of each class that goes first, with what cannot be told from each."""
         if self.named is None:
             return (), ()
-        members = renamed(self.namer, self.named)
+        members = renamed_under_one_set(self.namer, self.named)
         whole = [*members, *self.named.outside]
         return members, tuple(rivals(self.namer, whole, member) for member in members)
 

@@ -25,7 +25,8 @@ def may_be_nothing(parameters: Sequence[FittedParameter], sizes: Sequence[str]) 
 
 def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.answer) -> Mapping[int, tuple[int, ...]]:
     """The places of findings that mean nothing singly, each with the places of those that would take its place: it may
-    be nothing by itself, or all but cancels them and would be missed by little."""
+    be nothing by itself, or all but cancels them and would be missed by little, or is more than the whole mismatch and
+    would be missed by as little."""
     terms = found.terms
     edges = np.cumsum([0, *(term.columns.shape[2] for term in terms)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
@@ -34,6 +35,7 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
     columns = np.concatenate([term.columns for term in terms], axis=2)
     beside, white = orthonormal(prepared.observed.whitened(prepared.beside)), prepared.observed.whitened(columns)
     white -= beside @ (beside.T @ white)
+    mismatch = float(prepared.vector @ prepared.vector)
     gram, sizes = white.T @ white, np.concatenate([term.sizes for term in terms])
     together: dict[int, tuple[int, ...]] = {}
     for place, (term, parameters) in enumerate(zip(terms, found.parameters, strict=True)):
@@ -55,6 +57,7 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
         both = np.zeros(edges[-1])
         for k in (place, *others):
             both[spans[k]] = sizes[spans[k]]
-        if others and (nothing or float(both @ gram @ both) < rules.cancelled**2 * whole):
+        cancels = float(both @ gram @ both) < rules.cancelled**2 * whole or whole > rules.balanced**2 * mismatch
+        if others and (nothing or cancels):
             together[place] = tuple(others)
     return together

@@ -12,6 +12,7 @@ from arm.chain.chain import Arm, EffectEntry
 from arm.effects import EFFECTS
 from diagnose.patterns.library import Candidate
 from diagnose.patterns.unknown_weights import weight_entries
+from diagnose.result import FittedParameter
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 
@@ -38,7 +39,7 @@ def corrected_arm(
         entries += weight_entries(fitted.weights, found.weight.tolist()) if fitted.weights else ()
         products = dict(zip(map(id, shared), found.compliance.tolist(), strict=True))
         notes.append(_of_weights(shared))
-    for term in fitted.terms:
+    for term, parameters in zip(fitted.terms, fitted.parameters, strict=True):
         candidate = term.candidate
         if candidate.outside or candidate.only not in (None, only):
             continue
@@ -58,10 +59,23 @@ def corrected_arm(
         if term.shared:
             entries.append(_under_weights(term, products[id(term)]))
             continue
-        entry = as_entry(candidate, term.sizes.tolist())
+        entry = _as_told(as_entry(candidate, term.sizes.tolist()), parameters)
         if candidate.only is None or not _added(entries, entry, candidate.sizes):
             entries.append(entry)
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
+
+
+def _as_told(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:
+    """The entry by the sum that it is told by, where it is: by that alone where nothing else of it shows."""
+    sum_of_sizes = EFFECTS[entry.effect].told_as
+    total = [each.value for each in parameters if sum_of_sizes is not None and each.parameter == sum_of_sizes.name]
+    if sum_of_sizes is None or not total:
+        return entry
+    beside = any(each.parameter == sum_of_sizes.beside for each in parameters)
+    if len(entry.parameters) == 1 and beside:
+        return entry
+    own = {sum_of_sizes.beside: entry.parameters[sum_of_sizes.beside]} if len(entry.parameters) > 1 else {}
+    return replace(entry, parameters=MappingProxyType({**own, sum_of_sizes.name: total[0]}))
 
 
 def _added(entries: list[EffectEntry], more: EffectEntry, sizes: Sequence[str]) -> bool:

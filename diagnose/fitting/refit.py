@@ -433,6 +433,7 @@ def _parameters(
     factor = t_quantile(freedom)
     at = candidate.numbers
     ending = f"_{at[0]}" if len(at) == 1 else ""
+    summed = _summed(prepared, terms, place, spread, factor, variance)
     if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
         known = known_load(term, kind, errors, spread.noise[place], told, factor, at, rules.telling)
@@ -442,6 +443,10 @@ def _parameters(
     held = tether(term, 1.0, rules=rules) * spread.noise[place] > rules.held
     seen = ~held if (~held).any() and len(held) <= rules.few_sizes else np.ones(len(held), dtype=bool)
     fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
+    if summed is not None:
+        total, beside = summed
+        found.append(total)
+        fitted = [each for each in fitted if each[0] == beside]
     for name, value, error, sure, shown in fitted:
         if not shown:
             continue
@@ -460,6 +465,41 @@ def _parameters(
             kind = kind_of(arm, candidate, name)
             found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
     return tuple(found)
+
+
+def _summed(
+    prepared: Prepared, terms: Sequence[Term], place: int, spread: _Spread, factor: float, variance: float
+) -> tuple[FittedParameter, str] | None:
+    """The sum of sizes by which a finding is told where its effect has one, and the name of the size that is told
+    beside it, which is none where it shows in the sum alone; None where the effect has no such sum."""
+    term, candidate, arm = terms[place], terms[place].candidate, prepared.observed.arm
+    effect = None if candidate.outside or candidate.share or term.shared else EFFECTS[candidate.effect]
+    if effect is None or effect.told_as is None or len(candidate.at) != 1:
+        return None
+    beams = [link.beam for link in prepared.observed.state.links]
+    factors = effect.told_as.factors(beams, candidate.at[0])
+    if factors is None:
+        return None
+    along = np.array([factors[name] for name in candidate.sizes])
+    value = float(along @ term.sizes)
+    reach = factor * float(np.sqrt(max(along @ spread.covariance[place] @ along, 0.0)))
+    name, at = effect.told_as.name, candidate.numbers
+    kind = kind_of(arm, candidate, name)
+    total = FittedParameter(f"{name}_{at[0]}", name, at, kind, value, (value - reach, value + reach))
+    whole = replace(candidate, sizes=tuple(factors))
+    columns = columns_of(prepared.observed, whole)
+    if columns is None or effect.told_as.beside not in candidate.sizes:
+        return total, ""
+    white, rest = prepared.observed.whitened(columns), [t for k, t in enumerate(terms) if k != place]
+    others = orthonormal(_design(prepared, rest)[0])
+    white -= others @ (others.T @ white)
+    _, singular, vt = np.linalg.svd(white / np.linalg.norm(white, axis=0), full_matrices=False)
+    beside = whole.sizes.index(effect.told_as.beside)
+    size = float(np.linalg.norm(white[:, beside]))
+    error = float(np.sqrt(variance * np.sum((vt[:, beside] / np.maximum(singular, 1e-9 * singular[0])) ** 2))) / size
+    known = float(term.sizes[candidate.sizes.index(effect.told_as.beside)])
+    telling = factor * error <= prepared.observed.rules.fitting.telling * abs(known)
+    return total, effect.told_as.beside if telling else ""
 
 
 def _profile(

@@ -27,6 +27,9 @@ _STEP = 1e-3
 """Sizes are tried at this share of their typical upper end: small enough for what is linear to first order only."""
 
 
+_ALIKE = 1e-6
+"""Patterns that differ by so small a share differ by rounding."""
+
 Family = tuple[str, tuple[int, ...], bool, int | None]
 
 
@@ -108,8 +111,19 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
             if effect.place == "tip" and _of_several_tips(observed):
                 yield from _in_each(observed, candidate, columns)
                 continue
+            if _only_the_sum_shows(effect, candidate, columns):
+                continue
             yield candidate, columns
             yield from _in_one(observed, candidate, columns)
+
+
+def _only_the_sum_shows(effect: Effect, candidate: Candidate, columns: Array) -> bool:
+    """Whether sizes move the tip alike at every reading, so that but their sum shows, for which one of them stands."""
+    if effect.told_as is None or len(candidate.sizes) < 2:
+        return False
+    flat = columns.reshape(-1, columns.shape[2])
+    singular = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), compute_uv=False)
+    return bool(singular[-1] < _ALIKE * singular[0])
 
 
 def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterator[tuple[Candidate, Array]]:

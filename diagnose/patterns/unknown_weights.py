@@ -80,7 +80,11 @@ def weighed(observed: Observed, effect: Effect, at: tuple[int, ...], weights: Se
             continue
         weighing = replace(observed, state=_weighing(observed, (one,), (1.0,)))
         parts.append(weighing.signature(effect.id, Settings(at, _SAG)))
-    return np.stack(parts, axis=2)
+    found = np.stack(parts, axis=2)
+    # A weight beside an axis that lies across gravity turns nothing but by rounding, which a fit would take for more.
+    size = np.linalg.norm(found, axis=(0, 1))
+    found[:, :, size <= _ROUNDING * size.max(initial=0.0)] = 0.0
+    return found
 
 
 def turned_under_weights(

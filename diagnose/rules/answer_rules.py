@@ -96,6 +96,13 @@ class AnswerRules:
         "other, and are said together.",
         JUDGED,
     )
+    balanced: float = rule(
+        1.2,
+        "times the mismatch",
+        "So do those of which one moves more (RMS) than there is to explain, and the others take up all but that share "
+        "of it.",
+        JUDGED,
+    )
     scatter_left: float = rule(
         0.03,
         "share of the mismatch",

@@ -133,3 +133,11 @@ class SearchRules:
         TIME,
     )
     motion_names: int = rule(4, "names", "Of one pattern that a search is made about, at most.", TIME)
+    balanced: float = rule(
+        1.2,
+        "times the mismatch",
+        "What gives under unknown weights and moves the tip by more (RMS) can only balance others: the search is made "
+        "again without it.",
+        JUDGED,
+    )
+    balanced_rounds: int = rule(2, "searches", "Made again for that, at most.", TIME)

@@ -39,7 +39,7 @@ NO_RULES = {
     "mistakes/row_lists.py": {"_MOST"},
     "mistakes/units.py": {"_LENGTHS", "_MILLIONS", "_LENGTH_SIZES", "_ANGLE_SIZES", "IN_A_ROW"},
     "patterns/forces.py": {"_STEPS"},
-    "patterns/library.py": {"_STEP"},
+    "patterns/library.py": {"_ALIKE", "_STEP"},
     "patterns/pool.py": {"_RANK"},
     "patterns/unknown_weights.py": {"_ROUNDING", "_SAG", "_SPANNED"},
     "plan/tried.py": {"_WRITTEN_ANGLE, _WRITTEN_LENGTH"},

@@ -42,10 +42,12 @@ def under_other_loads(
     tip_force: Vector | None = None,
     tip_moment: tuple[float, float, float] | None = None,
     link_masses: tuple[Scalar, ...] | None = None,
+    link_moments: tuple[Scalar, ...] | None = None,
     weightless: bool = False,
 ) -> PoseState:
     """The same pose under other loads: another gravity (m/s^2), payload (kg), force (N) and moment (N*m) at the tip,
-    masses spread along the links in place of their own (kg).
+    masses spread along the links in place of their own (kg), and first moments about the links' joints beyond those of
+    these masses (kg*m), which load what is below the link.
 
     With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
@@ -66,6 +68,10 @@ def under_other_loads(
         case = replace(case, moment=tip_moment)
     if link_masses is not None:
         beams = [_weighing(beam, mass) for beam, mass in zip(beams, link_masses, strict=True)]
+    if link_moments is not None:
+        beams = [
+            replace(beam, first_moment=(moment, 0.0, 0.0)) for beam, moment in zip(beams, link_moments, strict=True)
+        ]
     return solve(
         arm,
         [joint.coordinate for joint in state.joints],

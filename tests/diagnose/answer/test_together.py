@@ -34,6 +34,15 @@ def test_two_that_only_balance_each_other_are_told(null):
     assert not may_be_nothing(found.parameters[0], found.terms[0].candidate.sizes)
 
 
+def test_what_moves_more_than_the_mismatch_and_is_balanced_is_told(null):
+    """A drive that gives against the bending of the link above it, alike but for a tenth: three times what is left."""
+    prepared, found = refitted(null, (0.0, 6e-4, -4e-4))
+    moved = [float(np.sqrt(np.mean(np.sum(term.moved**2, axis=1)))) for term in found.terms]
+    mismatch = float(np.sqrt(np.mean(np.sum(prepared.observed.residual**2, axis=1))))
+    assert min(moved[1:]) > 1.2 * mismatch
+    assert only_with(prepared, found) == {1: (2,), 2: (1,)}
+
+
 def test_what_stands_by_itself_is_left_alone(null):
     prepared, found = refitted(null, (1e-4, 0.0, 0.0))
     alone = refit(prepared, [group_of(null, *OFFSET)], (), fit(prepared, [group_of(null, *OFFSET)]))

@@ -108,7 +108,8 @@ def test_no_more_hangs_on_a_link_than_its_mass_allows(null):
     candidate = null.pool.groups[group_of(null, "link_mass", (1,))].candidate
     own = float(null.observed.state.links[1].beam.mass)
     for mass, possible in ((5.0 + 0.9 * own, True), (5.0 + 1.1 * own, False)):
-        reason = why_impossible(null, candidate, np.array([mass]), np.array([mass]), 0.0)
+        sizes = np.array([mass if name == "mass" else 0.0 for name in candidate.sizes])
+        reason = why_impossible(null, candidate, sizes, np.abs(sizes), 0.0)
         assert (reason is None) is possible
 
 

@@ -1,0 +1,83 @@
+"""A lump on a link is told by its first moment about the link's joint, by the textbook's torques of a planar arm."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.evaluation import evaluate
+from arm.files.read import read_arm
+from diagnose.diagnosis import diagnose
+from diagnose.predict import predict
+from diagnose.recording import Recording
+from linkwright.output.written_arm import with_written
+from materials.catalogue import load_catalogue
+from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives, read
+from tests.diagnose.recorded import LENGTHS, planar_tip
+
+ARM = replace(arm_of_drives(), gravity=(0.0, -9.81, 0.0))
+MASS = 2.0
+
+
+def recorded(seed: int, link: int, at: float) -> Recording:
+    """A lump of 2 kg, `at` m along a link (from 0): each drive below turns by its compliance times weight and lever."""
+    rng = np.random.default_rng(seed)
+    q = np.repeat(rng.uniform(-1.5, 1.5, (40, 3)), 2, axis=0)
+    turned = np.zeros_like(q)
+    for _ in range(40):
+        across = np.cos(np.cumsum(q + turned, axis=1))
+        joints = np.cumsum(np.column_stack([np.zeros(len(q)), across * LENGTHS]), axis=1)[:, :3]
+        lever = (joints[:, link] + across[:, link] * at)[:, None] - joints
+        lever[:, link + 1 :] = 0.0
+        turned = -9.81 * MASS * lever * COMPLIANCE
+    return read(q, planar_tip(q + turned) - planar_tip(q), rng)
+
+
+@pytest.mark.parametrize(("link", "share"), [(0, 0.25), (1, 0.25), (1, 0.9), (2, 0.25)])
+def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
+    at = share * LENGTHS[link]
+    found = with_written(diagnose(ARM, recorded(3, link, at)), load_catalogue(user=False))
+    (finding,) = found.findings
+    assert (finding.effect, finding.at) == ("link_mass", (link + 1,))
+    sizes = {each.parameter: each for each in finding.parameters}
+    # Nothing carries joint 1: of a lump on link 1 no drive tells the mass by itself.
+    assert set(sizes) == ({"first_moment"} if link == 0 else {"first_moment", "mass"})
+    assert sizes["first_moment"].kind == "first_moment"
+    for name, truth in (("first_moment", MASS * at), ("mass", MASS)):
+        if name in sizes:
+            low, high = sizes[name].interval
+            assert low < truth < high
+            assert high - low < 0.1 * MASS * (LENGTHS[link] if name == "first_moment" else 2.0)
+    assert "first_moment" in finding.reading
+    (entry,) = found.corrected.effects
+    assert entry.parameters["first_moment"] == pytest.approx(sizes["first_moment"].value)
+    assert ("mass" in entry.parameters) == (link > 0)
+    assert found.written is not None
+    assert found.written.keeps(0.02)
+    assert predict(found.corrected, recorded(4, link, at)).rms < 1.15 * math.sqrt(2.0) * SIGMA
+
+
+def test_a_file_may_give_a_first_moment_in_place_of_a_mass(tmp_path) -> None:
+    """At 250 mm of 500: 2 kg spread along the link, or the same by its first moment; by both a lump at the joint."""
+
+    def largest(entry: str) -> float:
+        file = tmp_path / "arm.yaml"
+        parts = "".join(
+            f"  - joint: {{stiffness: {stiffness} kN*m/rad, range: [0 deg, 0 deg]}}\n"
+            f"    link: {{length: {length} mm, rigid: true, mass: 0 kg}}\n"
+            for stiffness, length in ((100, 500), (50, 400))
+        )
+        text = f"gravity: [0 m/s^2, -9.81 m/s^2]\nchain:\n{parts}effects: [{{effect: link_mass, at: 2, {entry}}}]\n"
+        file.write_text(text, encoding="utf-8")
+        return evaluate(read_arm(file)).worst.error
+
+    def by_hand(mass: float, moment: float) -> float:
+        return 9.81 * ((mass * 0.5 + moment) / 1e5 * 0.9 + moment / 5e4 * 0.4)
+
+    assert largest("mass: 2 kg") == pytest.approx(by_hand(2.0, 0.4), rel=1e-6)
+    assert largest("first_moment: 0.4 kg*m") == pytest.approx(by_hand(2.0, 0.4), rel=1e-6)
+    assert largest("mass: 2 kg, first_moment: 0.1 kg*m") == pytest.approx(by_hand(2.0, 0.1), rel=1e-6)
+    assert largest("mass: 2 kg, off_centre: -0.4 kg*m") == pytest.approx(by_hand(2.0, 0.0), rel=1e-6)

@@ -1,0 +1,56 @@
+"""What gives under links that nobody has weighed, by recordings of vectors turned by hand: a base that only balances
+other findings goes, one that does give stays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from diagnose.fitting.prepare import prepare
+from diagnose.options import Options
+from diagnose.residual.observed import observe
+from diagnose.rules.rules import RULES
+from diagnose.search.naming import Named, Namer, name_missing
+from diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set
+from tests.diagnose.fitting.test_shared_weights import on_a_soft_base, standing_arm
+
+BASE, ELBOW, SECOND = ("base_compliance", ()), ("joint_compliance", (2,)), ("axis_misalignment", (1,))
+ALWAYS = replace(RULES, search=replace(RULES.search, balanced=0.0))
+"""Whatever gives is taken to balance others, so that the search is made again without it every time."""
+
+
+def namer_of(base: float, drive: float) -> Namer:
+    recording = replace(on_a_soft_base(3, base, 0.0, drive), frame="free")
+    prepared = prepare(observe(standing_arm(mast=False), recording, rules=ALWAYS), Options(rules=ALWAYS), None)
+    return Namer(prepared, thorough=False, seed=1)
+
+
+def places(namer: Namer, members: tuple[int, ...]) -> set[tuple[str, tuple[int, ...]]]:
+    return {(namer.pool.groups[m].candidate.effect, namer.pool.groups[m].candidate.at) for m in members}
+
+
+def member(namer: Namer, effect: str, at: tuple[int, ...]) -> int:
+    return next(k for k, g in enumerate(namer.pool.groups) if (g.candidate.effect, g.candidate.at) == (effect, at))
+
+
+def test_a_base_named_for_a_drive_goes() -> None:
+    namer = namer_of(0.0, 2e-5)
+    wrong = tuple(member(namer, *each) for each in (BASE, SECOND))
+    found = under_one_set(namer, Named(wrong, (), (0.001, 0.001), namer.test(()), None), lambda _: None)
+    assert places(namer, renamed_under_one_set(namer, found)) == {ELBOW}
+
+
+def test_a_base_that_gives_stays() -> None:
+    namer = namer_of(3e-6, 2e-5)
+    named = name_missing(namer, lambda _: None)
+    assert BASE in places(namer, named.members)
+    found = under_one_set(namer, named, lambda _: None)
+    assert found.members == named.members
+
+
+def test_nothing_that_gives_is_left_as_it_is_named() -> None:
+    namer = namer_of(0.0, 2e-5)
+    named = Named((member(namer, *SECOND),), (), (0.001,), namer.test(()), None)
+    assert under_one_set(namer, named, lambda _: pytest.fail("searched again")) is named
+    assert renamed_under_one_set(namer, replace(named, members=())) == ()
