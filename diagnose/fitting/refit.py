@@ -480,22 +480,29 @@ def _summed(
     factors = effect.told_as.factors(beams, candidate.at[0])
     if factors is None:
         return None
+    whole = replace(candidate, sizes=tuple(factors))
+    columns = columns_of(prepared.observed, whole)
+    white = None if columns is None else prepared.observed.whitened(columns)
+    moved = None if white is None else np.linalg.norm(white, axis=0)
+    if moved is not None and np.min(moved) <= 1e-12 * np.max(moved):
+        return None  # nothing below gives, and the link itself bends as if a lump were spread: no place shows
     along = np.array([factors[name] for name in candidate.sizes])
     value = float(along @ term.sizes)
     reach = factor * float(np.sqrt(max(along @ spread.covariance[place] @ along, 0.0)))
     name, at = effect.told_as.name, candidate.numbers
     kind = kind_of(arm, candidate, name)
     total = FittedParameter(f"{name}_{at[0]}", name, at, kind, value, (value - reach, value + reach))
-    whole = replace(candidate, sizes=tuple(factors))
-    columns = columns_of(prepared.observed, whole)
-    if columns is None or effect.told_as.beside not in candidate.sizes:
+    if white is None or moved is None or effect.told_as.beside not in candidate.sizes:
         return total, ""
-    white, rest = prepared.observed.whitened(columns), [t for k, t in enumerate(terms) if k != place]
-    others = orthonormal(_design(prepared, rest)[0])
-    white -= others @ (others.T @ white)
-    _, singular, vt = np.linalg.svd(white / np.linalg.norm(white, axis=0), full_matrices=False)
+    others = orthonormal(_design(prepared, [t for k, t in enumerate(terms) if k != place])[0])
+    alone = white - others @ (others.T @ white)
+    shown = np.linalg.norm(alone, axis=0) > 1e-9 * moved  # what others do as well leaves rounding
     beside = whole.sizes.index(effect.told_as.beside)
-    size = float(np.linalg.norm(white[:, beside]))
+    if not shown[beside]:
+        return total, ""
+    size, beside = float(np.linalg.norm(alone[:, beside])), int(np.sum(shown[:beside]))
+    alone = alone[:, shown]
+    _, singular, vt = np.linalg.svd(alone / np.linalg.norm(alone, axis=0), full_matrices=False)
     error = float(np.sqrt(variance * np.sum((vt[:, beside] / np.maximum(singular, 1e-9 * singular[0])) ** 2))) / size
     known = float(term.sizes[candidate.sizes.index(effect.told_as.beside)])
     telling = factor * error <= prepared.observed.rules.fitting.telling * abs(known)

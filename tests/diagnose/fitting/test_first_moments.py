@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,7 +61,33 @@ def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
     assert predict(found.corrected, recorded(4, link, at)).rms < 1.15 * math.sqrt(2.0) * SIGMA
 
 
-def test_a_file_may_give_a_first_moment_in_place_of_a_mass(tmp_path) -> None:
+def test_where_only_the_link_itself_bends_a_mass_spread_along_it_is_told(tmp_path: Path) -> None:
+    """Of a cantilever under a uniform load, a force and a moment at its end. Nothing below gives: no place shows."""
+    file, rigid = tmp_path / "arm.yaml", "  - joint: {range: [-2 rad, 2 rad]}\n    link: "
+    bar = "{elastic_modulus: 70 GPa, poisson_ratio: 0.3, density: 2700 kg/m^3}"
+    text = f"{rigid}{{length: 400 mm, section: {{shape: circle, diameter: 20 mm}}, material: {bar}}}\n" + "".join(
+        f"{rigid}{{length: {length} mm, rigid: true, mass: 0 kg}}\n" for length in (420, 300)
+    )
+    file.write_text(f"gravity: [0 m/s^2, -9.81 m/s^2]\nchain:\n{text}", encoding="utf-8")
+    rng, length = np.random.default_rng(5), LENGTHS[0]
+    q = np.repeat(rng.uniform(-1.5, 1.5, (40, 3)), 2, axis=0)
+    payload = np.repeat(rng.choice([0.0, 1.0], 40), 2)
+    weight, stiffness = MASS + 2700.0 * math.pi * 0.01**2 * length, 70e9 * math.pi * 0.02**4 / 64.0
+    along, across = np.cos(q[:, 0]), np.column_stack([-np.sin(q[:, 0]), np.cos(q[:, 0])])
+    moment = payload * (planar_tip(q)[:, 0] - length * along)
+    sunk = weight * along * length**3 / 8.0 + payload * along * length**3 / 3.0 + moment * length**2 / 2.0
+    turned = weight * along * length**2 / 6.0 + payload * along * length**2 / 2.0 + moment * length
+    carried = q - 9.81 / stiffness * np.column_stack([np.zeros(len(q)), turned, np.zeros(len(q))])
+    moved = planar_tip(carried) - planar_tip(q) - 9.81 / stiffness * sunk[:, None] * across
+    found = diagnose(read_arm(file), read(q, moved, rng, payload_mass=payload))
+    (finding,) = found.findings
+    assert (finding.effect, finding.at) == ("link_mass", (1,))
+    (mass,) = finding.parameters
+    assert mass.parameter == "mass"
+    assert mass.value == pytest.approx(MASS, rel=0.05)
+
+
+def test_a_file_may_give_a_first_moment_in_place_of_a_mass(tmp_path: Path) -> None:
     """At 250 mm of 500: 2 kg spread along the link, or the same by its first moment; by both a lump at the joint."""
 
     def largest(entry: str) -> float:
