@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from arm.worst.workspace import climbing_bounds, wrapped
 from sections.numeric import Array
 
 from .modes import compliance_matrices, first_frequencies, node_masses, responses, segmented
+from .weakest_poses import plainest
 
 _POSES = 1024
 _SLOWEST, _APART = 3, 5
@@ -65,7 +67,11 @@ def least_frequency(
         values = first_frequencies(arm, beams, payloads, candidates)
         lowest = int(np.argmin(values))
         if best is None or values[lowest] < best.value:
-            best = Frequency(float(values[lowest]), tuple(candidates[lowest].tolist()), number)
+            pose = candidates[lowest]
+            if search.workspace.kind == "joints":
+                slowness = partial(_slowness, arm, beams, payloads)
+                pose = plainest(slowness, pose, (search.lower, search.upper))
+            best = Frequency(float(values[lowest]), tuple(pose.tolist()), number)
     return best
 
 
@@ -110,6 +116,10 @@ def frequency_of_drives(
         for beam, mass, center in zip(beams, masses, centers, strict=True)
     ]
     return least_frequency(arm.with_links(links), search, rigid, p, cases)
+
+
+def _slowness(arm: Arm, beams: Sequence[Beam], payloads: Sequence[float], q: Array) -> Array:
+    return 1.0 / first_frequencies(arm, beams, payloads, q)
 
 
 def _starts(poses: Array, slowness: Array) -> list[int]:

@@ -19,7 +19,7 @@ from arm.compiled.expressions import Expressions
 from arm.errors.model import beam_symbols, error_model
 from sections.numeric import Array
 
-from .weakest_poses import climbed
+from .weakest_poses import climbed, plainest
 
 if TYPE_CHECKING:
     from arm.worst.search import WorstSearch
@@ -109,6 +109,8 @@ def least_stiffness(
 
     if search is not None:
         q = np.vstack([q, climbed(search, softness, q, p, _CLIMBS)])
-    softest = int(np.argmin(stiffnesses(compliance.matrices(q, p))))
-    found = stiffness_at(compliance, q[softest : softest + 1], p)[0]
+    softest = q[int(np.argmin(stiffnesses(compliance.matrices(q, p))))]
+    if search is not None and search.workspace.kind == "joints" and np.isfinite(softness(softest[None])[0, 0]):
+        softest = plainest(lambda q: softness(q)[:, 0], softest, (search.lower, search.upper))
+    found = stiffness_at(compliance, softest[None], p)[0]
     return found if np.isfinite(found.value) else None

@@ -16,6 +16,8 @@ from sections.numeric import Array
 
 from .strength import StrengthCase
 
+_THE_SAME = 1e-9
+"""Figures that differ by less than this share differ by rounding."""
 _CLIMBS = 3
 """Climbs for each station of each link, and for each link's compression."""
 _FIRST_STEP, _LAST_STEP = 0.1, 1e-5
@@ -56,6 +58,26 @@ def climbed(
     if search.workspace.kind != "joints":
         return wander_in_region(load, starts, search.workspace, lambda q: search.tip(q, p), box)
     return wrapped(search.arm, compass(load, starts, climbing_bounds(search.arm, *box)), *box)
+
+
+def plainest(load: Callable[[Array], Array], pose: Array, box: tuple[Array, Array]) -> Array:
+    """The plainest pose (n,) within a box of joint coordinates that is as bad as one of its poses but for rounding:
+    joints that do not count stand at nought, or as near to it as they come, and of two poses that mirror each other
+    the one whose first joint is off to the positive side is told. `load` (N,) of poses (N, n) is greatest where they
+    are worst."""
+    least = float(load(pose[None])[0]) * (1.0 - _THE_SAME)
+    found = pose.copy()
+    for joint, nearest in enumerate(np.clip(0.0, *box).tolist()):
+        trial = found.copy()
+        trial[joint] = nearest
+        if float(load(trial[None])[0]) >= least:
+            found = trial
+    moved = np.flatnonzero(found)
+    mirrored = -found
+    within = bool((box[0] <= mirrored).all() and (mirrored <= box[1]).all())
+    if len(moved) and found[moved[0]] < 0.0 and within and float(load(mirrored[None])[0]) >= least:
+        found = mirrored + 0.0
+    return found
 
 
 def compass(value: Callable[[Array], Array], starts: Array, bounds: tuple[Array, Array], *, seed: int = 11) -> Array:
