@@ -78,6 +78,13 @@ class Problem:
         """What is minimised."""
         return self.figures[self.minimize]
 
+    @property
+    def must_reach(self) -> bool:
+        """Whether a design must reach all of the workspace: a box or a path stays where it is while lengths are free,
+        and lengths that reach less of it would have less to be judged by."""
+        free = self.link_length is not None and any(link.elastic for link in self.arm.links)
+        return free and self.workspace.kind != "joints"
+
     def needs(self, name: str) -> bool:
         """Whether the question needs a property of the materials: it is minimised, or asked for by a limit."""
         asked = (limit.figure for limit in self.limits if not limit.assumed)

@@ -2,7 +2,9 @@
 
 Lengths spread over what `link_length` and `reach` allow are tried at places of the region, then closer and closer
 around those that come nearest. Of lengths that reach it those are taken that the arm as given comes to first on the way
-to them, and a little more, so that the design does not start where the arm is stretched.
+to them, and a little more, so that the design does not start where the arm is stretched. All of the region must be
+reached, for the exchange holds on to no place that its start does not reach: where no lengths do, that is the answer,
+with lengths beyond the limits that would.
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ import numpy as np
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import place, tip_position
-from arm.worst.workspace import Unreachable, joint_box, pull, sample, spread
+from arm.worst.coverage import Unreached, unreached
+from arm.worst.workspace import joint_box, pull, spread
 from sections.numeric import Array
 from units.quantities import NoAnswer
 
@@ -27,6 +30,10 @@ _FIRST = 3
 _HALVINGS = 10
 _FURTHER = 0.1
 """How much of the rest of the way is gone beyond the first lengths that reach all."""
+_PLACES_ADDED = 12
+"""So many places are added to the few, one after another, where lengths that reach those miss others."""
+_WIDER = 4.0
+"""By how many times limits on lengths are widened to see what lengths would do."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +50,7 @@ def start_that_reaches(problem: Problem) -> Start | None:
 
     Raises `NoAnswer` where no lengths were found that do.
     """
-    if problem.link_length is None or problem.workspace.kind == "joints" or not free_links(problem):
+    if not problem.must_reach:
         return None
     missing = _missed(problem, problem.arm)
     if missing is None:
@@ -51,20 +58,32 @@ def start_that_reaches(problem: Problem) -> Start | None:
     finder = _Finder(problem)
     lengths = finder.found()
     if lengths is None:
-        raise NoAnswer(f"workspace: {missing}; {finder.in_vain()}")
+        told = missing.where(problem.workspace.kind)
+        raise NoAnswer(f"workspace: {told} with the arm as given; {finder.in_vain()}; {_would_do(problem)}")
     arm = _with(problem, lengths)
-    words = " and ".join(f"{1e3 * length:.4g}" for length in arm.lengths)
-    why = f"the arm as given does not reach it all ({missing}): the search began with links of {words} mm"
-    return Start(replace(problem, arm=arm), f'{why}, and "before" is that arm')
+    told = missing.where(problem.workspace.kind)
+    why = f"the arm as given does not reach it all ({told}): the search began with links of {_in_mm(arm)} mm"
+    return Start(replace(problem, arm=arm), why)
 
 
-def _missed(problem: Problem, arm: Arm) -> Unreachable | None:
-    lower, upper = joint_box(arm, problem.workspace)
-    try:
-        sample(problem.workspace, lambda q: tip_position(arm, q), lower, upper, 64 * 2 ** min(arm.size, 6))
-    except Unreachable as error:
-        return error
-    return None
+def _in_mm(arm: Arm) -> str:
+    return " and ".join(f"{1e3 * length:.4g}" for length in arm.lengths)
+
+
+def _missed(problem: Problem, arm: Arm) -> Unreached | None:
+    return unreached(problem.workspace, lambda q: tip_position(arm, q), *joint_box(arm, problem.workspace))
+
+
+def _would_do(problem: Problem) -> str:
+    """Lengths beyond the limits that reach everything, in words."""
+    assert problem.link_length is not None
+    low, high = problem.link_length
+    free = tuple(limit for limit in problem.limits if limit.name != "reach")
+    wider = replace(problem, link_length=(low / _WIDER, high * _WIDER), limits=free)
+    lengths = _Finder(wider).found()
+    if lengths is None:
+        return f"nor from {1e3 * low / _WIDER:.4g} to {1e3 * high * _WIDER:.4g} mm: other joint ranges may be needed"
+    return f"links of {_in_mm(_with(wider, lengths))} mm would"
 
 
 def _with(problem: Problem, lengths: Array) -> Arm:
@@ -82,14 +101,23 @@ class _Finder:
         self.low, self.high = (np.full(len(self.free), each) for each in problem.link_length)
         self.sums = sums_allowed(problem)
         self.places = few_places(problem)
-        self.box = problem.workspace.kind == "box"
         lower, upper = joint_box(problem.arm, problem.workspace)
         self.lower, self.upper = lower, upper
         self.starts = spread(lower, upper, TRIES)[:TRIES]
         self.best: tuple[float, Array, Array] = (math.inf, np.zeros(0), np.zeros(0))
 
     def found(self) -> Array | None:
-        """Lengths that reach every place (of a box, where none do, as many as any that were tried), or None."""
+        """Lengths that reach everything, or None."""
+        for _ in range(_PLACES_ADDED):
+            lengths = self._found()
+            missed = None if lengths is None else _missed(self.problem, _with(self.problem, lengths))
+            if lengths is None or missed is None:
+                return lengths
+            self.places = np.vstack([self.places, [*missed.point, 0.0][:3]])
+        return None
+
+    def _found(self) -> Array | None:
+        """Lengths that reach the few places."""
         own = moved(np.array([self.problem.arm.lengths[k] for k in self.free]), self.low, self.high, self.sums)
         tried = [own, *spread_lengths(self.problem, _TRIED)]
         rows = np.array([each for each in tried if allowed(self.problem, each)])
@@ -114,8 +142,7 @@ class _Finder:
         if len(whole):
             near = sorted(whole, key=lambda k: float(np.abs(rows[k] - own).max()))[:_FIRST]
             return min((self._first(own, rows[k]) for k in near), key=lambda each: float(np.abs(each - own).max()))
-        reached = (misses <= REACHED).sum(axis=1)
-        return rows[int(reached.argmax())] if self.box and reached.max() > 0 else None
+        return None
 
     def _first(self, own: Array, other: Array) -> Array:
         """Where on the way from lengths to others that reach all the places these are first reached, and a bit on."""
@@ -160,5 +187,5 @@ class _Finder:
         point = ", ".join(f"{1e3 * each:.4g}" for each in self.places[int(misses.argmax())][:axes])
         return (
             f"no lengths were found within {kept} that reach all of it: the best, {words} mm, "
-            f"stay {1e3 * missing:.4g} mm short of ({point}) mm"
+            f"keep the tip {1e3 * missing:.4g} mm away from ({point}) mm"
         )

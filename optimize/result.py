@@ -15,11 +15,17 @@ from .limits import FIGURES, KEPT_WITHIN, Figure
 from .robust.result import Robust
 from .worse import Worse, worse_figures
 
-Status = Literal["certified", "converged", "searched", "stopped", "interrupted", "doubtful"]
-"""`certified`: no pose is worse than the bound, within the gap; `converged`: no worse pose was found, without proof;
+Status = Literal["certified", "certified_where_reached", "converged", "searched", "stopped", "interrupted", "doubtful"]
+"""`certified`: no pose is worse than the bound, within the gap; `certified_where_reached`: none is, but part of the box
+or path has no pose that could be; `converged`: no worse pose was found, without proof;
 `searched`: there were too many combinations to try every one, so that a better one may exist; `stopped`: the iteration
 limit ended the search; `interrupted`: an interrupt did; `doubtful`: a check of the answer failed (`doubts` says
 which)."""
+
+
+def proved(after: Evaluation) -> Status:
+    """What a proof of a design's worst case says, as far as the design reaches."""
+    return "certified" if after.unreached is None else "certified_where_reached"
 
 
 @dataclass(frozen=True)

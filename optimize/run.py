@@ -29,7 +29,7 @@ from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .reaching import start_that_reaches
-from .result import Iteration, OptimizationResult, Status
+from .result import Iteration, OptimizationResult, Status, proved
 from .robust.places import robust_places
 from .robust.run import robust_optimum
 from .sizes.driven import optimise_driven_lists
@@ -67,7 +67,7 @@ def optimise(
         if told is not None:
             told(start.why)
         further: Any = {"log": log, "progress": progress, "told": told, "executor": executor, "journal": journal}
-        return replace(optimise(start.problem, **further), start=start.why)
+        return replace(optimise(start.problem, **further), start=f'{start.why}, and "before" is that arm')
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
         settings["journal"] = journal
@@ -116,7 +116,7 @@ def optimise(
         minimize=problem.minimize,
         limits=limits_in_words(problem),
         choices=choices_in_words(given),
-        status="doubtful" if doubts else _status(choice, context, searched=not found.exhaustive),
+        status="doubtful" if doubts else _status(choice, context, after, searched=not found.exhaustive),
         arm=arm,
         before=before,
         after=after,
@@ -150,14 +150,14 @@ def _looked_at(names: str) -> str:
     return f" (looked at with {names})" if names else ""
 
 
-def _status(choice: Choice, context: Context, *, searched: bool) -> Status:
+def _status(choice: Choice, context: Context, after: Evaluation, *, searched: bool) -> Status:
     if choice.interrupted:
         return "interrupted"
     if not choice.exchanged.converged:
         return "stopped"
     if searched or not choice.exhaustive:
         return "searched"
-    return "certified" if choice.exchanged.certified and context.uses_error else "converged"
+    return proved(after) if choice.exchanged.certified and context.uses_error else "converged"
 
 
 def _objective(problem: Problem, after: Evaluation) -> float:

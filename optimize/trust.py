@@ -85,7 +85,9 @@ def doubts(
         if excess(limit, value) > GAP:
             found.append(f"{limit.text} is not kept: {format_quantity(value, limit.figure.kind, digits=6)}")
     less, more = (0.0 if each.unreached is None else each.unreached.share for each in (before, after))
-    if more > less:
+    if problem.must_reach and after.unreached is not None:
+        found.append(after.unreached.where(problem.workspace.kind))
+    elif more > less:
         kind, shares = problem.workspace.kind, (f"{100.0 * share:.2g} %" for share in (more, less))
         found.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
     was = figure.value(before)

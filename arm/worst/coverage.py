@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sections.numeric import Array
 
@@ -21,6 +22,8 @@ _ALONG = 241
 _ACROSS = 25
 """Places along each side of a box in the plane."""
 _IN_SPACE = 9
+_FINER = 4
+"""Along its edges a box has so many times as many: there a hole begins."""
 _POSES = 4096
 _NEAREST, _FURTHER = 4, 32
 """Poses with the nearest tips from which a place is tried; poses all over from which a stubborn one is."""
@@ -38,48 +41,68 @@ class Unreached:
 
     def text(self, kind: str) -> str:
         """One line for people; `kind` is the workspace's."""
+        return f"{self.where(kind)}; all figures are of the rest"
+
+    def where(self, kind: str) -> str:
+        """What of a workspace of that kind, and where most is missing, as a phrase."""
         place = ", ".join(f"{1e3 * x:.4g}" for x in self.point)
         away = f"at ({place}) mm the tip stays {1e3 * self.missing:.3g} mm away"
-        return f"{100.0 * self.share:.2g} % of the {kind} cannot be reached ({away}); all figures are of the rest"
+        part = f"{100.0 * self.share:.{2 if self.share < 0.1 else 3}g} %"
+        return f"{part} of the {kind} cannot be reached ({away})"
 
 
 def unreached(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array) -> Unreached | None:
     """What of a box or path no pose within the joint box reaches, as far as a search tells; None where all is reached,
     and for joint ranges. `tip` maps poses (N, n) to nominal tips (N, 3), m."""
-    if workspace.kind == "joints":
-        return None
+    return None if workspace.kind == "joints" else reached(workspace, tip, lower, upper)[1]
+
+
+def reached(
+    workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, *, near: Array | None = None
+) -> tuple[Array, Unreached | None]:
+    """Poses (N, n) for places all over a box or path, as near as any where a place has none, and what is `unreached`.
+
+    `near` are those of an arm like this one, from which places are tried first.
+    """
     places, weights = _places(workspace)
     used = np.array([1.0, 1.0, 0.0 if workspace.in_plane else 1.0])
     q = spread(lower, upper, _POSES)
-    tips = tip(q) * used
-    distances = [((tips - place) ** 2).sum(axis=1) for place in places * used]
-    starts = np.vstack([q[np.argpartition(each, _NEAREST)[:_NEAREST]] for each in distances])
-    _, miss = pull(tip, starts, np.repeat(places, _NEAREST, axis=0), lower, upper, used)
-    missing = miss.reshape(len(places), -1).min(axis=1)
-    stubborn = np.flatnonzero(missing > _REACHED)
-    if len(stubborn):
-        again = np.tile(q[:_FURTHER], (len(stubborn), 1))
-        _, miss = pull(tip, again, np.repeat(places[stubborn], _FURTHER, axis=0), lower, upper, used)
-        missing[stubborn] = np.minimum(missing[stubborn], miss.reshape(len(stubborn), -1).min(axis=1))
+    found, missing = np.tile(q[0], (len(places), 1)), np.full(len(places), np.inf)
+
+    def try_from(left: NDArray[np.intp], starts: Array) -> None:
+        """Pull poses (N, starts, n) onto the places left; what comes nearer is kept."""
+        each = starts.shape[1]
+        pulled, miss = pull(
+            tip, starts.reshape(-1, q.shape[1]), np.repeat(places[left], each, axis=0), lower, upper, used
+        )
+        best = miss.reshape(-1, each).argmin(axis=1)
+        pulled, miss = pulled.reshape(starts.shape)[range(len(left)), best], miss.reshape(-1, each).min(axis=1)
+        nearer = miss < missing[left]
+        found[left[nearer]], missing[left[nearer]] = pulled[nearer], miss[nearer]
+
+    if near is not None:
+        try_from(np.arange(len(places)), near[:, None])
+    left = np.flatnonzero(missing > _REACHED)
+    if len(left):
+        tips = tip(q) * used
+        distances = (((tips - place) ** 2).sum(axis=1) for place in places[left] * used)
+        try_from(left, np.stack([q[np.argpartition(each, _NEAREST)[:_NEAREST]] for each in distances]))
+    left = np.flatnonzero(missing > _REACHED)
+    if len(left):
+        try_from(left, np.tile(q[:_FURTHER], (len(left), 1, 1)))
     worst = int(missing.argmax())
     if missing[worst] <= _REACHED:
-        return None
+        return found, None
     point = places[worst][: 2 if workspace.in_plane else 3]
     share = float(weights[missing > _REACHED].sum() / weights.sum())
-    return Unreached(share, tuple(point.tolist()), float(missing[worst]))
+    return found, Unreached(share, tuple(point.tolist()), float(missing[worst]))
 
 
 def _places(workspace: Workspace) -> tuple[Array, Array]:
     """Places (N, 3) all over a box or along a path, its corners or vertices among them, and how much each counts."""
     points = np.array(workspace.points)
     if workspace.kind == "box":
-        low, high = points.min(axis=0), points.max(axis=0)
-        count = _ACROSS if workspace.in_plane else _IN_SPACE
-        sides = [np.linspace(a, b, count) if b > a else np.array([a]) for a, b in zip(low, high, strict=True)]
-        # Places on the edge stand for half as much as those inside.
-        shares = [np.where((side == side[0]) | (side == side[-1]), 0.5, 1.0) for side in sides]
-        weights = np.prod(np.meshgrid(*shares, indexing="ij"), axis=0).ravel()
-        return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3), weights
+        return _places_in_box(points.min(axis=0), points.max(axis=0), in_plane=workspace.in_plane)
     lengths = [math.dist(a, b) for a, b in itertools.pairwise(points)]
     found = [points]
     for (a, b), length in zip(itertools.pairwise(points), lengths, strict=True):
@@ -87,3 +110,23 @@ def _places(workspace: Workspace) -> tuple[Array, Array]:
         found.append(a + share * (b - a))
     places = np.vstack(found)
     return places, np.ones(len(places))
+
+
+def _places_in_box(low: Array, high: Array, *, in_plane: bool) -> tuple[Array, Array]:
+    """A grid over a box and a finer one along its edges: the places (N, 3), and how much each counts."""
+    count = _ACROSS if in_plane else _IN_SPACE
+    wide = [int(axis) for axis in np.flatnonzero(high > low)]
+    sides = [np.linspace(a, b, count if b > a else 1) for a, b in zip(low, high, strict=True)]
+    grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
+    # Places on a side stand for half as much as those inside, those along an edge for the less as they are closer.
+    ends = ((grid == low) | (grid == high))[:, wide].sum(axis=1)
+    places, weights = [grid], [np.where(ends >= len(wide) - 1, 1.0 / _FINER, 1.0) * 0.5**ends]
+    for axis in wide:
+        others = [each for each in wide if each != axis]
+        steps = np.linspace(low[axis], high[axis], _FINER * (count - 1) + 1)
+        for corner in itertools.product(*[(low[each], high[each]) for each in others]):
+            edge = np.tile(low, (len(steps) - count, 1))
+            edge[:, others], edge[:, axis] = corner, steps[np.arange(len(steps)) % _FINER > 0]
+            places.append(edge)
+            weights.append(np.full(len(edge), 0.5 ** len(others) / _FINER))
+    return np.vstack(places), np.concatenate(weights)

@@ -77,6 +77,7 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
         "x": _axis(result.asked.x, log=result.logs[0]),
         "y": _axis(result.asked.y, log=result.logs[1]),
         "by": result.asked.by,
+        "start": result.start,
         "subject_to": [limit.text for limit in result.asked.given.limits],
         "price_unit": slope_factor(result)[1],
         "knee_is": "the point farthest from the chord between the ends, axes scaled from 0 to 1 as drawn (Das 1999)",
@@ -89,6 +90,7 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
                 "on_envelope": point.number in on_envelope,
                 "price": _price(result, point),
                 **_figures(result, point),
+                **fields(point, "unreached_share"),
                 "warnings": point.figures["warnings"],
                 "links": links_json(point.arm, point.figures["link_masses"]),
                 "arm_file": point_file(result, point),
@@ -105,6 +107,7 @@ def tradeoff_csv(result: Tradeoff) -> str:
     price = f"price_{slope_factor(result)[1].replace('/', '_per_')}"
     size = result.asked.given.arm.size
     heads = ["number", "front", "on_envelope", "knee", *(key for _, key, _ in _written(result)), price]
+    heads.append("unreached_share")
     for link in range(1, size + 1):
         heads += [f"link{link}_{name}" for name in ("length_mm", "section", "material", "mass_kg")]
     writer = csv.writer(stream, lineterminator="\n")
@@ -113,6 +116,7 @@ def tradeoff_csv(result: Tradeoff) -> str:
     for point in result.points:
         row: list[Any] = [point.number, point.front, int(point.number in result.envelope.points)]
         row += [int(point.number in knees), *_figures(result, point).values(), _price(result, point)]
+        row.append(point.unreached_share)
         for link, mass in zip(point.arm.links, point.figures["link_masses"], strict=True):
             row += [1e3 * link.length, section_words(link), link.material.name if link.material else "", mass]
         writer.writerow(["" if cell is None else defused(cell) for cell in [*row, point_file(result, point)]])

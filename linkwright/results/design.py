@@ -61,7 +61,8 @@ def bound_words(evaluation: Evaluation) -> str:
     bound = bound if evaluation.worst.certified else f"{bound}, {gap} above it"
     if evaluation.growth is not None:
         bound += ", thermal expansion left out"
-    return f"certified: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
+    proved = "certified" if evaluation.unreached is None else "certified over the part reached"
+    return f"{proved}: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
 
 
 def first_order_words(evaluation: Evaluation) -> str:

@@ -309,12 +309,21 @@ def status_words(result: OptimizationResult) -> str:
     why = "bounded, not compared one by one" if bounded else "too many combinations to try every one"
     return {
         "certified": "certified: no pose of the workspace is worse, within the gap",
+        "certified_where_reached": f"certified over the part reached{_reached(result)}: no pose there is worse, within "
+        "the gap",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
         "searched": f"searched: {why}; {_others(result)}",
         "stopped": "stopped at the limit of iterations: a better design may exist",
         "interrupted": f"interrupted: the best design so far, {_rests_on(result)}; a better one may exist",
         "doubtful": f"doubtful: {'; '.join(result.doubts)}",
     }[result.status]
+
+
+def _reached(result: OptimizationResult) -> str:
+    """What share of a box or path the new design reaches, in brackets; nothing where that is all of it."""
+    missed = result.after.unreached
+    part = "" if missed is None else percent(1.0 - missed.share)
+    return "" if missed is None else f" ({part} of the {result.after.workspace.kind})"
 
 
 def _rests_on(result: OptimizationResult) -> str:

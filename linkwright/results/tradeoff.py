@@ -48,6 +48,8 @@ def describe(result: Tradeoff) -> Description:
     items: list[Item] = [
         Facts(_facts(result), detail=True),
         *(Paragraph(line, "under") for line in (*fronts, *without)),
+        *([] if result.start is None else [Paragraph(result.start, "warning")]),
+        *unreached_words(result),
         section("The front", Picture("front"), lead=_POINT, detail=True),
         section("Ends, steps and idle stretches", *(Paragraph(line, "under") for line in told), lead=ends),
         section("The price along the front", Picture("price"), lead=price, detail=True),
@@ -68,6 +70,19 @@ def _front_words(result: Tradeoff, front: Front) -> str:
     reach = f"{shown(x, points[0].x)} to {shown(x, points[-1].x)}"
     span = f"{y.title} {shown(y, points[0].y)} to {shown(y, points[-1].y)}"
     return f"{front.name}: {len(points)} points, {x.title} {reach}, {span}"
+
+
+def unreached_words(result: Tradeoff) -> list[Paragraph]:
+    """What of a box or path designs of the front do not reach."""
+    shares = [point.unreached_share for point in result.points if point.unreached_share > 0.0]
+    if not shares:
+        return []
+    least, most = percent(min(shares)), percent(max(shares))
+    part = least if least == most else f"{least} to {most}"
+    who = "any point" if len(shares) == len(result.points) else f"{len(shares)} of {len(result.points)} points"
+    kind = result.asked.given.workspace.kind
+    told = f"{part} of the {kind} is not reached by {who}: the figures there, certified ones too, are of the rest"
+    return [Paragraph(told, "warning")]
 
 
 def _facts(result: Tradeoff) -> tuple[Fact, ...]:

@@ -15,12 +15,14 @@ class Anchor:
     """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints move without it.
 
     `side` (-1 or 1) is the sign of the determinant of the tip's Jacobian with those rows below it: where an arm is
-    nearly stretched, its elbow could otherwise flip to the other side, where the error is another.
+    nearly stretched, its elbow could otherwise flip to the other side, where the error is another. `free`: joints to
+    spare may move as they like, for the pose is there so that the place is reached, in whatever way.
     """
 
     tip: tuple[float, float, float]
     null: tuple[tuple[float, ...], ...]
     side: float
+    free: bool = False
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ def pool_of(content: Mapping[str, Any]) -> Pool:
         anchor = cut["anchor"]
         if anchor is not None:
             null = tuple(tuple(row) for row in anchor["null"])
-            anchor = Anchor(_three(anchor["tip"]), null, anchor["side"])
+            anchor = Anchor(_three(anchor["tip"]), null, anchor["side"], anchor.get("free", False))
         errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
     held = tuple(
         (family, tuple(Cut(tuple(cut["q"]), cut["group"], tuple(cut["more"])) for cut in cuts))

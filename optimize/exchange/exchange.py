@@ -16,6 +16,7 @@ import numpy as np
 
 from arm.chain.chain import Arm
 from arm.errors.model import ErrorModel, error_model
+from arm.worst.coverage import reached
 from arm.worst.parts import worst_search
 from arm.worst.search import WorstCase, WorstPose, WorstSearch
 from arm.worst.workspace import Unreachable, pull
@@ -126,6 +127,7 @@ class Exchange:
         self.context, self.space = context, space
         self._anchors = anchored(space)
         self._program: Program | None = None
+        self._reached: Array | None = None
         self.room: Room | None = None
         """That of the program, which is compiled when it is needed."""
         self.infeasible = False
@@ -210,7 +212,7 @@ class Exchange:
             try:
                 found = self._judge(last, solution, chosen, pool, push)
             except Unreachable as missing:
-                # The new lengths are too short for a place that the start reaches: from now on a pose holds on to it.
+                # The new lengths miss a place that the start reaches: from now on a pose holds on to it.
                 grown = pool.with_errors(self._reaching(missing.point, start, chosen)) if self._anchors else pool
                 if grown.size == pool.size:
                     raise
@@ -239,7 +241,18 @@ class Exchange:
             return ()
         nearest = q[[int(np.argmin(miss))]]
         pose = search.worst_poses_at(nearest, p, search.case_at(nearest[0], p, 0))[0]
-        return (error_cut(self.context, pose, p, self.space),)
+        cut = error_cut(self.context, pose, p, self.space)
+        assert cut.anchor is not None
+        return (replace(cut, anchor=replace(cut.anchor, free=True)),)
+
+    def _hold_on(self, p: Array) -> None:
+        """Raises `Unreachable` with the place of a box or path that a design, with its beam values, misses by most."""
+        search = self.context.search
+        self._reached, missed = reached(
+            search.workspace, lambda q: search.tip(q, p), search.lower, search.upper, near=self._reached
+        )
+        if missed is not None:
+            raise Unreachable(missed.point, missed.missing)
 
     def worse_poses(self, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> Pool:
         """The pool with the poses at which a solution breaks the problem's limits; the same where there are none."""
@@ -254,6 +267,8 @@ class Exchange:
         arm = arm_of(self.space, x, chosen)
         p = numeric_beams(arm, context.problem.load_cases)
         violation, certified, worst = -math.inf, True, None
+        if self._anchors:
+            self._hold_on(p)
         grown = _anchored_again(context, pool, p) if self._anchors else pool
         kept = grown.size
         if context.uses_error:
@@ -369,7 +384,8 @@ def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
             lambda q: search.tip(q, p), np.array([cut.q]), np.array([cut.anchor.tip]), search.lower, search.upper, used
         )
         if miss[0] < 1e-7:
-            kept.append(replace(cut, q=tuple(q[0].tolist()), anchor=_anchor(context, q[0], p)))
+            anchor = replace(_anchor(context, q[0], p), free=cut.anchor.free)
+            kept.append(replace(cut, q=tuple(q[0].tolist()), anchor=anchor))
     # A place that the new lengths do not reach is dropped.
     return replace(pool, errors=tuple(kept))
 

@@ -65,7 +65,8 @@ def other_lengths(
     for _, trial in sorted(found, key=lambda each: each[0]):
         if len(starts) == most:
             break
-        if not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts):
+        apart = not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts)
+        if apart and share_unreached(context, space, trial, chosen) == 0.0:
             starts.append(trial)
     return starts
 

@@ -209,6 +209,7 @@ class Program:
         rows = [row for block in blocks.values() for row in block.rows]
         self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
         self._lower[len(rows) :] = 0.0
+        self._equal_from = len(rows)
         self._place: dict[str, slice] = {}
         start = 0
         for name, block in blocks.items():
@@ -348,14 +349,15 @@ class Program:
         weights = (0.0, 1.0) if relax else (0.0 if push is not None or elastic is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
-        least, most = self._turns(np.array(unknowns), turn)
+        least, most = self._turns(errors, np.array(unknowns), turn)
+        low, high = self._row_bounds(errors)
         result = self._solver(
             x0=[*inside, y, *slack, *unknowns],
             p=[*materials, *weights, *pushed, *price, *(limit.value for limit in own), squared, rounding, *values],
             lbx=[*lower, -40.0, *equal, *least],
             ubx=[*upper, 40.0, *give, *most],
-            lbg=self._lower,
-            ubg=np.zeros(len(self._lower)),
+            lbg=low,
+            ubg=high,
         )
         stats = self._solver.stats()
         point = np.array(result["x"]).ravel()
@@ -372,7 +374,7 @@ class Program:
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
-            turned=bool(np.any(np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn)),
+            turned=bool(np.any((np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn) & ~self._at_will(errors))),
             multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
 
@@ -399,15 +401,42 @@ class Program:
         squares = np.array(self._squares(x, unknowns, [*fixed, *values])).ravel()
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 
-    def _turns(self, q: Array, turn: float) -> tuple[Array, Array]:
+    def _turns(self, errors: Sequence[ErrorCut], q: Array, turn: float) -> tuple[Array, Array]:
         """Bounds of the anchored poses. Without a joint to spare a place is reached within the joints' ranges or not at
-        all; an arm that has one may reach it in another way, which the next round finds."""
+        all; an arm that has one may reach it in another way, which the next round finds, unless all that is asked is
+        that some way is left."""
         arm = self.model.arm
-        if arm.size > (2 if self.model.planar else 3):
-            return q - turn, q + turn
         low, high = climbing_bounds(arm, *joint_box(arm, self.space.problem.workspace))
         times = len(q) // arm.size
-        return np.maximum(q - turn, np.tile(low, times)), np.minimum(q + turn, np.tile(high, times))
+        low, high = np.tile(low, times), np.tile(high, times)
+        if arm.size > self._axes:
+            will = self._at_will(errors)
+            return np.where(will, low, q - turn), np.where(will, high, q + turn)
+        return np.maximum(q - turn, low), np.minimum(q + turn, high)
+
+    @property
+    def _axes(self) -> int:
+        """How many coordinates of the tip count."""
+        return 2 if self.model.planar else 3
+
+    def _at_will(self, errors: Sequence[ErrorCut]) -> NDArray[np.bool_]:
+        """Which joints of the anchored poses move as they like."""
+        free = [cut.anchor is not None and cut.anchor.free for cut in errors] if self._anchored else []
+        return np.repeat(np.array(free, dtype=bool), self.model.arm.size)
+
+    def _row_bounds(self, errors: Sequence[ErrorCut]) -> tuple[Array, Array]:
+        """What each row lies between: nothing holds a pose that is free on its side or in its joints to spare."""
+        lower, upper = self._lower, np.zeros(len(self._lower))
+        spare = self.model.arm.size - self._axes
+        if not self._anchored or spare <= 0:
+            return lower, upper
+        lower = lower.copy()
+        for slot, cut in enumerate(errors):
+            if cut.anchor is not None and cut.anchor.free:
+                upper[self._place["sides"].start + slot] = np.inf
+                first = self._equal_from + slot * self.model.arm.size + self._axes
+                lower[first : first + spare], upper[first : first + spare] = -np.inf, np.inf
+        return lower, upper
 
     def _active(self, multipliers: Array, errors: list[ErrorCut], held: Mapping[str, list[Cut]]) -> Pool:
         """The poses that hold the solution."""

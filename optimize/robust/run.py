@@ -104,7 +104,7 @@ def _kept(problem: Problem, nominal: OptimizationResult, robust: Robust, began: 
 def _status(status: Status, *, settled: bool) -> Status:
     if not settled:
         return "stopped"
-    return "converged" if status == "certified" else status
+    return "converged" if status in ("certified", "certified_where_reached") else status
 
 
 def _result(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from arm.errors.lost_motion import played
+from arm.worst.coverage import reached
 from arm.worst.workspace import Unreachable, pull
 from optimize.exchange.exchange import Context
 from optimize.limits import KEPT_WITHIN, Cut, Designs, Limit, OfDesign, OfLinks, PoseFamily, ThroughPoses, Worst, excess
@@ -71,6 +72,9 @@ class RoundSearch:
         self._cuts: dict[str, list[Cut]] = {}
         """Poses that broke a limit of a family that looks at designs one by one."""
         self._moved: dict[tuple[int, int], Array | None] = {}
+        self._whole: dict[int, bool] = {}
+        """Which choices of lengths reach all that they must."""
+        self._near: Array | None = None
         self._done: set[tuple[int, ...]] = set()
         self._excluded: set[tuple[int, ...]] = set()
         self._heard = heard
@@ -111,6 +115,9 @@ class RoundSearch:
                 self.complete = False
                 break
             pick = tuple(int(k) for k in picks[top])
+            if not self._reaches(pick[-1]):
+                scores.bound[picks[:, -1] == pick[-1]] = math.inf
+                continue
             scores.bound[top] = math.inf
             if pick not in self._done:
                 self._done.add(pick)
@@ -229,8 +236,7 @@ class RoundSearch:
         return found
 
     def _reaching(self, pose: Pose, lengths: int) -> Array | None:
-        search = self.context.search
-        p = self.table.figures(np.array([[*[0] * len(self.table.groups), lengths]])).p[0]
+        search, p = self.context.search, self._with_lengths(lengths)
         used = np.array([1.0, 1.0, float(not self.context.model.planar)])
         target = np.array([pose.tip])
         q, miss = pull(lambda q: search.tip(q, p), np.array([pose.q]), target, search.lower, search.upper, used)
@@ -282,6 +288,20 @@ class RoundSearch:
             return
         if kept and (self.best is None or values["objective"] < self.best[1]):
             self.best = (pick, values["objective"])
+
+    def _reaches(self, lengths: int) -> bool:
+        """Whether a choice of lengths reaches all that it must."""
+        if self.problem.must_reach and lengths not in self._whole:
+            search, p = self.context.search, self._with_lengths(lengths)
+            self._near, missed = reached(
+                search.workspace, lambda q: search.tip(q, p), search.lower, search.upper, near=self._near
+            )
+            self._whole[lengths] = missed is None
+        return self._whole.get(lengths, True)
+
+    def _with_lengths(self, lengths: int) -> Array:
+        """The beam values of a design that has a choice of lengths."""
+        return self.table.figures(np.array([[*[0] * len(self.table.groups), lengths]])).p[0]
 
     def _kept(self, name: str, value: float, number: int | None = None) -> bool:
         limits = self.problem.limit(name) if number is None else (self.problem.limits[number],)

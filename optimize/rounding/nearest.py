@@ -78,6 +78,8 @@ def _evaluated(problem: Problem, search: RoundSearch, pick: Integers) -> Nearest
         found = evaluate(search.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
     except Unreachable:
         return None
+    if problem.must_reach and found.unreached is not None:
+        return None
     each = [excess(limit, limit.of(found)) for limit in problem.limits]
     return Nearest(found, max((value for value in each if not math.isnan(value)), default=0.0), proven=False)
 

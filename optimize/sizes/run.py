@@ -19,7 +19,7 @@ from optimize.exchange.design import numeric_beams
 from optimize.exchange.exchange import context_of
 from optimize.limits import broken, excess
 from optimize.problem import Problem
-from optimize.result import Candidate, Iteration, OptimizationResult, Status
+from optimize.result import Candidate, Iteration, OptimizationResult, Status, proved
 from optimize.rounding.nearest import nearest_design
 from optimize.trust import doubts
 from units.quantities import NoAnswer, format_quantity
@@ -125,7 +125,7 @@ def _status(found: Found, after: Evaluation, *, proven: bool, uses_error: bool) 
         return "interrupted"
     if not proven:
         return "searched"
-    return "certified" if after.worst.certified and uses_error else "converged"
+    return proved(after) if after.worst.certified and uses_error else "converged"
 
 
 def _among(arm: Arm, lists: tuple[LinkList, ...]) -> bool:

@@ -98,10 +98,12 @@ def search_for(asked: Question, problem: Problem, told: Told) -> Search | Listed
     return Search(asked, problem, told) if problem.sizes is None else ListedSearch(asked, problem, told)
 
 
-def record_of(asked: Question, problem: Problem, design: Design) -> Record:
-    """What is noted of a design: itself and its figures."""
+def record_of(asked: Question, problem: Problem, design: Design) -> Record | None:
+    """What is noted of a design: itself and its figures; nothing where it leaves what it must reach."""
     whole = asked.problem
     evaluation = evaluate(arm_with(problem, design), whole.workspace, whole.load_cases)
+    if problem.must_reach and evaluation.unreached is not None:
+        return None
     return {"design": design_record(design), "figures": _figures(evaluation, whole.figures)}
 
 
@@ -121,5 +123,6 @@ def _figures(evaluation: Evaluation, figures: Mapping[str, Figure]) -> dict[str,
         "upper_bound": evaluation.upper_bound,
         "certified": evaluation.worst.certified,
         "link_masses": list(evaluation.link_masses),
+        "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
         "warnings": list(evaluation.warnings),
     }

@@ -38,6 +38,11 @@ class Point:
         """Whether no pose is worse than the upper bound."""
         return bool(self.figures["certified"])
 
+    @property
+    def unreached_share(self) -> float:
+        """What share of a box or a path the design does not reach; its figures are of the rest."""
+        return float(self.figures.get("unreached_share", 0.0))  # journals of before 0.1 say nothing of it
+
 
 @dataclass(frozen=True)
 class Front:
@@ -82,6 +87,9 @@ class Tradeoff:
     resumed: int
     interrupted: bool = False
     """Whether an interrupt ended the work: these are then the points that it had."""
+    start: str | None = None
+    """Why the search began with other lengths than those of the arm as given, where that does not reach what is
+    asked."""
 
     def of(self, front: Front) -> tuple[Point, ...]:
         """The points of a front."""

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from arm.worst.workspace import Unreachable
 from optimize.choice.combinations import MOST_COMBINATIONS
 from optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
 from optimize.exchange.binding_poses import ErrorCut, Pool
@@ -226,7 +227,12 @@ class _Trial:
         if self.pool is None:
             return
         exchange, materials = self._exchange(pick)
-        done = exchange.run(materials, pick.materials, self.pool, start, give_up_above=self.badness, push=self._push)
+        try:
+            done = exchange.run(
+                materials, pick.materials, self.pool, start, give_up_above=self.badness, push=self._push
+            )
+        except Unreachable:
+            return  # lengths that lead nowhere say nothing of others
         if done is None:
             return
         self.pool = self.pool.joined(done.solution.active)

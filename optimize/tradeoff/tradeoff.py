@@ -22,6 +22,7 @@ from optimize.choice.picks import options
 from optimize.exchange.design import material_row
 from optimize.infeasible.answer import Infeasibility, Infeasible
 from optimize.infeasible.needed import explained
+from optimize.reaching import start_that_reaches
 from units.quantities import NoAnswer
 
 from .crew import Crew
@@ -57,6 +58,10 @@ def trade_off(
     `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the question needs.
     """
     began = time.perf_counter()
+    start = start_that_reaches(asked.given)
+    if start is not None:
+        own = replace(asked.problem, arm=start.problem.arm)
+        asked = replace(asked, given=start.problem, problem=own)
     book = journal or Journal(None, "")
     known = book.size
     for materials in options(asked.problem)[1]:
@@ -77,8 +82,7 @@ def trade_off(
                     blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
                     without[-1] = name, blocked[-1].text
         except Unreachable as error:
-            hint = "; start from an arm that reaches it" if problem.link_length is not None else ""
-            without.append((name, f"workspace: {error}{hint}"))
+            without.append((name, f"workspace: {error}"))
         except NoAnswer as error:
             without.append((name, str(error)))
         except KeyboardInterrupt:
@@ -98,6 +102,7 @@ def trade_off(
             best, interrupted = _unrefined(asked, tracers), True
     seconds, solved = time.perf_counter() - began, book.size - known
     found = _result(asked, accuracy, tracers, best, tuple(without), seconds, solved)
+    found = replace(found, start=None if start is None else start.why)
     if not interrupted:
         return found
     fronts = tuple(replace(each, complete=False) for each in found.fronts)

@@ -1,0 +1,136 @@
+"""Free lengths over a box: all of it must be reached, or it is said what of it is not and what lengths would do."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arm.chain.chain import Arm
+from arm.evaluation import evaluate
+from linkwright.json.design import optimization_json
+from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
+from linkwright.results.design import bound_words
+from linkwright.results.figures_in_words import percent
+from linkwright.results.optimization import status_words
+from linkwright.results.tradeoff import describe, unreached_words
+from optimize.problem import Problem
+from optimize.rounding.options import read_rounding
+from optimize.rounding.rounding import optimise_rounded
+from optimize.run import optimise
+from optimize.tradeoff.question import question
+from optimize.tradeoff.tradeoff import trade_off
+from tests.optimize.builders import jointed, one_exchange, problem_of, ranged
+from tests.optimize.test_regions import ARM, BOX, FREE, MASS, poses_in_region
+from units.quantities import NoAnswer
+
+REACHING = jointed((450, 450), ranged("-120 120", "-10 150"))
+LIGHT = "minimize: mass\n"
+ACCURATE = "subject_to: {max_error: '<= 2 mm', section_size: [5 mm, 200 mm], link_length: [200 mm, 900 mm]}\n"
+
+
+def test_free_lengths_reach_all_of_a_box(tmp_path: Path) -> None:
+    """The lightest links are as short as the farthest corner allows, and no shorter: what is not reached would have no
+    error to be judged by."""
+    result = optimise(problem_of(tmp_path, REACHING, BOX + LIGHT + ACCURATE))
+    assert result.status == "certified"
+    assert result.after.unreached is None
+    assert sum(result.arm.lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
+    problem = problem_of(tmp_path, REACHING, BOX + LIGHT + ACCURATE)
+    assert len(poses_in_region(result, problem)) >= 81**2 - 2  # rounding may take the two corners
+
+
+def test_search_begins_with_lengths_that_reach_all_of_a_box(tmp_path: Path) -> None:
+    """The arm as given stops 12 mm short of two corners alone; lengths that reach them are within what is allowed."""
+    short = jointed((375, 375), ranged("-120 120", "-10 150"))
+    result = optimise(problem_of(tmp_path, short, BOX + FREE))
+    assert result.start is not None
+    assert "of the box cannot be reached" in result.start
+    assert "the tip stays 11.6 mm away" in result.start
+    assert result.status == "certified"
+    assert (result.before.unreached, result.after.unreached) == (None, None)
+
+
+def test_box_that_no_lengths_reach_is_no_certified_answer(tmp_path: Path) -> None:
+    """The far corner is 762 mm away and two links of at most 370 mm come to 740 mm; longer ones would do."""
+    limits = FREE.replace("900 mm", "370 mm")
+    problem = problem_of(tmp_path, jointed((360, 360), ranged("-120 120", "-10 150")), BOX + limits)
+    with pytest.raises(NoAnswer) as caught:
+        optimise(problem)
+    told = str(caught.value)
+    assert "\n" not in told
+    assert "link_length 200 to 370 mm" in told
+    assert "21.58 mm away from (700, " in told
+    lengths = re.search(r"links of ([\d.]+) and ([\d.]+) mm would", told)
+    assert lengths is not None
+    would = replace(problem, arm=jointed_with(problem, [1e-3 * float(each) for each in lengths.groups()]))
+    assert evaluate(would.arm, would.workspace).unreached is None
+
+
+def jointed_with(problem: Problem, lengths: list[float]) -> Arm:
+    """The arm of a problem with other lengths, a hair longer than they were written."""
+    links = [replace(link, length=each + 1e-4) for link, each in zip(problem.arm.links, lengths, strict=True)]
+    return problem.arm.with_links(tuple(links))
+
+
+def test_fixed_lengths_that_leave_part_of_a_box_are_certified_over_the_rest_alone(tmp_path: Path) -> None:
+    box = "workspace: {box: [[100 mm, -300 mm], [1100 mm, 300 mm]]}\n"
+    result = optimise(problem_of(tmp_path, ARM, box + MASS))
+    assert result.after.unreached is not None
+    reached = percent(1.0 - result.after.unreached.share)
+    assert result.status == "certified_where_reached"
+    assert f"certified over the part reached ({reached} of the box)" in status_words(result)
+    content = optimization_json(result)
+    assert bound_words(result.after).startswith("certified over the part reached: ")
+    assert content["status"] == "certified_where_reached"
+    assert content["unreached_share"] == result.after.unreached.share
+
+
+def test_place_to_reach_leaves_joints_to_spare_as_they_like(tmp_path: Path) -> None:
+    """Three links, of which only their sum counts where the corner is: a pose that held on to it as it stood would
+    keep them longer."""
+    arm = jointed((400, 400, 400), ranged("-120 120", "-150 150", "-150 150"))
+    found, done = one_exchange(problem_of(tmp_path, arm, BOX + LIGHT + ACCURATE))
+    assert done.converged
+    assert sum(found.lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
+
+
+def test_rounded_lengths_reach_all_of_a_box_too(tmp_path: Path) -> None:
+    """Rounded down, the lengths of the optimum would stop short of the corner."""
+    rounding = read_rounding("1 mm", "10 mm")
+    result = optimise_rounded(problem_of(tmp_path, REACHING, BOX + LIGHT + ACCURATE), rounding)
+    assert result.rounded is not None
+    assert result.rounded.evaluation.unreached is None
+    assert sum(result.rounded.arm.lengths) == pytest.approx(0.77, abs=1e-9)
+
+
+def test_points_of_a_trade_off_reach_all_of_a_box(tmp_path: Path) -> None:
+    """From an arm that does not, and with the lightest links as short as the corner allows."""
+    short = jointed((375, 375), ranged("-120 120", "-10 150"))
+    limits = ACCURATE.replace("2 mm'", "2 mm', mass: '<= 2.2 kg'")
+    front = trade_off(question(problem_of(tmp_path, short, BOX + limits), "mass", "max_error"), accuracy=0.4)
+    assert front.start is not None
+    assert len(front.points) > 2
+    for point in front.points:
+        assert point.unreached_share == 0.0
+        assert sum(point.arm.lengths) >= np.hypot(0.7, 0.3) * (1.0 - 1e-9)
+    assert sum(front.points[0].arm.lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
+    assert all(each["unreached_share"] == 0.0 for each in tradeoff_json(front)["points"])
+
+
+def test_trade_off_with_holes_in_a_box_says_so(tmp_path: Path) -> None:
+    box = "workspace: {box: [[400 mm, -300 mm], [960 mm, 300 mm]]}\n"
+    found = trade_off(question(problem_of(tmp_path, ARM, box + MASS), "mass", "max_error"), accuracy=0.4)
+    missed = evaluate(found.asked.given.arm, found.asked.given.workspace).unreached
+    assert missed is not None
+    assert {point.unreached_share for point in found.points} == {missed.share}
+    (told,) = unreached_words(found)
+    assert "of the box is not reached by any point" in told.text
+    assert told in describe(found).items
+    rows = list(csv.DictReader(io.StringIO(tradeoff_csv(found))))
+    assert {float(row["unreached_share"]) for row in rows} == {missed.share}
