@@ -221,9 +221,11 @@ class Exchange:
             iterations.append(Iteration(number, objective, change, pool.size, found.violation, found.certified))
             if log is not None:
                 log(iterations[-1])
-            agreed = found.violation <= TOLERANCE and not solution.turned
+            # Poses that strayed out of the joint ranges are brought back into them: another round may do better.
+            again = solution.turned or (solution.strayed and _believed_worse(solution, found))
+            agreed = found.violation <= TOLERANCE and not again
             best = Exchanged(last, solution, pool, found.worst, tuple(iterations), found.certified, agreed)
-            if agreed or not (found.added or solution.turned):
+            if agreed or not (found.added or again):
                 break
             pool = found.pool
         return best
@@ -333,6 +335,11 @@ class _Judged:
     worst: WorstCase | None
     pool: Pool
     added: bool
+
+
+def _believed_worse(solution: Solution, found: _Judged) -> bool:
+    """Whether a program believes that a design is worse than it is."""
+    return found.worst is not None and found.worst.error < solution.error * (1.0 - TOLERANCE)
 
 
 def _pushed(context: Context, number: int, slack: float) -> Context:

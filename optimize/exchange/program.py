@@ -56,6 +56,8 @@ _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
 ROUNDINGS = (3e-2, 1e-3, 2e-5)
 """Of the corners between drives' zones, one solution after the other, as parts of the load at which a zone ends."""
+_STRAYED = 1e-6
+"""A pose that is farther (rad, m) beyond a joint's range is outside it."""
 TURN = 0.5
 """An anchored pose may turn its joints by this (rad) in one round: further, it could flip to another way of reaching
 its place, with another error."""
@@ -89,7 +91,8 @@ class Solution:
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
     the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each
     limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution. `turned`: an anchored
-    pose was held back from turning further, so that another round from here may do better.
+    pose was held back from turning further, so that another round from here may do better. `strayed`: one that has
+    joints to spare left a joint's range, so that its error may be none of the workspace's.
     """
 
     x: Array
@@ -102,6 +105,7 @@ class Solution:
     message: str
     active: Pool
     turned: bool
+    strayed: bool = False
     infeasible: bool = False
     """Found without a design although limits might give way: more than a failure of the solver."""
     multipliers: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
@@ -374,6 +378,7 @@ class Program:
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
+            strayed=self._strayed(point[size + 1 + count :]),
             turned=bool(np.any((np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn) & ~self._at_will(errors))),
             multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
@@ -413,6 +418,12 @@ class Program:
             will = self._at_will(errors)
             return np.where(will, low, q - turn), np.where(will, high, q + turn)
         return np.maximum(q - turn, low), np.minimum(q + turn, high)
+
+    def _strayed(self, q: Array) -> bool:
+        """Whether one of the anchored poses is outside the joint ranges."""
+        low, high = climbing_bounds(self.model.arm, *joint_box(self.model.arm, self.space.problem.workspace))
+        each = q.reshape(-1, self.model.arm.size)
+        return bool(np.any((each < low - _STRAYED) | (each > high + _STRAYED)))
 
     @property
     def _axes(self) -> int:
