@@ -25,7 +25,7 @@ help:
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
 	@echo "make instruments  what each cheap instrument shows, and finds against a tracker (docs/recordings.md; half an hour)"
 	@echo "make results    benchmarks/RESULTS.md: every measured figure beside its target (RESULTS_ARGS=--quick; many minutes)"
-	@echo "make problems   hold the optimiser against every combination of random problems, 50 of each kind (PROBLEMS=50)"
+	@echo "make problems   hold the optimiser against every combination of random problems and a hand calculation, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
@@ -130,7 +130,7 @@ results: $(DEV)
 # Some ten minutes of CPU for each ten problems.
 PROBLEMS ?= 50
 problems: $(DEV)
-	@$(ONE_THREAD) PROBLEMS=$(PROBLEMS) $(BIN)/python -m pytest -n 2 $(PYTEST_ARGS) tests/optimize/test_invariants.py
+	@$(ONE_THREAD) PROBLEMS=$(PROBLEMS) $(BIN)/python -m pytest -n 2 $(PYTEST_ARGS) tests/optimize/test_invariants.py tests/optimize/adversary
 
 PROOF_CASES ?= 1000
 PROOF_SEED ?= 1
