@@ -53,13 +53,18 @@ def start_that_reaches(problem: Problem) -> Start | None:
     if not problem.must_reach:
         return None
     missing = _missed(problem, problem.arm)
-    if missing is None:
+    own = np.array([problem.arm.lengths[k] for k in free_links(problem)])
+    if missing is None and allowed(problem, own):
         return None
     finder = _Finder(problem)
     lengths = finder.found()
     if lengths is None:
-        told = missing.where(problem.workspace.kind)
-        raise NoAnswer(f"workspace: {told} with the arm as given; {finder.in_vain()}; {_would_do(problem)}")
+        told = "the arm as given reaches it all with lengths that are not allowed"
+        if missing is not None:
+            told = f"{missing.where(problem.workspace.kind)} with the arm as given"
+        raise NoAnswer(f"workspace: {told}; {finder.in_vain()}; {_would_do(problem)}")
+    if missing is None:
+        return None
     arm = _with(problem, lengths)
     told = missing.where(problem.workspace.kind)
     why = f"the arm as given does not reach it all ({told}): the search began with links of {_in_mm(arm)} mm"

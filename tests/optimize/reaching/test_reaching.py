@@ -72,6 +72,13 @@ def test_box_that_no_lengths_reach_is_no_certified_answer(tmp_path: Path) -> Non
     assert evaluate(would.arm, would.workspace).unreached is None
 
 
+def test_lengths_that_reach_the_box_but_are_not_allowed_are_told(tmp_path: Path) -> None:
+    """The corner is 762 mm away; the arm as given reaches it, and a reach of 750 mm does not."""
+    limits = FREE.replace("link_length", "reach: '<= 750 mm', link_length")
+    with pytest.raises(NoAnswer, match=r"not allowed; no lengths were found within .*, reach <= 750 mm that reach all"):
+        optimise(problem_of(tmp_path, REACHING, BOX + limits))
+
+
 def jointed_with(problem: Problem, lengths: list[float]) -> Arm:
     """The arm of a problem with other lengths, a hair longer than they were written."""
     links = [replace(link, length=each + 1e-4) for link, each in zip(problem.arm.links, lengths, strict=True)]
