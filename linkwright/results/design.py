@@ -55,8 +55,8 @@ def bound_words(evaluation: Evaluation) -> str:
         return "the worst of all poses searched; no bound is known for this model"
     bound = f"no pose is worse than {mm(known, 6)} to first order"
     if evaluation.unreached is not None:
-        part = percent(1.0 - evaluation.unreached.share)
-        bound += f", of the {part} of the {evaluation.workspace.kind} that is reached"
+        part = percent(evaluation.unreached.share)
+        bound += f", of the part of the {evaluation.workspace.kind} that is reached (all but {part})"
     gap = percent(known / evaluation.max_error - 1.0) if evaluation.max_error else ""
     bound = bound if evaluation.worst.certified else f"{bound}, {gap} above it"
     if evaluation.growth is not None:

@@ -320,10 +320,9 @@ def status_words(result: OptimizationResult) -> str:
 
 
 def _reached(result: OptimizationResult) -> str:
-    """What share of a box or path the new design reaches, in brackets; nothing where that is all of it."""
+    """What share of a box or path the new design does not reach, in brackets; nothing where it reaches all."""
     missed = result.after.unreached
-    part = "" if missed is None else percent(1.0 - missed.share)
-    return "" if missed is None else f" ({part} of the {result.after.workspace.kind})"
+    return "" if missed is None else f" (all but {percent(missed.share)} of the {result.after.workspace.kind})"
 
 
 def _rests_on(result: OptimizationResult) -> str:
