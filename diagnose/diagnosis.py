@@ -143,7 +143,14 @@ def cleaned_of(
     if isinstance(recording, Several):
         found = [cleaned_of(arm, each, rules) for each in recording.each]
         parts = [cleaned for _, _, cleaned, _ in found]
-        again = together(parts, arm, units=recording.units, names=recording.names, first_row=recording.first_row)
+        again = together(
+            parts,
+            arm,
+            units=recording.units,
+            names=recording.names,
+            first_row=recording.first_row,
+            rules=rules.residual,
+        )
         floors = tuple(noise for _, noise, _, _ in found)
         return again, floor_of_all(floors, again), again, floors
     arm = arm.on(recording.branch)

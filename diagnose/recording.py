@@ -24,6 +24,18 @@ class RejectedRow:
 
 
 @dataclass(frozen=True)
+class Earlier:
+    """What an arm had been through before a recording that goes on from others: `time` (M,) of their readings on its
+    clock, s, the earliest first; what they do not hold is None: `payload_mass` (M,) kg, `temperature` (M,) K and
+    `link_temperature` (M, n) K, absolute."""
+
+    time: Array
+    payload_mass: Array | None = None
+    temperature: Array | None = None
+    link_temperature: Array | None = None
+
+
+@dataclass(frozen=True)
 class Recording:
     """N readings in the order of the file, less those set aside.
 
@@ -38,7 +50,8 @@ class Recording:
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
     for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
     number), `date` when it was made (`2026-05-16`), `branch` whose tip was measured of several arms on one torso, empty
-    where nobody said.
+    where nobody said. `started` is what the file's clock showed at the first reading, s; `earlier` what the arm had
+    been through before it, where another recording tells.
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
@@ -82,6 +95,8 @@ class Recording:
     sigma_angle: float | None = None
     instrument: Instrument = field(default_factory=Instrument)
     branch: str = ""
+    started: float | None = None
+    earlier: Earlier | None = None
 
     @property
     def observed_as(self) -> Slots | None:

@@ -16,6 +16,15 @@ Scalars = tuple[Scalar, ...]
 
 
 @dataclass(frozen=True)
+class Past:
+    """Where the arm had been before the first of some readings: times (M,) on their clock, s, none of them later than
+    that reading, and the `warming` (K above 20 degC) of each link at them (M,), None where nobody knows it."""
+
+    time: NDArray[np.float64]
+    warming: tuple[NDArray[np.float64], ...] | None = None
+
+
+@dataclass(frozen=True)
 class Conditions:
     """Conditions of one pose (floats) or of N readings in the order of their visits (arrays of N).
 
@@ -23,7 +32,8 @@ class Conditions:
     joint last moved towards increasing coordinates, -1 otherwise, one for each joint. `velocities` (rad/s, m/s) and
     `accelerations` (rad/s^2, m/s^2), `commanded` coordinates (rad, m), one for each joint. `loaded_for` is the time (s)
     since the present payload was taken up. `last_moves` (rad, m), one for each joint, is how far it had gone since the
-    reading before, nought at the first.
+    reading before, nought at the first. `past` is what the arm had been through before the first reading, where it is
+    known: lags go on from there.
     """
 
     time: Scalar | None = None
@@ -34,12 +44,13 @@ class Conditions:
     commanded: Scalars | None = None
     loaded_for: Scalar | None = None
     last_moves: Scalars | None = None
+    past: Past | None = None
 
     def lagged_warming(self, link: int, lag: float) -> Scalar:
         """The warming of `link` (from 0) behind a first-order lag of `lag` s: lag * dT'/dt = warming - dT.
 
-        The link starts at the first reading's temperature, and temperature runs linearly between readings, for which
-        the answer is exact. Without a lag, times or warming of several readings: the warming itself (0.0 where
+        The link starts at the first temperature that is known, and temperature runs linearly between readings, for
+        which the answer is exact. Without a lag, times or warming of several readings: the warming itself (0.0 where
         nobody knows it).
         """
         if self.warming is None:
@@ -47,7 +58,10 @@ class Conditions:
         warming = self.warming[link]
         if lag <= 0.0 or not isinstance(warming, np.ndarray) or not isinstance(self.time, np.ndarray):
             return warming
-        return first_order_response(self.time, warming, lag)
+        if self.past is None or self.past.warming is None:
+            return first_order_response(self.time, warming, lag)
+        time, before = np.concatenate([self.past.time, self.time]), self.past.warming[link]
+        return first_order_response(time, np.concatenate([before, warming]), lag)[len(before) :]
 
 
 def first_order_response(time: NDArray[np.float64], drive: NDArray[np.float64], lag: float) -> NDArray[np.float64]:

@@ -122,7 +122,8 @@ def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules)
             sentence = f"{name} goes back {len(back)} times, first in row {recording.row[back[0]]}"
             recording = _saying(recording, f"{sentence}: the rows do not stand in the order of their visits.")
     assert recording.time is not None
-    return replace(recording, time=recording.time - recording.time[0])
+    started = float(recording.time[0])
+    return replace(recording, time=recording.time - started, started=started)
 
 
 def _longest_run(time: Array) -> NDArray[np.bool_]:

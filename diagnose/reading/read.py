@@ -246,18 +246,19 @@ def _by_formula(
 
 
 def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:
-    """Time stamps in s from the first one."""
+    """Time stamps in s since 1970: files of one day are on one clock."""
     values = np.full(len(table.row), np.nan)
     stamps = [_stamp(table.text(column, index), str(held.time_format)) for index in range(len(table.row))]
     first = next((stamp for stamp in stamps if stamp is not None), None)
     if first is None:
         message = f"{shown(held.time_format)} does not fit {column}: row 1 holds {shown(table.text(column, 0))}"
         raise InputError(held.file, "time_format", message)
+    began = datetime.datetime(1970, 1, 1, tzinfo=None if first.tzinfo is None else datetime.UTC)
     for index, stamp in enumerate(stamps):
         if stamp is not None:
             if (stamp.tzinfo is None) != (first.tzinfo is None):
                 continue
-            values[index] = (stamp - first).total_seconds()
+            values[index] = (stamp - began).total_seconds()
 
     def fault(index: int) -> str:
         text = table.text(column, index)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from arm.chain.chain import Arm
-from arm.chain.conditions import Conditions
-from diagnose.recording import Recording
+from arm.chain.conditions import Conditions, Past
+from diagnose.recording import Earlier, Recording
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
@@ -18,26 +18,39 @@ def conditions_of(recording: Recording, arm: Arm, *, rules: ResidualRules = RULE
 
     The warming of a link is its own temperature's where the recording has that, else the air's, else None. The
     present payload counts as taken up at its first reading since it last changed; what was there at the first reading
-    of all counts from then.
+    of all counts from then. Where the recording goes on from others, the first of those began it: time runs from
+    there, a payload that stayed counts from where it was taken up, and a lag goes on.
     """
+    earlier = recording.earlier
+    time, began = recording.time, 0.0 if earlier is None else float(earlier.time[0])
     return Conditions(
-        time=recording.time,
+        time=None if time is None else time - began,
         warming=_warming(recording, arm),
         sides=_by_joint(recording.sides),
         velocities=_by_joint(recording.velocity),
         accelerations=_by_joint(recording.acceleration),
         commanded=_by_joint(recording.commanded),
         last_moves=_by_joint(recording.last_moves),
-        loaded_for=loaded_for(recording.time, recording.payload_mass, rules=rules),
+        loaded_for=_loaded_since(recording, rules),
+        past=None if earlier is None else Past(earlier.time - began, _warming(earlier, arm)),
     )
 
 
-def _warming(recording: Recording, arm: Arm) -> tuple[Array, ...] | None:
-    if recording.link_temperature is not None:
-        return _by_joint(recording.link_temperature - REFERENCE_TEMPERATURE)
-    if recording.temperature is None:
+def _loaded_since(recording: Recording, rules: ResidualRules) -> Array | None:
+    earlier, time, payload = recording.earlier, recording.time, recording.payload_mass
+    if earlier is None or time is None:
+        return loaded_for(time, payload, rules=rules)
+    if payload is not None:
+        payload = None if earlier.payload_mass is None else np.concatenate([earlier.payload_mass, payload])
+    return loaded_for(np.concatenate([earlier.time, time]), payload, rules=rules)[len(earlier.time) :]
+
+
+def _warming(told: Recording | Earlier, arm: Arm) -> tuple[Array, ...] | None:
+    if told.link_temperature is not None:
+        return _by_joint(told.link_temperature - REFERENCE_TEMPERATURE)
+    if told.temperature is None:
         return None
-    return (recording.temperature - REFERENCE_TEMPERATURE,) * arm.size
+    return (told.temperature - REFERENCE_TEMPERATURE,) * arm.size
 
 
 def _by_joint(values: Array | None) -> tuple[Array, ...] | None:

@@ -17,6 +17,13 @@ class ResidualRules:
         "Joints closer than this are at the same pose: what servos come back to, and finer than any grid.",
         JUDGED,
     )
+    same_session: float = rule(
+        0.25,
+        "share of what both last",
+        "A recording whose clock goes on from another's after a pause no longer than this goes on from it: a tracker "
+        "set up anew, a battery changed. In a longer one the arm may have been put to other work.",
+        JUDGED,
+    )
     better_start: float = rule(
         0.9,
         "times the RMS",

@@ -16,9 +16,13 @@ from arm.chain.kinematics import tip_position
 from diagnose.instruments.camera import is_camera
 from diagnose.instruments.split import as_scalars
 from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Recording, RejectedRow
+from diagnose.recording import Earlier, Recording, RejectedRow
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
 from sections.numeric import Array
 from units.quantities import InputError
+
+from .sessions import earlier, gone_on_from
 
 _PAUSE = 0.05
 """The share of all that was recorded by which the clocks of two recordings are set apart."""
@@ -30,8 +34,9 @@ class Several(Recording):
 
     `which` (N,) is the recording (from 0) that a reading is from, `each` the recordings themselves: their frame, tool,
     declared sigma and file count, their readings are here. `row` numbers all readings of all files through (see
-    `place_of`); `time` runs on from one recording to the next, `began` (R,) is where each clock starts, s. `frame` and
-    `tool` are free where any recording's is.
+    `place_of`); `time` runs on from one recording to the next, `began` (R,) is where each clock starts, s. `before`
+    (R,) is the recording that each goes on from, None where it begins anew. `frame` and `tool` are free where any
+    recording's is.
     """
 
     which: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -39,11 +44,25 @@ class Several(Recording):
     names: tuple[str, ...] = ()
     first_row: tuple[int, ...] = ()
     began: tuple[float, ...] = ()
+    before: tuple[int | None, ...] = ()
     units: bool = False
 
     def parts(self) -> tuple[Recording, ...]:
-        """The recordings with the readings that are left of each, on clocks of their own."""
-        return tuple(self._part(index) for index in range(len(self.each)))
+        """The recordings with the readings that are left of each, on clocks of their own, and what they know of those
+        that they go on from."""
+        parts = [self._part(index) for index in range(len(self.each))]
+        return tuple(replace(each, earlier=self._earlier(parts, index)) for index, each in enumerate(parts))
+
+    def _earlier(self, parts: Sequence[Recording], index: int) -> Earlier | None:
+        chain: list[int] = []
+        at = self.before[index] if self.before else None
+        while at is not None:
+            chain.insert(0, at)
+            at = self.before[at]
+        own = self.each[index].started
+        told = [(parts[k], start - own) for k in chain if (start := parts[k].started) is not None and own is not None]
+        told = [(part, start) for part, start in told if part.size]
+        return earlier([part for part, _ in told], [start for _, start in told]) if told else None
 
     def _part(self, index: int) -> Recording:
         rows, own = self.which == index, self.each[index]
@@ -99,6 +118,7 @@ def together(
     units: bool = False,
     first_row: Sequence[int] | None = None,
     names: Sequence[str] | None = None,
+    rules: ResidualRules = RULES.residual,
 ) -> Several:
     """Recordings of one arm as one. What only some of them hold counts where it is sure what the others would hold
     (the arm file's payload, no force, no known side, standing still, 20 degC); else it is left out, and said.
@@ -137,6 +157,12 @@ def together(
     starts = _through(recordings) if first_row is None else tuple(first_row)
     rows = [each.row + start - 1 for each, start in zip(recordings, starts, strict=True)]
     time, began = _clocks(recordings)
+    before = gone_on_from(recordings, rules=rules)
+    notes += [
+        f"{names[own]} goes on from {names[other]}, by its clock: payloads that stayed count from there, lags too."
+        for own, other in enumerate(before)
+        if other is not None
+    ]
     if time is None and any(each.time is not None for each in recordings):
         notes.append("Not all recordings hold times: they are not used.")
     rejected = [
@@ -185,6 +211,7 @@ def together(
         names=names,
         first_row=starts,
         began=began,
+        before=before,
         units=units,
     )
 

@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ConditionsOfSeveral(Conditions):
-    """Conditions of the readings of several recordings, each with its own clock: a lag begins anew with each."""
+    """Conditions of the readings of several recordings, each with its own past: a lag begins anew with each that does
+    not go on from another."""
 
     parts: tuple[Conditions, ...] = ()
     counts: tuple[int, ...] = ()
@@ -58,9 +59,10 @@ def _joined(held: list[Any], counts: tuple[int, ...]) -> Any:
 
 
 def _conditions(held: list[Conditions], counts: tuple[int, ...]) -> Conditions:
-    plain = [tuple(getattr(h, each.name) for each in fields(Conditions)) for h in held]
-    found = [None if any(part is None for part in of) else _joined(list(of), counts) for of in zip(*plain, strict=True)]
-    return ConditionsOfSeveral(*found, parts=tuple(held), counts=counts)
+    names = [each.name for each in fields(Conditions) if each.name != "past"]
+    plain = {name: [getattr(each, name) for each in held] for name in names}
+    found = {name: None if any(p is None for p in of) else _joined(of, counts) for name, of in plain.items()}
+    return ConditionsOfSeveral(**found, parts=tuple(held), counts=counts)
 
 
 def _column(held: Sequence[Any], counts: Sequence[int]) -> Any:
