@@ -31,7 +31,7 @@ from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
-from .fit import Fit, beyond_nuisances, bounds, left_of_a_drive, solved, t_quantile, why_impossible
+from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, held_within
 from .shared_weights import factors
 from .terms import DIFFERENCE, Term, linear, term_at
@@ -53,6 +53,9 @@ _NEWTON = 6
 _TOGETHER = 30
 _SETTLED = 1e-9
 """A step that lowers the sum of squares by so small a share is the last."""
+_REACH = 1.2
+"""How far a shape is sought about where it is, in its logarithm."""
+_TINY = 1e-30
 _SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
 _ROUNDING = 1e-9
 
@@ -94,8 +97,8 @@ def refit(
     terms = _shapes_found(prepared, terms, fitted.unit)
     given = prepared
     prepared, terms = _solved(given, terms, fitted.unit)
-    if any(_against_its_load(prepared, term) for term in terms):
-        held = _shapes_found(given, [_never_against_its_load(prepared, term) for term in terms], fitted.unit)
+    while any(_below_nought(prepared, term) for term in terms):
+        held = _shapes_found(given, [_never_below_nought(prepared, term) for term in terms], fitted.unit)
         prepared, terms = _solved(given, held, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
@@ -113,22 +116,25 @@ def refit(
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
 
 
-def _against_its_load(prepared: Prepared, term: Term) -> tuple[str, ...]:
-    """The sizes of a term by which a drive that the arm file calls rigid would turn against a high load."""
+def _below_nought(prepared: Prepared, term: Term) -> tuple[str, ...]:
+    """The sizes of a term that came out negative where nothing is: a drive that the arm file calls rigid would turn
+    against its load, a wind-up push on."""
     candidate = term.candidate
-    if term.shared or len(term.sizes) != len(candidate.sizes) or len(term.sizes) < 2:
+    if term.shared or candidate.share or candidate.outside or candidate.only is not None:
+        return ()
+    if len(term.sizes) != len(candidate.sizes) or len(term.sizes) < 2:
         return ()
     values = zip(candidate.sizes, term.sizes.tolist(), strict=True)
-    low = {name: bounds(candidate, name, prepared)[0] for name in candidate.sizes if left_of_a_drive(candidate, name)}
-    return tuple(name for name, value in values if low.get(name) == 0.0 and value < 0.0)
+    below = tuple(name for name, value in values if value < 0.0 and bounds(candidate, name, prepared)[0] == 0.0)
+    return below if len(below) < len(candidate.sizes) else ()
 
 
-def _never_against_its_load(prepared: Prepared, term: Term) -> Term:
+def _never_below_nought(prepared: Prepared, term: Term) -> Term:
     """The term with such sizes held at nought, where physics ends."""
-    against, candidate = _against_its_load(prepared, term), term.candidate
-    if not against:
+    below, candidate = _below_nought(prepared, term), term.candidate
+    if not below:
         return term
-    kept = [k for k, name in enumerate(candidate.sizes) if name not in against]
+    kept = [k for k, name in enumerate(candidate.sizes) if name not in below]
     less = replace(candidate, sizes=tuple(candidate.sizes[k] for k in kept))
     return _term(prepared, less, term.sizes[kept], term.columns[:, :, kept])
 
@@ -345,7 +351,8 @@ def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Te
             middle = np.log(shapes[name])
 
             left = partial(_scan(prepared, terms, place, unit).at, shapes, name)
-            reach = (middle - 1.2, middle + 1.2)
+            most = parameter_of(EFFECTS[candidate.effect], name)
+            reach = (max(middle - _REACH, np.log(max(most.lower, _TINY))), min(middle + _REACH, np.log(most.upper)))
             found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
             if float(found.fun) < left(middle):
                 shapes[name] = float(np.exp(found.x))

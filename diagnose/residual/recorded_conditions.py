@@ -42,7 +42,8 @@ def _loaded_since(recording: Recording, rules: ResidualRules) -> Array | None:
         return loaded_for(time, payload, rules=rules)
     if payload is not None:
         payload = None if earlier.payload_mass is None else np.concatenate([earlier.payload_mass, payload])
-    return loaded_for(np.concatenate([earlier.time, time]), payload, rules=rules)[len(earlier.time) :]
+    whole = loaded_for(np.concatenate([earlier.time, time]), payload, rules=rules)
+    return None if whole is None else whole[len(earlier.time) :]
 
 
 def _warming(told: Recording | Earlier, arm: Arm) -> tuple[Array, ...] | None:

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import EffectEntry
+from arm.effects import EFFECTS
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import prepare
 from diagnose.fitting.refit import impossible_term, refit
 from diagnose.options import Options
+from diagnose.patterns.library import columns_of
+from diagnose.patterns.pool import make_pool
 from diagnose.residual.observed import observe
 from tests.diagnose.core_cases import (
     group_of,
@@ -133,6 +136,38 @@ def test_no_drive_turns_against_its_load():
     assert {each.parameter for each in found.parameters[0]} == {"compliance", "knee", "sharp"}
     assert 0.0 < parameter(found, "compliance").value < 2e-5
     assert impossible_term(prepare(observe(arm, recording), Options()), found) is None
+
+
+def test_no_windup_pushes_on():
+    """Where play runs with the load alone, chance would have the rest of it run the other way: it is held at nought."""
+    below = 0
+    for seed in range(6):
+        values = {"windup": 0.0, "windup_per_load": 1e-5}
+        prepared = of(made_arm(), ("friction_windup", (2,), values), noise=2e-5, seed=seed)
+        member = group_of(prepared, "friction_windup", (1,))
+        below += fit(prepared, [member]).sizes[0][0] < 0.0
+        found = refitted(prepared, [member])
+        assert all(each.value >= 0.0 for each in found.parameters[0])
+        assert parameter(found, "windup_per_load").value == pytest.approx(1e-5, rel=0.3)
+    assert 0 < below < 6
+
+
+def test_a_time_constant_ends_where_the_effect_does():
+    """Creep that grows as fast as it began has a time constant beyond any: the greatest that an arm file may hold."""
+    prepared = prepared_null(hours=6.0)
+    group = prepared.pool.groups[group_of(prepared, "creep", (1,))]
+    candidate = replace(group.candidate, shapes={**group.candidate.shapes, "time_constant": 7e5})
+    columns, observed = columns_of(prepared.observed, candidate), prepared.observed
+    assert columns is not None
+    time = np.asarray(observed.state.conditions.loaded_for)
+    share = -np.expm1(-time / 7e5)
+    growing = columns[:, :, 0] * np.divide(time / 7e5, share, out=np.zeros_like(time), where=share > 0.0)[:, None]
+    pool = make_pool(observed.whitened(prepared.beside), [(candidate, observed.whitened(columns), None)])
+    alone = with_residual(replace(prepared, pool=pool, columns=(columns,)), 1e-3 * growing)
+    found = refitted(alone, [0])
+    bounds = next(each for each in EFFECTS["creep"].parameters if each.name == "time_constant")
+    assert bounds.lower < parameter(found, "time_constant").value <= bounds.upper
+    assert parameter(found, "time_constant").value > 0.9 * bounds.upper
 
 
 def test_a_shape_that_the_data_do_not_bound_says_so():
