@@ -23,6 +23,7 @@ from diagnose.patterns.library import Candidate, candidates, columns_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
 from diagnose.residual.observed import Observed, observe
+from diagnose.rules.rules import Rules
 from diagnose.several.recordings import Several, together
 from sections.numeric import Array
 
@@ -133,14 +134,14 @@ def _checked(
         path.write_text(plan_text(made, arm, axes, torques=bool(asked.torque_noise)), encoding="utf-8")
         read = as_read(read_plan(path, arm, rules=asked.rules), arm, asked)
         read = replace(read, file="", frame=asked.frame, tool=asked.tool)
-    promise = promised(arm, read if after is None else going_on(after, read, arm), axes, asked)
+    promise = promised(arm, read if after is None else going_on(after, read, arm, asked.rules), axes, asked)
     # Each recording's torques are looked at by themselves.
     return read, replace(promise, torques=told_by_torques(arm, read, asked))
 
 
-def going_on(before: Recording, then: Recording, arm: Arm) -> Recording:
+def going_on(before: Recording, then: Recording, arm: Arm, rules: Rules) -> Recording:
     """A recording and a plan after it, as a diagnosis takes both: of the first what a plan has too."""
-    return together([*_as_plans(before), then], arm)
+    return together([*_as_plans(before), then], arm, rules=rules.residual)
 
 
 def _as_plans(before: Recording) -> list[Recording]:
@@ -180,7 +181,9 @@ def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: 
     known = np.zeros((rows.shape[2],) * 2)
     if after is not None:
         plans = _as_plans(after)
-        recorded = _in_any_order(arm, plans[0] if len(plans) == 1 else together(plans, arm), asked)
+        recorded = _in_any_order(
+            arm, plans[0] if len(plans) == 1 else together(plans, arm, rules=asked.rules.residual), asked
+        )
         own = nuisances(recorded)[0]
         found = [columns_of(recorded, candidate) for candidate, _ in chosen]
         nothing = np.zeros((recorded.rows, recorded.residual.shape[1], 1))

@@ -161,7 +161,7 @@ def watch(
     searched = tuple(np.unique(np.linspace(0, count - 1, min(count, rules.watch.pooled)).round().astype(int)).tolist())
     found: Diagnosis | None = None
     if search:
-        held = together([recordings[k] for k in searched], arm)
+        held = together([recordings[k] for k in searched], arm, rules=rules.residual)
         found = diagnose(arm, held, options, lambda text, share: tell(text, 0.7 * share), executor)
     tell("choosing what to watch", 0.7)
     wanted = basics() if asked is None else asked
