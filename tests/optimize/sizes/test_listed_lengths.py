@@ -16,10 +16,10 @@ from optimize.exchange.exchange import context_of
 from optimize.limits import broken
 from optimize.problem import Problem
 from optimize.run import optimise
-from optimize.sizes.search import CLOSE
 from optimize.sizes.free import search
 from optimize.sizes.free.fitting import fitted
 from optimize.sizes.options import link_lists
+from optimize.sizes.search import CLOSE
 from tests.optimize.builders import jointed, problem_of, ranged
 from units.quantities import InputError
 
