@@ -283,7 +283,10 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         return columns(state.tip(), bare.size) + moved.tip
 
     planes = plan.slots == (PLANE,)
-    found = touched(arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar, planned=bare.touches)
+    found = touched(
+        arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar, planned=bare.touches,
+        planned_along=bare.bar_at if plan.bar else None,
+    )  # fmt: skip
     q = _written(found.q, arm)
     named = replace(plan.instrument, labels=bare.instrument.labels or tuple(f"{k + 1}" for k in range(found.count)))
     whole = replace(

@@ -15,12 +15,17 @@ from arm.chain.jacobian import jacobian
 from sections.numeric import Array
 from units.quantities import InputError
 
-from .view import touched_planes
+from .view import touched_bars, touched_planes
 
 _NEAR, _EXACT = 60, 8
 """Newton's steps by the nominal arm, and then by the whole model."""
 _LONGEST, _MISSED = 0.3, 1e-7
 """rad or m, the longest step of a joint; m, how far off a touch may end."""
+_ABOUT, _AROUND = 0.1, 0.15
+"""Shares: of a bar's length, by which two tips may be farther or nearer than it; of the reach, what is around a tip."""
+_INNER = (0.5, 0.75, 1.0)
+"""Shares of the joint ranges about their middles from which bars may be reached, the first that will do: at the ends
+of the ranges few postures reach a place."""
 _POSTURES = 6
 """Postures to each point and bar; twice as many to each plane."""
 
@@ -49,11 +54,14 @@ def touched(
     bar: Sequence[float] = (),
     count: int | None = None,
     planned: NDArray[np.int64] | None = None,
+    planned_along: Array | None = None,
+    reached: bool = False,
 ) -> Touches:
     """Postures near `start` (N, n), alike for the readings of a `visit` (N,), in which the tips that `true_tips` gives
     for joints (N, n) touch points, planes, or bars at places `bar` along them, m, `off` (N, 3) m by what nobody can
     repeat. There are `count` of them (by default so many that each is touched some times), or those that `planned` (N,)
-    numbers, which lie where the arm undeformed touches them. Raises `InputError`."""
+    numbers, which lie where the arm undeformed touches them, bars at `planned_along` (N,), m. Bars lie anyhow, or, so
+    that both ends are `reached`, from where the arm stands at one `start` to another. Raises `InputError`."""
     visits = int(visit.max()) + 1
     flat = arm.planar()
     count = count or max(1, visits // (2 * _POSTURES if planes else _POSTURES))
@@ -70,9 +78,18 @@ def touched(
         middles = np.stack([there[planned == one].mean(axis=0) for one in range(count)])
         normals, points = (fitted, offsets[:, None] * fitted) if planes else (normals, middles)
     places = np.array(bar) if len(bar) else np.zeros(1)
+    if reached and len(bar):
+        middle = 0.5 * (low + high)
+        clouds = [nominal(arm, completed(arm, middle + share * (start - middle)), 3)[0] for share in _INNER]
+        points, normals = _within_reach(clouds, float(np.ptp(places)), count, random)
+        points = points + (places.mean() - 0.5 * (places.min() + places.max())) * normals
     along = places[(visit // count) % len(places)]
+    from_middle = along - places.mean()
+    if planned is not None and planned_along is not None:
+        along = planned_along
+        points, normals, from_middle = touched_bars(nominal(arm, start, 3)[0], planned, along, count)
     # Bars lie along what stands across planes, each about where one posture has the tip.
-    goal = points[label] + (along - places.mean())[:, None] * normals[label]
+    goal = points[label] + from_middle[:, None] * normals[label]
 
     def missed(tips: Array) -> Array:
         away = tips + off - goal
@@ -104,6 +121,26 @@ def touched(
     kept, renumbered = np.unique(label[good], return_inverse=True)
     label[good] = renumbered.reshape(-1)
     return Touches(good, q, label, len(kept), along)
+
+
+def _within_reach(
+    clouds: Sequence[Array], length: float, count: int, random: np.random.Generator
+) -> tuple[Array, Array]:
+    """Where bars of a length, m, may lie for the arm to touch both ends: their middles and which way they point (unit),
+    (count, 3), from one tip (N, 3) to another that is about as far, drawn among those with most tips around both;
+    of the first of some clouds of tips that has such. Raises `InputError`."""
+    for tips in clouds:
+        away = np.linalg.norm(tips[:, None] - tips[None], axis=2)
+        first, last = np.nonzero(np.triu(np.abs(away - length) <= _ABOUT * length, k=1))
+        if len(first):
+            break
+    else:
+        raise InputError("", "bar", "is longer than the arm reaches from one posture to another; take a shorter one")
+    around = np.sum(away < _AROUND * float(np.linalg.norm(np.ptp(tips, axis=0))), axis=1)
+    best = np.argsort(-np.minimum(around[first], around[last]), kind="stable")[: max(count, len(first) // 2)]
+    drawn = best[random.permutation(len(best))][np.arange(count) % len(best)]
+    one, other = tips[first[drawn]], tips[last[drawn]]
+    return 0.5 * (one + other), (other - one) / np.linalg.norm(other - one, axis=1)[:, None]
 
 
 def least_touches(*, planes: bool, flat: bool) -> int:

@@ -182,6 +182,21 @@ def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: b
     return normals, offsets, reach
 
 
+def touched_bars(at: Array, touches: NDArray[np.int64], along: Array, count: int) -> tuple[Array, Array, Array]:
+    """The bars that fit tips `at` (N, 3) best, m, which touch them so far `along` (N,): the middle of the touches
+    (count, 3), which way they point (count, 3), unit, and how far from that middle each touch should be (N,). A bar
+    that is touched at one place points nowhere."""
+    middles, ways, away = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(len(at))
+    for label in range(count):
+        own = touches == label
+        if not own.any():
+            continue
+        middles[label], away[own] = at[own].mean(axis=0), along[own] - along[own].mean()
+        way = away[own] @ (at[own] - middles[label])
+        ways[label] = way / max(float(np.linalg.norm(way)), 1e-300)
+    return middles, ways, away
+
+
 class _Viewing:
     """The fit of what is free to one recording."""
 

@@ -19,13 +19,14 @@ INSTRUMENTS = MappingProxyType(
         "tracker": ("x", "y", "z"), "x": ("x",), "y": ("y",), "z": ("z",), "xy": ("x", "y"), "xz": ("x", "z"),
         "yz": ("y", "z"), "along": ("along",), "distance": ("distance",), "tilt": ("tilt x", "tilt y"),
         "same_point": ("x of a point", "y of a point", "z of a point"), "plane": ("plane",),
+        "bar": ("x of a bar", "y of a bar", "z of a bar"),
         "camera": ("camera x", "camera y", "camera depth", "turn about x", "turn about y", "turn about z"),
     }
 )  # fmt: skip
 """The instruments by name, each with the numbers that it reads: components of the tip in the measuring frame, its
-height along a direction, its distance from an anchor, how a level is tilted, how far it is from a point or plane
-that is touched again, where and how turned a camera sees a target."""
-_OUT_OF_PLANE = ("z", "tilt y", "z of a point")
+height along a direction, its distance from an anchor, how a level is tilted, how far it is from a point, plane or
+place on a bar that is touched again, where and how turned a camera sees a target."""
+_OUT_OF_PLANE = ("z", "tilt y", "z of a point", "z of a bar")
 
 Place = tuple[str, tuple[int, ...]]
 """An effect and the joints or links (from 0; none: wherever) where it acts."""
@@ -42,8 +43,9 @@ class Asked:
     of its depths, m, and turns, rad), `payloads` kg, `frame` and `tool` say what is fitted along, `avoid`
     are boxes that the arm keeps out of. `seed` fixes all draws. Where a height or a distance is read, `slots` (see
     `instruments.instrument`) and `reads` say so: along which direction, from which anchor, which the recording may not
-    tell (`anchor_free`); so they do of tilts and cameras. `torque_noise` (n,; none: they are not read) is what each
-    drive's torque scatters by, N*m, of slides N.
+    tell (`anchor_free`); so they do of tilts and cameras. Bars are touched at places `bar` along them, m, and lie
+    in `bars` places at most (0: as many as there are touches enough for). `torque_noise` (n,; none: they are not read)
+    is what each drive's torque scatters by, N*m, of slides N.
     """
 
     poses: int
@@ -62,12 +64,14 @@ class Asked:
     anchor_free: bool = False
     camera_noise: tuple[float, float] = (0.0, 0.0)
     torque_noise: tuple[float, ...] = ()
+    bar: tuple[float, ...] = ()
+    bars: int = 0
     rules: Rules = RULES
 
     @property
     def touches(self) -> bool:
-        """Whether points or planes are touched."""
-        return self.instrument in ("same_point", "plane")
+        """Whether points, planes or bars are touched."""
+        return self.instrument in ("same_point", "plane", "bar")
 
     def scatter(self, axes: Sequence[str]) -> Array:
         """What each of the numbers read (k,) scatters by, m and rad."""

@@ -12,7 +12,7 @@ time (V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,10 +46,12 @@ def chosen_visits(
     rng: np.random.Generator,
     tell: Callable[[float], None],
     never: Sequence[int] = (),
+    unwanted: Callable[[Sequence[int], Sequence[int]], Sequence[int]] = lambda _, __: (),
 ) -> tuple[list[int], list[int], bool]:
-    """The numbers of `count` visits, and of those to return to: all that `returns` gives for the first, which are taken
-    beside; none of `never`. A visit is taken once, so that other poses are looked at as well. Once there are `count` an
-    interrupt leaves those that stand then; last is said whether one did."""
+    """The numbers of `count` visits, and of those to return to: all that `returns` gives for the first, which are
+    taken beside; none of `never`, nor what is `unwanted` beside those taken, where others are left. A visit is
+    taken once, so that other poses are looked at as well. Once there are `count` an interrupt leaves those that
+    stand then; last is said whether one did."""
     score = _Score(patterns, rules)
     work, done = count * (1 + rules.passes), 0
     first = score.best(score.beforehand, never)
@@ -57,8 +59,13 @@ def chosen_visits(
     total = score.beforehand + score.of(back)
     chosen: list[int] = []
     barred = {*back, *never}
+
+    def without(taken: Sequence[int]) -> set[int]:
+        all_ = {*taken, *barred, *unwanted(taken, back)}
+        return all_ if len(all_) < len(patterns.rows) else {*taken, *barred}
+
     for _ in range(count):
-        chosen.append(score.best(total, (*chosen, *barred)))
+        chosen.append(score.best(total, without(chosen)))
         total = total + score.of(chosen[-1:])
         done += 1
         tell(done / work)
@@ -69,7 +76,7 @@ def chosen_visits(
             for place in rng.permutation(count).tolist():
                 rest = total - score.of([chosen[place]])
                 others = [visit for k, visit in enumerate(chosen) if k != place]
-                other = score.best(rest, (*others, *barred))
+                other = score.best(rest, without(others))
                 trial = rest + score.of([other])
                 reached = score(trial)
                 if reached < value:
@@ -97,11 +104,12 @@ class _Score:
         flat = self.patterns.rows[list(visits)].reshape(-1, self.patterns.rows.shape[2])
         return flat.T @ flat
 
-    def best(self, total: Array, taken: Sequence[int]) -> int:
+    def best(self, total: Array, taken: Collection[int]) -> int:
         """The visit that betters a matrix most: of those of the steepest slope, by the score itself."""
         slope = self._slopes(total)
         slope[list(taken)] = -np.inf
         closest = np.argsort(-slope, kind="stable")[: self.rules.closest].tolist()
+        closest = [visit for visit in closest if slope[visit] > -np.inf] or closest
         reached = [self(total + self.of([visit])) for visit in closest]
         return int(closest[int(np.argmin(reached))])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import tip_position
-from diagnose.instruments.view import touched_planes
+from diagnose.instruments.view import touched_bars, touched_planes
 from diagnose.recording import Recording
 
 from .asked import Asked
@@ -16,11 +16,13 @@ from .promise import Promise, Shown
 
 @dataclass(frozen=True)
 class Touched:
-    """A point, or the middle of where a plane is touched, `at` (m, base frame), and the plane's `normal`."""
+    """A point, or the middle of where a plane or bar is touched, `at` (m, base frame), the plane's `normal`, and the
+    `way` in which the bar points."""
 
     label: str
     at: tuple[float, float, float]
     normal: tuple[float, ...] | None
+    way: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Planned:
 
     @property
     def touched(self) -> tuple[Touched, ...]:
-        """The points or planes that are touched, as the arm undeformed reaches them."""
+        """The points, planes or bars that are touched, as the arm undeformed reaches them."""
         visits = self.visits
         if visits.touches is None:
             return ()
@@ -60,6 +62,12 @@ class Planned:
         normals = touched_planes(at, visits.touches, count, flat=flat)[0]
         middle = [at[visits.touches == label].mean(axis=0).tolist() for label in range(count)]
         planes = self.asked.instrument == "plane"
+        if visits.bar_at is not None:
+            ways = touched_bars(at, visits.touches, visits.bar_at, count)[1]
+            return tuple(
+                Touched(name, (where[0], where[1], where[2]), None, tuple(way.tolist()))
+                for name, where, way in zip(visits.instrument.labels, middle, ways, strict=True)
+            )
         return tuple(
             Touched(name, (where[0], where[1], where[2]), tuple(normal.tolist()) if planes else None)
             for name, where, normal in zip(visits.instrument.labels, middle, normals, strict=True)

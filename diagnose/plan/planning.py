@@ -66,6 +66,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
             rng,
             lambda share: tell("choosing visits", 0.05 + 0.6 * share),
             barred,
+            lambda taken, back: _unbalanced(tried, [*taken, *(list(back) * (many // max(len(back), 1)))]),
         )
         more = _touched_too_seldom(arm, tried, [*chosen, *back], asked)
         if interrupted or set(more) <= set(barred):
@@ -90,15 +91,34 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     )  # fmt: skip
 
 
+def _unbalanced(tried: Tried, taken: Sequence[int]) -> Sequence[int]:
+    """The visits to those places of a bar which those taken touch oftener than another, and where one is behind by two
+    all others: so both ends are touched in pairs."""
+    if tried.along is None or tried.label is None:
+        return ()
+    places, place = np.unique(tried.along, return_inverse=True)
+    at = tried.label * len(places) + place.reshape(-1)
+    counts = np.bincount(at[list(taken)], minlength=(int(tried.label.max()) + 1) * len(places))
+    counts = counts.reshape(-1, len(places))
+    unwanted = counts > counts.min(axis=1)[:, None]
+    behind = np.ptp(counts, axis=1) >= 2
+    if behind.any():
+        unwanted |= ~behind[:, None]
+    return np.flatnonzero(unwanted.reshape(-1)[at]).tolist()
+
+
 def _touched_too_seldom(arm: Arm, tried: Tried, visits: Sequence[int], asked: Asked) -> tuple[int, ...]:
-    """All visits tried to points or planes that those chosen touch, but so seldom that nothing would come of it, or on
-    a line."""
+    """All visits tried to points, planes or bars that those chosen touch, but so seldom that nothing would come of it,
+    on a line, or at one place of the bar."""
     if tried.label is None:
         return ()
     planes, flat, chosen = asked.instrument == "plane", arm.planar(), np.array(visits, dtype=np.int64)
     least, count = least_touches(planes=planes, flat=flat), int(tried.label.max()) + 1
     label = tried.label[chosen]
     few = [each for each in range(count) if 0 < len(np.unique(tried.q[chosen[label == each]], axis=0)) < least]
+    if tried.along is not None:
+        along = tried.along[chosen]
+        few += [each for each in range(count) if len(np.unique(along[label == each])) == 1]
     if planes:
         reach = touched_planes(tip_position(arm, tried.q[chosen]), label, count, flat=flat)[2]
         size = float(np.linalg.norm(np.ptp(tip_position(arm, tried.q), axis=0)))
@@ -127,8 +147,7 @@ def _checked(
     arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: Sequence[str], after: Recording | None
 ) -> tuple[Recording, Promise]:
     """The visits as a recording, and what it will show by the file that holds it."""
-    label = None if tried.label is None else tried.label[order]
-    made = to_record(arm, tried.q[order], tried.sides[order], tried.payload[order], asked, label)
+    made = to_record(arm, tried, order, asked)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "plan.csv"
         path.write_text(plan_text(made, arm, axes, torques=bool(asked.torque_noise)), encoding="utf-8")
@@ -160,6 +179,8 @@ def _as_plan(before: Recording) -> Recording:
         payload_mass=before.payload_mass,
         last_moves=before.last_moves,
         slots=before.slots,
+        touches=before.touches,
+        bar_at=before.bar_at,
         instrument=before.instrument,
         frame=before.frame,
         tool=before.tool,
@@ -171,7 +192,7 @@ def _as_plan(before: Recording) -> Recording:
 
 def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:
     """What the causes look like at every visit tried. Raises `NothingToSee`."""
-    made = to_record(arm, tried.q, tried.sides, tried.payload, replace(asked, repeats=1), tried.label)
+    made = to_record(arm, tried, np.arange(tried.size), replace(asked, repeats=1))
     there = as_read(made, arm, asked)
     observed = _in_any_order(arm, replace(there, frame=asked.frame, tool=asked.tool), asked)
     chosen = _one_of_each(observed, asked)

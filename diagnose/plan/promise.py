@@ -24,7 +24,7 @@ from diagnose.residual.observed import Observed, observe
 from diagnose.result import Detectable
 from diagnose.rules.rules import Rules
 from diagnose.search.calibrate import given_model, one_more
-from diagnose.several.recordings import Several
+from diagnose.several.recordings import Several, together
 from diagnose.simulate import Plan, simulate
 from sections.numeric import Array
 
@@ -165,10 +165,15 @@ def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
         slots=asked.slots,
         instrument=asked.reads,
         camera_noise=asked.camera_noise,
+        bar=asked.bar,
     )
     parts = recording.parts() if isinstance(recording, Several) else (recording,)
-    if asked.touches or (not asked.slots and len({part.branch for part in parts}) == 1):
+    if asked.touches:
         # What touches stands elsewhere then: where the arm as it is meets what it touches.
+        own = [replace(plan, at=part, seed=asked.seed + number) for number, part in enumerate(parts)]
+        made = [simulate(arm.on(each.branch), how).recording for each, how in zip(parts, own, strict=True)]
+        return together(made, arm, rules=asked.rules.residual) if isinstance(recording, Several) else made[0]
+    if not asked.slots and len({part.branch for part in parts}) == 1:
         return simulate(arm.on(parts[0].branch), plan).recording
     read: list[Recording] = []
     for number, part in enumerate(parts):

@@ -32,14 +32,15 @@ class TooFewPostures(Exception):
 @dataclass(frozen=True)
 class Tried:
     """V visits: joint coordinates `q` (V, n), `sides` (V, n) of +1 and -1, `payload` (V,) kg. `random` (V,) marks those
-    at poses spread over the ranges, the others being corners. `label` (V,) numbers the point or plane that is touched,
-    None where nothing is."""
+    at poses spread over the ranges, the others being corners. `label` (V,) numbers the point, plane or bar that is
+    touched, None where nothing is, and `along` (V,) is where along its bar, m, None without bars."""
 
     q: Array
     sides: Array
     payload: Array
     random: NDArray[np.bool_]
     label: NDArray[np.int64] | None = None
+    along: Array | None = None
 
     @property
     def size(self) -> int:
@@ -77,39 +78,44 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     at_ends[:, moving] = low[moving] + (high - low)[moving] * corners
     ends_clear = _clear(arm, at_ends, run, asked.avoid)
     q = np.concatenate([np.concatenate(poses)[:count], ends_clear])
-    random, label = np.arange(len(q)) < spread, np.zeros(len(q), dtype=np.int64)
+    random, label, along = np.arange(len(q)) < spread, np.zeros(len(q), dtype=np.int64), np.zeros(len(q))
     if asked.touches:
-        q, random, label = _touching(arm, q, random, run, asked)
+        q, random, label, along = _touching(arm, q, random, run, asked)
         if len(q) < asked.poses:
             raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")
     if len(q) < asked.poses:
         raise ValueError(f"the boxes to avoid leave {len(q)} poses of the {asked.poses} asked for, of many tried")
     sides = rng.choice([-1.0, 1.0], (len(q), arm.size))
     each = [
-        (q, sign * sides, np.full(len(q), payload), random, label) for payload in asked.payloads for sign in (1.0, -1.0)
+        (q, sign * sides, np.full(len(q), payload), random, label, along)
+        for payload in asked.payloads
+        for sign in (1.0, -1.0)
     ]
     parts = [np.concatenate(part) for part in zip(*each, strict=True)]
     touched_there = parts[4].astype(np.int64) if asked.touches else None
-    return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool), touched_there)
+    return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool), touched_there, parts[5] if asked.bar else None)
 
 
 def _touching(
     arm: Arm, q: Array, random: NDArray[np.bool_], run: Array, asked: Asked
-) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
-    """Postures near some poses (P, n) in which the arm touches one of some points or planes again, which of them are
-    near poses spread over the ranges, and what each touches (from 0)."""
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64], Array]:
+    """Postures near some poses (P, n) in which the arm touches one of some points, planes or bars again, which of them
+    are near poses spread over the ranges, what each touches (from 0) and how far along its bar, m."""
     rules, planes = asked.rules.plan, asked.instrument == "plane"
-    count = max(1, asked.poses // (rules.touches_of_plane if planes else rules.touches_of_point))
+    least = rules.touches_of_plane if planes else rules.touches_of_bar if asked.bar else rules.touches_of_point
+    count = asked.bars or max(1, asked.poses // least)
     try:
         found = touched(
         arm, q, np.arange(len(q)), np.zeros((len(q), 3)), lambda at: nominal(arm, at, 3)[0],
-        np.random.default_rng(asked.seed), planes=planes, count=count,
+        np.random.default_rng(asked.seed), planes=planes, bar=asked.bar, count=count, reached=True,
     )  # fmt: skip
     except InputError:
-        raise TooFewPostures("touches nothing again within the joint ranges") from None
+        raise TooFewPostures(
+            f"touches nothing again within the joint ranges{'; a shorter one may do' if asked.bar else ''}"
+        ) from None
     clear = found.keep & _may_be_come_to(found.q, run, arm, asked)
     whole = _clear(arm, found.q[clear], run, ())
-    return whole, random[clear], found.label[clear]
+    return whole, random[clear], found.label[clear], found.along[clear]
 
 
 def _may_be_come_to(q: Array, run: Array, arm: Arm, asked: Asked) -> NDArray[np.bool_]:

@@ -26,13 +26,16 @@ from sections.numeric import Array
 from units.quantities import InputError
 
 from .asked import Asked
+from .tried import Tried
 
+_ALONG_BAR = "bar_mm"
 _TURNS = ("qw", "qx", "qy", "qz")
 READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm", "tilt_x_deg", "tilt_y_deg", *_TURNS)
 """What a plan leaves blank of what a recording holds."""
 _HEADERS = MappingProxyType(
     {
         "x of a point": (), "y of a point": (), "z of a point": (), "plane": (),
+        "x of a bar": (), "y of a bar": (), "z of a bar": (),
         "tilt x": ("tilt_x_deg",), "tilt y": ("tilt_y_deg",), "camera x": ("x_mm",), "camera y": ("y_mm",),
         "camera depth": ("z_mm",), "turn about x": _TURNS, "turn about y": (), "turn about z": (),
     }
@@ -40,13 +43,12 @@ _HEADERS = MappingProxyType(
 """The columns of what is read, where they are not its name in mm: three turns are four numbers of a quaternion."""
 
 
-def to_record(
-    arm: Arm, q: Array, sides: Array, payload: Array, asked: Asked, label: NDArray[np.int64] | None = None
-) -> Recording:
-    """Visits in their order, q (N, n), sides (N, n), payload (N,) kg, as a recording whose tip is where the arm stands
-    undeformed, at what it touches by `label` (N,) from 0; each visit read `repeats` times, by a clock of usual
-    paces."""
+def to_record(arm: Arm, tried: Tried, order: NDArray[np.int64], asked: Asked) -> Recording:
+    """Some of the visits tried, in their `order` (N,), as a recording whose tip is where the arm stands undeformed, at
+    what it touches; each visit read `repeats` times, by a clock of usual paces."""
     rules, each = asked.rules.plan, asked.repeats
+    q, sides, payload = tried.q[order], tried.sides[order], tried.payload[order]
+    label = None if tried.label is None else tried.label[order]
     visits = len(q)
     change = np.concatenate([[0.0], np.cumsum(np.diff(payload) != 0.0)])
     start = np.arange(visits) * (rules.between_visits + each * rules.between_readings) + change * rules.between_payloads
@@ -63,6 +65,7 @@ def to_record(
         payload_mass=np.repeat(payload, each),
         branch=arm.tip,
         touches=None if label is None else np.repeat(label, each),
+        bar_at=None if tried.along is None else np.repeat(tried.along[order], each),
         instrument=Instrument() if label is None else _labelled_by(asked.reads, label),
     )
 
@@ -93,7 +96,9 @@ def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
 def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: bool = False) -> str:
     """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip, and for the
     drives' `torques`."""
-    kept = [each for each in recording_columns(recording, arm) if each[0] not in READ]
+    kept = [each for each in recording_columns(recording, arm) if each[0] not in (*READ, _ALONG_BAR)]
+    if recording.bar_at is not None:
+        kept.append((_ALONG_BAR, 1e3 * recording.bar_at, 5))
     units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
     held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
     left = [name for axis in axes for name in _HEADERS.get(axis, (f"{axis}_mm",))]
@@ -125,12 +130,12 @@ def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:
     read = recording_from(
         replace(table, columns=MappingProxyType(columns)), arm, ReadingSettings(tip=arm.tip), rules=rules
     )
-    return _labelled(replace(read, frame="known", tool="known", sigma=None), table)
+    return _labelled(replace(read, frame="known", tool="known", sigma=None), table, arm)
 
 
-def _labelled(recording: Recording, table: Table) -> Recording:
+def _labelled(recording: Recording, table: Table, arm: Arm) -> Recording:
     """A plan with what each of its visits touches, where it has a column that says so."""
-    for kind in ("same_point", "plane"):
+    for kind in LABELS:
         name = LABELS[kind]
         if name not in table.columns:
             continue
@@ -139,8 +144,22 @@ def _labelled(recording: Recording, table: Table) -> Recording:
         if all(cells):
             labels = tuple(dict.fromkeys(cells))
             which = np.array([labels.index(text) for text in cells], dtype=np.int64)
-            return replace(recording, touches=which, instrument=Instrument((kind,), labels=labels))
+            along = _along_bars(table, recording, arm) if kind == "bar" else None
+            instrument = Instrument((kind,), labels=labels)
+            return replace(recording, touches=which, bar_at=along, instrument=instrument)
     return recording
+
+
+def _along_bars(table: Table, recording: Recording, arm: Arm) -> Array:
+    """How far along its bar each reading of a plan touches (N,), m."""
+    for header in table.names:
+        if header.partition("_")[0] == "bar" and header not in LABELS.values():
+            meaning = meaning_of(header, arm, file=table.file)
+            if meaning is None:
+                continue
+            values = measurable(table.numbers(header) * meaning.factor + meaning.offset)
+            return values[recording.row - 1]
+    raise InputError(table.file, "bar_mm", "is missing: where along its bar each visit touches, e.g. 0 and 500")
 
 
 def weightless(arm: Arm) -> Arm:
@@ -172,6 +191,7 @@ def _of_tip(header: str, arm: Arm) -> bool:
         "rz",
         "along",
         "distance",
+        "bar",
         "tilt_x",
         "tilt_y",
         "tau",

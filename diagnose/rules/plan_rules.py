@@ -64,6 +64,7 @@ class PlanRules:
     rivals: int = rule(5, "plans", "At random, whose middle figure a plan is set beside.", TIME)
     touches_of_point: int = rule(6, "visits", "For each point that is touched again.", JUDGED, rows="It is planned.")
     touches_of_plane: int = rule(12, "visits", "For each plane that is touched.", JUDGED, rows="It is planned.")
+    touches_of_bar: int = rule(6, "visits", "For each place in which a bar lies.", JUDGED, rows="It is planned.")
     across_plane: float = rule(
         0.02,
         "share of the reach",

@@ -50,6 +50,10 @@ Torques = Annotated[
 ]
 Camera = Annotated[str | None, typer.Option("--camera", metavar="WHERE", help="Of a camera: fixed, or on_tool.")]
 
+Bar = Annotated[
+    str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
+]
+
 Tip = Annotated[
     str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")
 ]

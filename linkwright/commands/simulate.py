@@ -14,7 +14,19 @@ from linkwright.output.files import OUTPUT, check_target, write_result
 from units.quantities import InputError, format_quantity
 from units.reading import load_yaml, parse_yaml
 
-from .options import Anchor, Camera, CatalogueFile, Direction, JsonFile, TiltLink, Tip, Torques, as_options, asked_of
+from .options import (
+    Anchor,
+    Bar,
+    Camera,
+    CatalogueFile,
+    Direction,
+    JsonFile,
+    TiltLink,
+    Tip,
+    Torques,
+    as_options,
+    asked_of,
+)
 
 HELP = """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
@@ -78,9 +90,7 @@ def simulate(
         bool, typer.Option("--anchor-free", help="The settings do not tell where the anchor is.")
     ] = False,
     tilt_link: TiltLink = None,
-    bar: Annotated[
-        str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
-    ] = None,
+    bar: Bar = None,
     camera: Camera = None,
     torques: Torques = None,
     declare_sigma: Annotated[

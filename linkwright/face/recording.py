@@ -205,7 +205,9 @@ def simulate(
     }  # fmt: skip
     if at is not None and observe == "position":
         reads = _planned(Path(at), reads)
-    if readings is not None and reads["observe"] in ("same_point", "plane") and readings.touches is None:
+    if readings is not None and readings.bar_at is not None and reads["observe"] == "bar":
+        reads["bar"] = sorted(set(readings.bar_at.tolist()))
+    if readings is not None and reads["observe"] in LABELS and readings.touches is None:
         raise InputError("", "at", f"names nothing that is touched: it needs a {LABELS[reads['observe']]} in each row")
     plan = _plan(
         poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,
@@ -234,7 +236,7 @@ def simulate(
 def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
     """What a plan is for, as the settings beside it say, where a caller did not."""
     own = read_settings(find_settings(plan)).instrument
-    if own is None or own.kinds not in (("along",), ("distance",), ("tilt",), ("camera",), ("same_point",), ("plane",)):
+    if own is None or len(own.kinds) != 1 or own.kinds == ("position",):
         return reads
     kind = own.kinds[0]
     said: dict[str, Any] = {

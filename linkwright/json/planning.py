@@ -38,7 +38,12 @@ def plan_json(found: Planned) -> dict[str, Any]:
         "random_plans": len(found.random),
         "interrupted": found.interrupted,
         "touches": [
-            {"label": each.label, "at_mm": in_mm(each.at), "normal": None if each.normal is None else list(each.normal)}
+            {
+                "label": each.label,
+                "at_mm": in_mm(each.at),
+                "normal": None if each.normal is None else list(each.normal),
+                **({} if each.way is None else {"way": list(each.way)}),
+            }
             for each in found.touched
         ],
         "returns": list(found.returns),
@@ -50,6 +55,7 @@ def plan_json(found: Planned) -> dict[str, Any]:
                 "dir": [] if visits.sides is None else [int(side) for side in visits.sides[row]],
                 "payload_kg": None if visits.payload_mass is None else float(visits.payload_mass[row]),
                 **({} if visits.touches is None else {"touches": visits.instrument.labels[int(visits.touches[row])]}),
+                **({} if visits.bar_at is None else {"bar_mm": 1e3 * float(visits.bar_at[row])}),
             }
             for row in range(visits.size)
         ],

@@ -183,7 +183,7 @@ def _reading(found: Planned) -> tuple[str, ...]:
     if reads.direction is not None:
         return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
     if found.touched:
-        what = "plane" if found.asked.instrument == "plane" else "point"
+        what = {"same_point": "point"}.get(found.asked.instrument, found.asked.instrument)
         near = ", ".join(f"{each.label} at ({', '.join(mm(value) for value in each.at)})" for each in found.touched)
         normals = [
             f"{each.label} ({', '.join(f'{value:.2f}' for value in each.normal)})"
@@ -191,6 +191,11 @@ def _reading(found: Planned) -> tuple[str, ...]:
             if each.normal
         ]
         across = f"; normals {', '.join(normals)}" if normals else ""
+        ways = [
+            f"{each.label} ({', '.join(f'{value:.2f}' for value in each.way)})" for each in found.touched if each.way
+        ]
+        if ways:
+            what, across = "bar", f"; along it {', '.join(ways)}"
         return (
             f"Each visit touches the {what} that it names: {near}{across}; about there is near enough.",
             "Its joint coordinates are about where that is: write over them what the encoders read at each touch.",

@@ -10,6 +10,7 @@ import typer
 import linkwright as lw
 from linkwright.commands.options import (
     Anchor,
+    Bar,
     Camera,
     CatalogueFile,
     Direction,
@@ -45,7 +46,8 @@ def plan(
     instrument: Annotated[
         str,
         typer.Option(
-            "--instrument", help="tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point or plane."
+            "--instrument",
+            help="tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point, plane or bar.",
         ),
     ] = "tracker",
     direction: Direction = None,
@@ -55,6 +57,11 @@ def plan(
     ] = False,
     tilt_link: TiltLink = None,
     camera: Camera = None,
+    bar: Bar = None,
+    bars: Annotated[
+        int | None,
+        typer.Option("--bars", metavar="N", help="In how many places the bar lies; 1: it is fixed."),
+    ] = None,
     sigma: Annotated[
         str | None,
         typer.Option("--sigma", metavar="LENGTH", help="What each component scatters by; 15 um (a tilt: 15 urad)."),
@@ -119,6 +126,8 @@ def plan(
             anchor_free=anchor_free,
             tilt_link=tilt_link,
             camera=camera,  # pyright: ignore[reportArgumentType]
+            bar=listed(bar),
+            bars=bars,
             sigma_depth=sigma_depth,
             sigma_angle=sigma_angle,
             torques=listed(torques),

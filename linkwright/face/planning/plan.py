@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from arm.effects import EFFECTS
 from diagnose.instruments.asked import observed_by
 from diagnose.instruments.instrument import Instrument
@@ -144,6 +146,8 @@ def plan(
     anchor_free: bool = False,
     tilt_link: str | int | None = None,
     camera: Literal["fixed", "on_tool"] | None = None,
+    bar: Sequence[Quantity] | None = None,
+    bars: int | None = None,
     sigma_depth: Quantity | None = None,
     sigma_angle: Quantity | None = None,
     torques: Quantity | Sequence[Quantity] | None = None,
@@ -160,7 +164,9 @@ def plan(
     `sigma` is an angle (15 urad), or where a `camera` (`"fixed"`, or `"on_tool"`) sees a target: `sigma` is what
     that scatters by across its view, `sigma_depth` in depth (five times that), `sigma_angle` in turns (that over
     0.1 m), and where camera and target are is found along. And it plans to touch the `same_point` (a ball in a
-    socket) or a `plane` again in several postures, places that nobody need know exactly. `torques`, what a drive's
+    socket) or a `plane` again in several postures, places that nobody need know exactly, or places along a `bar`
+    (lengths: `["0 mm", "500 mm"]` are its ends), which lies anywhere, in `bars` places (1: it is fixed; by default one
+    for every six visits). `torques`, what a drive's
     measured torque scatters by (text, or N m; one for each joint, of a slide a force), reads those as well: what
     they will tell of weights and friction is planned for beside the causes. `payloads` are masses (text, or kg); by
     default none and the arm's own.
@@ -189,6 +195,7 @@ def plan(
     for key, value in (("frame", frame), ("tool", tool)):
         if value not in ("known", "free"):
             raise InputError("", key, f"is known or free, not {shown(value)}")
+    many = _bars(bars, instrument, poses)
     boxes = tuple(_box(each) for each in avoid)
     masses = _payloads(payloads, given)
     held = torque_noise(torques, given)
@@ -199,7 +206,7 @@ def plan(
         raise InputError("", "instrument", str(error)) from None
 
     def reading(there: Readings | None) -> _Reads:
-        said = _Reads(instrument, direction, anchor, anchor_free, tilt_link, camera)
+        said = _Reads(instrument, direction, anchor, anchor_free, tilt_link, camera, bar)
         found = _reading(said, given, there)
         _refuse_free(found.instrument, frame, tool)
         return _with_noise(found, there, sigma, sigma_depth, sigma_angle)
@@ -219,7 +226,7 @@ def plan(
         frame = tool = "free"
     asked = Asked(
         poses, effects or apart, reads.instrument, noise, repeats, masses, frame, tool, boxes, seed,
-        pairs_only=bool(apart), camera_noise=reads.of_camera(noise), torque_noise=held, **reads.asked,
+        pairs_only=bool(apart), camera_noise=reads.of_camera(noise), torque_noise=held, bars=many, **reads.asked,
     )  # fmt: skip
     with told(progress) as hear, interrupts() as check:
 
@@ -249,6 +256,7 @@ class _Reads:
     anchor_free: bool
     tilt_link: str | int | None
     camera: Literal["fixed", "on_tool"] | None
+    bar: Sequence[Quantity] | None
     asked: Mapping[str, Any] = field(default_factory=dict[str, Any])
     sigma: float | None = None
     deep: float | None = None
@@ -260,7 +268,7 @@ class _Reads:
         return self.deep or usual[0], self.turns or usual[1]
 
 
-_OWN = (("direction", "along"), ("anchor", "distance"), ("tilt_link", "tilt"), ("camera", "camera"))
+_OWN = (("direction", "along"), ("anchor", "distance"), ("tilt_link", "tilt"), ("camera", "camera"), ("bar", "bar"))
 """What says how an instrument reads, and the instrument that it goes with."""
 _TOUCHES = ("same_point", "plane")
 
@@ -268,8 +276,8 @@ _TOUCHES = ("same_point", "plane")
 def _reading(said: _Reads, arm: Arm, before: Readings | None) -> _Reads:
     """The instrument, and what says how it reads: as asked, or as the recording before did."""
     there = None if before is None else _instrument_of(before, said.instrument)
-    if there is not None:
-        said = _of_before(said, there)
+    if before is not None and there is not None:
+        said = _of_before(said, there, before)
     instrument = said.instrument
     for name, kind in _OWN:
         if getattr(said, name) is not None and instrument != kind:
@@ -288,14 +296,16 @@ def _reading(said: _Reads, arm: Arm, before: Readings | None) -> _Reads:
         anchor_free=said.anchor_free,
         tilt_link=said.tilt_link,
         camera=said.camera,
+        bar=None if said.bar is None else [in_si(each, "length", "bar") for each in said.bar],
     )
     own: Instrument = found["instrument"]
     if arm.model.planar() and own.direction is not None and not any(own.direction[:2]):
         raise InputError("", "direction", "is out of the plane in which the arm moves; name one within it")
-    return replace(said, asked={"slots": found["slots"], "reads": own, "anchor_free": said.anchor_free})
+    asked = {"slots": found["slots"], "reads": own, "anchor_free": said.anchor_free, "bar": found.get("bar", ())}
+    return replace(said, asked=asked)
 
 
-def _of_before(said: _Reads, there: Instrument) -> _Reads:
+def _of_before(said: _Reads, there: Instrument, before: Readings) -> _Reads:
     """What is said, and otherwise what the instrument that is there already tells."""
     kind = there.kinds[0]
     if kind == "distance" and said.anchor is None and there.anchor is None:
@@ -312,7 +322,25 @@ def _of_before(said: _Reads, there: Instrument) -> _Reads:
         anchor_free=said.anchor_free or (kind == "distance" and there.anchor is None),
         tilt_link=link if kind == "tilt" else said.tilt_link,
         camera=camera if kind == "camera" else said.camera,
+        bar=said.bar if kind != "bar" or said.bar is not None else _places_along(before),
     )
+
+
+def _places_along(before: Readings) -> list[float]:
+    """Where along its bars a recording touches, m."""
+    assert before.bar_at is not None
+    return sorted(set(np.round(before.bar_at, 8).tolist()))
+
+
+def _bars(given: int | None, instrument: str, poses: int) -> int:
+    """In how many places a bar is to lie, 0 where nobody said. Raises `InputError`."""
+    if given is None:
+        return 0
+    if instrument != "bar":
+        raise InputError("", "bars", f"goes with the instrument bar, not {shown(instrument)}")
+    if not 1 <= given <= poses // 2:
+        raise InputError("", "bars", f"is from 1 to {poses // 2}, two visits or more to each place, not {given}")
+    return given
 
 
 def _with_noise(
@@ -354,12 +382,13 @@ def _refuse_free(instrument: str, frame: str, tool: str) -> None:
     for name, given in (("frame", frame), ("tool", tool)):
         if instrument == "tilt" and given == "free":
             raise InputError("", name, "goes with an instrument that reads the tip's place; a level does not see it")
-        if instrument in _TOUCHES and given == "free" and name == "frame":
+        if instrument in (*_TOUCHES, "bar") and given == "free" and name == "frame":
             raise InputError("", name, "goes with an instrument that reads the tip's place; touches are in no frame")
 
 
 def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
-    """The instrument of heights, distances, tilts or a camera that a recording was made with, None of the tip's place.
+    """The instrument of heights, distances, tilts, touches or a camera that a recording was made with, None of the
+    tip's place.
     Raises `InputError` for others, and where another one is asked for."""
     each = recording.each if isinstance(recording, Several) else (recording,)
     if recording.slots is None:
@@ -367,8 +396,9 @@ def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
             raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
         return None
     kinds = {one.instrument.kinds for one in each}
-    if not kinds <= {(kind,) for _, kind in _OWN} or len(kinds) > 1:
+    if not kinds <= {(kind,) for kind in (*dict(_OWN).values(), *_TOUCHES)} or len(kinds) > 1:
         said = "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
+        said += ", touches of points, planes or bars"
         raise InputError("", "after", f"{recording.file} {said}")
     if instrument not in ("tracker", each[0].instrument.kinds[0]):
         raise InputError("", "after", f"{recording.file} holds its {each[0].instrument.kinds[0]}, not {instrument}")

@@ -24,12 +24,12 @@ SOFT = 1e-6
 
 def planned(arm, instrument, effects, poses=16, frame="known", **settings):
     """A plan for an instrument under no payload and 5 kg."""
-    keys = ("sigma", "camera_noise")
+    keys = ("sigma", "camera_noise", "bars")
     noise = {key: settings.pop(key) for key in keys if key in settings}
     said = observed_by(instrument, None, None, arm, anchor_free=False, **settings)
     asked = Asked(
         poses, effects, instrument, payloads=(0.0, 5.0), frame=frame, tool=frame, rules=FAST, slots=said["slots"],
-        reads=said["instrument"], **noise,
+        reads=said["instrument"], bar=said.get("bar", ()), **noise,
     )  # fmt: skip
     return plan(arm, asked, silent)
 
@@ -164,3 +164,64 @@ def test_sizes_by_touches_are_those_of_least_squares(instrument):
             soft = tips(q, payload, Truth(compliance=tuple(SOFT * np.eye(5)[joint])))
             columns.append(np.sum((soft - at) * normals, axis=1) / SOFT / sigma)
     kept(found, errors(columns, np.stack(beside, axis=1)))
+
+
+@pytest.mark.parametrize("bars", [0, 1, 6])
+def test_sizes_by_a_bar_are_those_of_least_squares(bars):
+    """Of a bar of 0.3 m where it lies and which way it points is found along; how long it is, is known."""
+    arm, length = spatial_arm(), 0.3
+    effects = tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
+    found = planned(arm, "bar", effects, poses=24, bar=[0.0, length], bars=bars)
+    assert np.mean(np.log(gains(found))) > np.log(1.1)
+    recording, sigma = found.recording, found.asked.sigma
+    q, payload, label, along = recording.q, recording.payload_mass, recording.touches, recording.bar_at
+    assert np.abs(q).max() < RANGE
+    assert label.max() + 1 <= (bars or 4)
+    for one in range(label.max() + 1):  # both ends alike
+        ends = [np.sum((label == one) & (along == end)) // found.asked.repeats for end in (0.0, length)]
+        assert min(ends) >= 1
+        assert abs(ends[0] - ends[1]) <= 1
+    at = tips(q, payload, Truth())
+    columns = []
+    for joint in (1, 2, 4):
+        soft = tips(q, payload, Truth(compliance=tuple(SOFT * np.eye(5)[joint])))
+        columns.append((soft - at).reshape(-1) / SOFT / sigma)
+    beside = []
+    for one in range(label.max() + 1):
+        own = label == one
+        ends = [at[own & (along == end)].mean(axis=0) for end in (0.0, length)]
+        assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(length, abs=1e-4)
+        beside += [np.outer(own, axis).reshape(-1) for axis in np.eye(3)]
+        across = np.linalg.svd((ends[1] - ends[0])[None])[2][1:]
+        beside += [np.outer(np.where(own, along, 0.0), way).reshape(-1) for way in across]
+    kept(found, errors(columns, np.stack(beside, axis=1)))
+
+
+@pytest.mark.parametrize(("instrument", "bar"), [("same_point", ()), ("bar", (0.0, 0.3))])
+def test_what_touches_have_told_counts(instrument, bar):
+    """The sizes of a plan after a recording are those of least squares of both, each with its own places."""
+    arm, effects = spatial_arm(), tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
+    before = planned(arm, instrument, effects, poses=12, **({"bar": bar} if bar else {}))
+    found = plan(arm, before.asked, silent, before.recording)
+    q, payload, label, along = [], [], [], []
+    for part in (before.recording, found.recording):
+        q.append(part.q)
+        payload.append(part.payload_mass)
+        label.append(part.touches + (max(label[0]) + 1 if label else 0))
+        along.append(np.zeros(part.size) if part.bar_at is None else part.bar_at)
+    q, payload, label, along = (np.concatenate(each) for each in (q, payload, label, along))
+    at = tips(q, payload, Truth())
+    soft = [tips(q, payload, Truth(compliance=tuple(SOFT * np.eye(5)[joint]))) for joint in (1, 2, 4)]
+    columns = [(each - at).reshape(-1) / SOFT / found.asked.sigma for each in soft]
+    beside = []
+    for one in range(label.max() + 1):
+        own = label == one
+        beside += [np.outer(own, axis).reshape(-1) for axis in np.eye(3)]
+        if bar:
+            way = at[own & (along == bar[1])].mean(axis=0) - at[own & (along == bar[0])].mean(axis=0)
+            beside += [
+                np.outer(np.where(own, along, 0.0), each).reshape(-1) for each in np.linalg.svd(way[None])[2][1:]
+            ]
+    kept(found, errors(columns, np.stack(beside, axis=1)))
+    smaller = [old.smallest / new.smallest for old, new in zip(before.promise.shown, found.promise.shown, strict=True)]
+    assert min(smaller) > 1.2

@@ -141,7 +141,7 @@ def test_an_instrument_sees_its_components(instrument):
     """The information of x and y add up, by the patterns themselves."""
     arm, asked = made_arm(), replace(ASKED, instrument=instrument, poses=12)
     tried = tried_visits(arm, asked)
-    made = to_record(arm, tried.q[:12], tried.sides[:12], tried.payload[:12], asked)
+    made = to_record(arm, tried, np.arange(12), asked)
     axes = seen_axes(instrument, arm)
     prepared = _sound(arm, made, axes, asked)
     assert len(prepared.vector) == 36 * len(axes)

@@ -99,6 +99,7 @@ GIVES = {"effect": "joint_compliance", "at": 2, "compliance": "60 urad/(N*m)"}
         (("tilt", "--tilt-link", "3", "--sigma", "20 urad"), "tilt_x_deg,tilt_y_deg", "tilt_link: 3"),
         (("camera", "--camera", "on_tool", "--sigma-angle", "0.1 mrad"), "x_mm,y_mm,z_mm,qw,qx,qy,qz", "camera: on_"),
         (("same_point",), "point", "observes: same_point"),
+        (("bar", "--bar", "0 mm, 400 mm"), "bar_mm,bar", "observes: bar"),
     ],
 )
 def test_a_plan_is_recorded_by_the_instrument_that_it_is_for(linkwright, bench, options, header, setting):
@@ -114,7 +115,8 @@ def test_a_plan_is_recorded_by_the_instrument_that_it_is_for(linkwright, bench, 
     assert "noise" in said
     lines = (bench / "plan.csv").read_text().splitlines()
     assert lines[0].endswith(f"payload_kg,{header}")
-    if header == "point":  # which of those it is, and where about
+    touches = header in ("point", "plane", "bar_mm,bar")
+    if touches:  # which of those it is, and where about
         assert {line.split(",")[-1] for line in lines[1:]} == {each["label"] for each in content["touches"]}
         assert {each["touches"] for each in content["visits"]} == {each["label"] for each in content["touches"]}
     else:
@@ -127,14 +129,12 @@ def test_a_plan_is_recorded_by_the_instrument_that_it_is_for(linkwright, bench, 
     found = lw.diagnose("arm.yaml", "made.csv").found
     names = [(one.effect, one.at) for finding in found.findings for one in (finding, *finding.alternatives)]
     assert ("joint_compliance", (2,)) in names
-    if header == "point":
-        status, _, err = linkwright(*plan, "--after", "made.csv")
-        assert (status, "is not of one instrument that a plan goes on from" in err) == (2, True)
-        return
     more = () if options[0] == "tilt" else ("--sigma", "20 um")
     status, _, err = linkwright(*plan, "--for", "backlash:3", "--after", "made.csv", *more, "--out", "more.csv")
     assert (status, err) == (0, "")
     assert setting in (bench / "more.yaml").read_text()
+    if touches:
+        assert lw.simulate("arm.yaml", at="more.csv").found.touches is not None
 
 
 def test_torques_are_planned_read_and_diagnosed_beside_the_tip(linkwright, tmp_path):
@@ -167,7 +167,6 @@ def test_torques_are_planned_read_and_diagnosed_beside_the_tip(linkwright, tmp_p
         (("--torques", "0 N*m"), "--torques: must be positive"),
         (("--torques", "2 kg"), "--torques"),
         (("--instrument", "same_point", "--frame", "free"), "touches are in no frame"),
-        (("--instrument", "bar"), "is not one of tracker"),
         (("--instrument", "same_point", "--poses", "400"), "touches something again in"),
         (("--instrument", "tilt"), "--tilt-link: needs base or the number of a link, 1 to 3"),
         (("--instrument", "tilt", "--tilt-link", "4"), "--tilt-link: needs base or the number of a link, 1 to 3"),
@@ -181,6 +180,12 @@ def test_torques_are_planned_read_and_diagnosed_beside_the_tip(linkwright, tmp_p
         (("--instrument", "along"), "direction: is missing"),
         (("--instrument", "along", "--direction", "0, 0, 1"), "out of the plane"),
         (("--instrument", "y", "--direction", "0, 0, 1"), "goes with the instrument along"),
+        (("--instrument", "bar"), "bar: needs two places along the bar"),
+        (("--instrument", "bar", "--bar", "0 m, 9 m"), "touches nothing again within the joint ranges; a shorter"),
+        (("--instrument", "bar", "--bar", "0 mm, 0 mm"), "bar: needs two places along the bar"),
+        (("--bar", "0 mm, 300 mm"), "goes with the instrument bar"),
+        (("--instrument", "xy", "--bars", "2"), "bars: goes with the instrument bar"),
+        (("--instrument", "bar", "--bar", "0 mm, 300 mm", "--bars", "5"), "bars: is from 1 to 4"),
         (("--anchor", "1 m, 0 m, 0 m"), "goes with the instrument distance"),
         (("--instrument", "along", "--direction", "1, 0", "--anchor-free"), "goes with the instrument distance"),
         (("--after", "first.csv", "--instrument", "xy"), "holds its distance, not xy"),
