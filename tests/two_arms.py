@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
+IDENTITY = np.eye(3)
 AXES = {"x": np.array([1.0, 0.0, 0.0]), "y": np.array([0.0, 1.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}
 TORSO = [("z", (0, 0, 0.5), 8.0), ("y", (0, 0, 0.4), 10.0)]
 """Axis, the link's vector (m) in its frame, and its mass (kg), a point in its middle."""
@@ -78,25 +79,26 @@ def _walk(place, frame, chain, q):
     return place, frame, masses
 
 
-def posture(q, carries=True):
-    """Tips of both arms, all point masses (kg, place), and where the pitch axis is; q (7,) rad."""
+def posture(q, carries=True, mount=IDENTITY):
+    """Tips of both arms, the left one turned on the torso by `mount`, all point masses (kg, place), and where the pitch
+    axis is; q (7,) rad."""
     end, frame, masses = _walk(np.zeros(3), np.eye(3), TORSO, q[:2])
     tips = []
-    for (at, chain, payload), own in ((LEFT, q[2:5]), (RIGHT, q[5:7])):
-        tip, _, more = _walk(end + frame @ np.array(at), frame, chain, own)
+    for (at, chain, payload), own, turned in ((LEFT, q[2:5], mount), (RIGHT, q[5:7], IDENTITY)):
+        tip, _, more = _walk(end + frame @ np.array(at), frame @ turned, chain, own)
         tips.append(tip)
         masses += [*more, (payload, tip)] if carries else []
     pitch = np.array([0.0, 0.0, 0.5])
     return tips, masses, (pitch, turn("z", q[0]) @ AXES["y"])
 
 
-def pitch_torque(q) -> float:
+def pitch_torque(q, mount=IDENTITY) -> float:
     """What weighs about the pitch axis (N*m), all beyond it."""
-    _, masses, (at, axis) = posture(q)
+    _, masses, (at, axis) = posture(q, mount=mount)
     return float(sum(axis @ np.cross(place - at, mass * GRAVITY) for mass, place in masses[1:]))
 
 
-def tips(q, compliance=0.0, offsets=()) -> list[np.ndarray]:
+def tips(q, compliance=0.0, offsets=(), mount=IDENTITY) -> list[np.ndarray]:
     """Both tips where the pitch axis gives (rad/(N*m)) under all weights, in equilibrium, and zeros are off by
     `offsets` (joint from 0, rad)."""
     true = np.array(q, dtype=float)
@@ -104,8 +106,8 @@ def tips(q, compliance=0.0, offsets=()) -> list[np.ndarray]:
         true[joint] += off
     given = true.copy()
     for _ in range(30):
-        given[1] = true[1] + compliance * pitch_torque(given)
-    return posture(given)[0]
+        given[1] = true[1] + compliance * pitch_torque(given, mount)
+    return posture(given, mount=mount)[0]
 
 
 def recorded(tip: str, visits: int, seed: int, *, noise: float = 10e-6, hide: tuple[str, ...] = (), **hidden) -> str:

@@ -89,11 +89,10 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
 
 def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:
     """What an arm file with branches cannot hold beside them."""
-    for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True), start=1):
-        if joint.origin_free or link.runs_out:
-            what = "bends_over" if link.runs_out else "origin: free"
+    for number, link in enumerate(arm.links, start=1):
+        if link.runs_out:
             raise mapping.error(
-                "branches", f"go without {what}, which joint {number} of all has; write each arm by itself"
+                "branches", f"go without bends_over, which joint {number} of all has; write each arm by itself"
             )
 
 

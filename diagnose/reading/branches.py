@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from arm.chain.chain import Arm, Branch
@@ -26,6 +28,17 @@ def to_its_tip(arm: Arm, held: ReadingSettings, file: object) -> Arm:
         hint = nearest(held.tip, names)
         raise InputError(held.file, "tip", f"is {held.tip}, but {arm.name!r} has {' and '.join(names)}{hint}")
     return arm.on(held.tip)
+
+
+def refuse_unmeasured_origins(arm: Arm, tips: Collection[str], file: object) -> None:
+    """Raises `InputError` where a branch has a fixed transform that is free and none of the recordings, which are to
+    these `tips`, measures beyond it: its weight alone would have to say where it stands."""
+    for branch in arm.branches:
+        free = [index for index in arm.unknown_origins if branch.first <= index < branch.end]
+        if free and branch.name not in tips:
+            key = f"branches.{branch.name}.chain[{free[0] - branch.first + 1}].origin"
+            would_do = f"add a recording with `tip: {branch.name}`, or write where it stands"
+            raise InputError(file, key, f"is free, and no recording is of {branch.name}'s tip; {would_do}")
 
 
 def with_others_at_rest(

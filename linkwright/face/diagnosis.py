@@ -13,6 +13,7 @@ from diagnose.compare.compare import Comparison as FoundComparison
 from diagnose.compare.compare import compare as compared
 from diagnose.diagnosis import diagnose as diagnosed
 from diagnose.options import Options
+from diagnose.reading.branches import refuse_unmeasured_origins
 from diagnose.result import Diagnosis as Found
 from diagnose.result import FittedParameter
 from diagnose.several.recordings import Several, together
@@ -232,6 +233,7 @@ def recordings_of(
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:
         raise InputError(twice, "", "is named twice; each recording counts once")
+    refuse_unmeasured_origins(arm.model, {one.found.branch for one in read}, arm.model.name)
     widths = {one.found.q.shape[1] for one in read}
     if len(widths) > 1:
         raise InputError("", "recording", f"are of arms with {' and '.join(map(str, sorted(widths)))} joints")

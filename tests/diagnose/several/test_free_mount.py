@@ -1,0 +1,52 @@
+"""Two arms on one torso, one bolted on by eye: `origin: free` in a branch, found from both tips beside one cause."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import linkwright as lw
+from tests import two_arms
+from units.quantities import InputError
+
+COMPLIANCE = 50e-6
+TURN = math.radians(50.0)
+KNOWN = "origin: {xyz: [0.0 m, 0.2 m, 0.05 m]}"
+QUICK = ("payload", "link_mass", "creep", "counterbalance", "gear_transmission_error", "joint_waviness")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("free-mount")
+    text = two_arms.arm_text()
+    assert KNOWN in text
+    (place / "arm.yaml").write_text(text.replace(KNOWN, "origin: free"))
+    for seed, tip in enumerate(("left", "right")):
+        made = two_arms.recorded(tip, 24, seed, compliance=COMPLIANCE, mount=two_arms.turn("z", TURN))
+        (place / f"{tip}.csv").write_text(made)
+        (place / f"{tip}.yaml").write_text(f"tip: {tip}\n")
+    return place
+
+
+def test_the_mount_is_found_beside_what_gives(folder):
+    diagnosis = lw.diagnose(folder / "arm.yaml", [folder / "right.csv", folder / "left.csv"], without=QUICK)
+    (origin,) = diagnosis.found.origins
+    for each, truth in zip(origin.parameters, (0.0, 0.2, 0.05, 0.0, 0.0, TURN), strict=True):
+        low, high = each.interval
+        assert abs(each.value - truth) <= high - low, "twice the 95 % interval"
+        assert 0.0 < high - low < 100e-6
+    assert Rotation.from_rotvec(origin.turn).magnitude() == pytest.approx(TURN, abs=50e-6)
+    (soft,) = diagnosis.found.findings
+    assert (soft.effect, soft.at) == ("joint_compliance", (2,))
+    assert np.isclose(soft.parameters[0].value, COMPLIANCE, rtol=0.01)
+    diagnosis.save(folder / "out")
+    for tip in ("left", "right"):
+        assert lw.predict(folder / "out" / "arm.yaml", folder / f"{tip}.csv").rms_mm < 1.15e3 * 10e-6 * 3**0.5
+
+
+def test_a_free_mount_needs_a_recording_of_its_own_tip(folder):
+    with pytest.raises(
+        InputError, match=r"left.chain\[1\].origin: is free, and no recording is of left's tip; add a recording"
+    ):
+        lw.diagnose(folder / "arm.yaml", folder / "right.csv", without=QUICK)
