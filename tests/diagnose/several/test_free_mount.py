@@ -1,6 +1,7 @@
 """Two arms on one torso, one bolted on by eye: `origin: free` in a branch, found from both tips beside one cause."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ QUICK = ("payload", "link_mass", "creep", "counterbalance", "gear_transmission_e
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("free-mount")
     text = two_arms.arm_text()
     assert KNOWN in text
@@ -29,7 +30,7 @@ def folder(tmp_path_factory):
     return place
 
 
-def test_the_mount_is_found_beside_what_gives(folder):
+def test_the_mount_is_found_beside_what_gives(folder: Path) -> None:
     diagnosis = lw.diagnose(folder / "arm.yaml", [folder / "right.csv", folder / "left.csv"], without=QUICK)
     (origin,) = diagnosis.found.origins
     for each, truth in zip(origin.parameters, (0.0, 0.2, 0.05, 0.0, 0.0, TURN), strict=True):
@@ -45,7 +46,7 @@ def test_the_mount_is_found_beside_what_gives(folder):
         assert lw.predict(folder / "out" / "arm.yaml", folder / f"{tip}.csv").rms_mm < 1.15e3 * 10e-6 * 3**0.5
 
 
-def test_a_free_mount_needs_a_recording_of_its_own_tip(folder):
+def test_a_free_mount_needs_a_recording_of_its_own_tip(folder: Path) -> None:
     with pytest.raises(
         InputError, match=r"left.chain\[1\].origin: is free, and no recording is of left's tip; add a recording"
     ):
