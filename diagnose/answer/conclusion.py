@@ -280,16 +280,18 @@ class Conclusion(Confirmed):
     def _joint_of_forms(self) -> int | None:
         for member in largest_first(self.prepared, self.fitted, self.outside):
             at = self.prepared.pool.groups[member].candidate.at
-            if len(at) == 1:
+            if at:
                 return at[0] + 1
         return None
 
     def _joint(self, shares: Sequence[float], of_form: int | None) -> int | None:
-        """The joint that the strongest finding names; else the one whose motion alone describes clearly most."""
+        """The joint that the strongest finding names, or a form that moves more; else the one whose motion alone
+        describes clearly most."""
         if not self._anything:
             return None
-        if self.members:
-            size = [self._moved([place]) for place in range(len(self.members))]
+        size = [self._moved([place]) for place in range(len(self.members))]
+        beyond = displacement(self.prepared, self.fitted, self.outside)[:, : self.observed.components]
+        if self.members and (of_form is None or max(size) >= rms_length(beyond)):
             candidate = self.prepared.pool.groups[self.members[int(np.argmax(size))]].candidate
             if len(candidate.at) == 1:
                 return candidate.at[0] + 1

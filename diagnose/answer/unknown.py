@@ -166,6 +166,8 @@ def _place_of(candidate: Candidate) -> str:
     point = [f"{candidate.shapes[name]:.2f}" for name in ("at_x", "at_y", "at_z") if name in candidate.shapes]
     if point:
         return f"; it is near ({', '.join(point)}) m"
+    if candidate.effect == "joint_by_another":
+        return f" (joint {candidate.at[0] + 1} by joint {candidate.at[1] + 1})"
     return f" (joint {candidate.at[0] + 1})" if len(candidate.at) == 1 else ""
 
 
@@ -188,6 +190,8 @@ def _depends(
         candidate = namer.pool.groups[member].candidate
         if candidate.effect in ("smooth_function_of_joint", "joint_in_part_of_travel"):
             found.append(f"q{candidate.at[0] + 1}")
+        elif candidate.effect == "joint_by_another":
+            found.append(f"q{candidate.at[1] + 1}")
         elif candidate.effect == "other_column":
             found += list(candidate.shapes)
         else:

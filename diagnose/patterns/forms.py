@@ -39,6 +39,7 @@ SENTENCES = MappingProxyType(
         "force_field": "a force at the tip that varies over the workspace, acting through what bends",
         "field_over_position": "a smooth field over the tip's position",
         "smooth_function_of_joint": "a smooth function of one joint's coordinate",
+        "joint_by_another": "one joint that is off by where another stands",
         "joint_in_part_of_travel": "one joint that is off within a part of its travel",
         "temperature": "something that follows the temperature",
         "payload_and_position": "something that grows with the payload and varies over the workspace",
@@ -65,6 +66,7 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
             waves = [wave(order * span * q) for order in (1, 2, 3) for wave in (np.sin, np.cos)]
             yield form("smooth_function_of_joint", (number,)), interactions(waves, motion)
             yield from _in_part_of_travel(number, q, motion, observed.rules.patterns)
+            yield from _by_another(observed, number, motion)
     yield from _with_covariates(observed, axes)
 
 
@@ -77,6 +79,26 @@ def _in_part_of_travel(number: int, q: Array, motion: Array, rules: PatternRules
         if last - first <= rules.widest and inside.any():
             shapes = {"from": float(edges[first]), "to": float(min(edges[last], q.max()))}
             yield form("joint_in_part_of_travel", (number,), shapes), interactions([inside.astype(float)], motion)
+
+
+def _by_another(observed: Observed, number: int, motion: Array) -> Iterator[tuple[Candidate, Array]]:
+    """A joint that turns with another's coordinate, in proportion, by its square and by both together: what drags it
+    along, or what is twisted between them."""
+    scaled = _scaled(observed.recording.q)
+    for other in range(observed.arm.size):
+        if other != number and scaled[:, other].any() and motion.any():
+            there = scaled[:, other]
+            yield (
+                form("joint_by_another", (number, other)),
+                interactions([there, there * there, there * scaled[:, number]], motion),
+            )
+
+
+def _scaled(q: Array) -> Array:
+    """Joint coordinates (N, n), each from -1 to 1 over the recording; nought where it does not move."""
+    low, high = q.min(axis=0), q.max(axis=0)
+    spread = high - low
+    return np.where(spread > 0.0, (2.0 * q - low - high) / np.where(spread > 0.0, spread, 1.0), 0.0)
 
 
 def _joint_motions(observed: Observed) -> list[Array]:

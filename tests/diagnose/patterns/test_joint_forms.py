@@ -41,3 +41,38 @@ def test_a_joint_that_goes_to_and_fro_with_time(joint):
     assert found.unknown.forms[0].share_held_out > 0.4
     assert found.where.joint == joint
     assert found.rms_after < 1.2 * found.noise_floor
+
+
+@pytest.mark.parametrize(
+    ("joint", "other", "law"),
+    [
+        (1, 3, lambda q: q[:, 2]),
+        (2, 3, lambda q: q[:, 2] ** 2),
+        (3, 2, lambda q: q[:, 1] * q[:, 2]),
+        (2, 1, lambda q: q[:, 0] * q[:, 1]),
+    ],
+)
+def test_a_joint_that_is_off_by_where_another_stands(joint, other, law):
+    """Dragged along by a later one, or twisted between two: 0.3 mrad at most, by no entry of the library."""
+    rng = np.random.default_rng(10 * joint + other)
+    q = visited(rng, 100, 2)
+    errors = np.zeros_like(q)
+    errors[:, joint - 1] = 3e-4 * law(q) / np.abs(law(q)).max()
+    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert found.verdict == "unknown"
+    assert f"(joint {joint} by joint {other})" in found.unknown.shape
+    assert f"q{other}" in found.unknown.depends_on
+    assert found.where.joint == joint
+    assert found.unknown.forms[0].share_held_out > 0.7
+    assert found.rms_after < 1.15 * found.noise_floor
+
+
+def test_a_coupling_to_the_joint_before_keeps_its_name():
+    """The form could tell it as well; an entry of the library goes before it."""
+    rng = np.random.default_rng(4)
+    q = visited(rng, 100, 2)
+    errors = np.zeros_like(q)
+    errors[:, 1] = 2e-4 * q[:, 0]
+    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert [(each.effect, each.at) for each in found.findings] == [("joint_coupling", (2,))]
+    assert found.unknown is None
