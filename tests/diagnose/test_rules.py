@@ -42,7 +42,7 @@ NO_RULES = {
     "instruments/checks.py": {"_SCALES"},
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
     "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, TILT_X, TILT_Y, BAR, CAMERA, COUNT"},
-    "instruments/touching.py": {"_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
+    "instruments/touching.py": {"_ABOUT, _AROUND", "_INNER", "_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_FOUND", "_LONGEST"},
     "mistakes/conventions.py": {"_QUARTER"},
