@@ -308,7 +308,8 @@ class Confirmed:
         if found is not None:
             misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
             misfit |= found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond
-            if misfit and self.members and found.against == "repeats" and self._only_scatter():
+            carries = found.held_out_times <= rules.scatter_carries * found.times
+            if misfit and carries and self.members and found.against == "repeats" and self._only_scatter():
                 self.scattered = True
                 return False
             return misfit

@@ -110,6 +110,13 @@ class AnswerRules:
         "an arm that returns badly; where they leave more, readings of a visit refute them.",
         JUDGED,
     )
+    scatter_carries: float = rule(
+        1.35,
+        "times what is left",
+        "Scatter is as large on readings that were not fitted; where far more is left of those, the names do not carry "
+        "over, and no arm that returns badly excuses them.",
+        PROOF,
+    )
     scatter_predicts: float = rule(
         0.5,
         "share of what is beyond the noise",
