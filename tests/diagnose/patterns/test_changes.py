@@ -70,15 +70,26 @@ def test_a_step_in_time_is_told_by_what_has_changed(what: str) -> None:
         assert "(joint 2)" in found.unknown.shape
 
 
-@pytest.mark.parametrize("what", ["product", "kink"])
+@pytest.mark.parametrize("what", ["ridge", "kink"])
 def test_what_has_no_form_is_not_named(what: str) -> None:
-    """An angle that is off by the product of two, and a drive that gives to one side only: no cause of the library,
-    nor one of its forms, is the answer."""
-    if what == "product":
+    """An angle that is off by the sharp ridge of two others' product, and a drive that gives to one side only: no cause
+    of the library, nor one of its forms, is the answer."""
+    if what == "ridge":
         q = poses_of(1)
-        found = diagnosed(1, errors=1.5e-4 * (q[:, 0] * q[:, 1])[:, None] * np.array([0.0, 1.0, 0.0]))
+        found = diagnosed(1, errors=2e-4 * np.abs(q[:, 0] * q[:, 2])[:, None] * np.array([0.0, 1.0, 0.0]))
     else:
         softer = np.array([0.0, 1.5e-5, 0.0])
         found = diagnosed(1, gives=lambda torque: torque * GIVES + softer * np.maximum(torque, 0.0))
     assert found.verdict == "unknown"
     assert found.rms_after > 1.3 * np.sqrt(2.0) * SIGMA
+
+
+def test_a_joint_that_is_off_by_its_product_with_another_is_described_and_not_named() -> None:
+    """The form names both joints; no cause of the library is the answer."""
+    q = poses_of(1)
+    found = diagnosed(1, errors=1.5e-4 * (q[:, 0] * q[:, 1])[:, None] * np.array([0.0, 1.0, 0.0]))
+    assert found.verdict == "unknown"
+    assert found.unknown is not None
+    assert found.unknown.shape.endswith("(joint 2 by joint 1)")
+    assert found.findings == ()
+    assert found.rms_after < 1.1 * np.sqrt(2.0) * SIGMA
