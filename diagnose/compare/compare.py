@@ -16,8 +16,9 @@ from types import MappingProxyType
 import numpy as np
 from scipy import stats
 
-from arm.chain.chain import Arm
+from arm.chain.chain import Arm, EffectEntry
 from arm.effects import EFFECTS
+from diagnose.fitting.corrected_arm import as_entry
 from diagnose.fitting.fit import t_quantile
 from diagnose.fitting.prepare import nuisances
 from diagnose.patterns.library import Candidate, columns_of, kind_of
@@ -135,14 +136,44 @@ class CommonFit:
 
 
 def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, rules: Rules = RULES) -> CommonFit:
-    """Fit the common model to the tip's readings of a recording, beside its nuisances.
+    """Fit the common model to the tip's readings of a recording, beside its nuisances; about what it found, again and
+    again, until the sizes stay (an arm that gives by millimetres moves beyond first order).
 
     Standard errors are the larger of the plain ones and of those that let each visit have an error of its own (K.-Y.
     Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
-    observed = observe(arm, recording, rules=rules)
-    columns = [_columns(observed, term) for term in terms]
-    return fit_columns(observed, columns, observed.residual)
+    best = fitted = _fitted_about(arm, recording, terms, (), rules)
+    for _ in range(rules.search.motion_rounds):
+        before = fitted
+        fitted = _fitted_about(arm, recording, terms, _motions(terms, before), rules)
+        if fitted.rms < best.rms:
+            best = fitted
+        if _stays(before, fitted, rules.search.motion_matters):
+            break
+    return best
+
+
+def _fitted_about(
+    arm: Arm, recording: Recording, terms: Sequence[Candidate], about: Sequence[EffectEntry], rules: Rules
+) -> CommonFit:
+    observed = observe(arm, recording, about=about, rules=rules)
+    return fit_columns(observed, [_columns(observed, term) for term in terms], observed.residual)
+
+
+def _motions(terms: Sequence[Candidate], fitted: CommonFit) -> tuple[EffectEntry, ...]:
+    """What was fitted as entries of an arm file; what the recording does not show, and shares of loads, stay out."""
+    pairs = zip(terms, fitted.sizes, fitted.errors, strict=True)
+    return tuple(
+        as_entry(term, term.from_slopes(sizes.tolist()))
+        for term, sizes, errors in pairs
+        if not term.share and np.isfinite(errors).all() and len(sizes) == len(term.sizes)
+    )
+
+
+def _stays(before: CommonFit, fitted: CommonFit, share: float) -> bool:
+    """Whether no size that is shown moved by more than a share of its standard error."""
+    threes = zip(before.sizes, fitted.sizes, fitted.errors, strict=True)
+    return all(bool(np.all((np.abs(other - one) <= share * error)[np.isfinite(error)])) for one, other, error in threes)
 
 
 def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> CommonFit:

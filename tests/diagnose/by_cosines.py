@@ -23,10 +23,10 @@ def poses(seed, count=40):
     return np.random.default_rng(seed).uniform(-2.3, 2.3, (count, 3))
 
 
-def tips(q, errors=0.0, gives=GIVES, lengths=LENGTHS, mass=MASS):
+def tips(q, errors=0.0, gives=GIVES, lengths=LENGTHS, mass=MASS, rounds=4):
     """Tips (N, 2), m, of an arm whose joints stand off by `errors`, rad, beside what its drives give."""
     off = np.zeros_like(q) + errors
-    for _ in range(4):  # loads act on the arm as it stands
+    for _ in range(rounds):  # loads act on the arm as it stands
         out = np.cos(np.cumsum(q + off, axis=1)) * lengths
         off = errors - gives * 9.81 * np.reshape(mass, (-1, 1)) * np.cumsum(out[:, ::-1], axis=1)[:, ::-1]
     angles = np.cumsum(q + off, axis=1)

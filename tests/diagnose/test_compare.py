@@ -10,10 +10,12 @@ from scipy import stats
 
 from diagnose.compare.compare import common_model, compare, fit_common, holm
 from diagnose.compare.places import regions, shared_poses
+from diagnose.patterns.library import Candidate
 from diagnose.residual.observed import observe
 from diagnose.result import Alternative, Covered, Finding, FittedParameter
 from linkwright.output.files import json_text
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
+from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis, made_recording, measured, softer, write_recording
 from tests.linkwright.conftest import bench, linkwright  # noqa: F401 - fixtures
 
@@ -68,6 +70,25 @@ def test_what_only_one_shows_is_measured_in_the_other():
     (change,) = found.changes
     assert change.first.interval[0] < 0.0 < change.first.interval[1]
     assert change.changed
+
+
+def test_change_of_an_arm_that_gives_by_millimetres():
+    """Drive 2 gives 100, then 130 urad/(N*m) more than the file's 200, which bends the arm by millimetres: nothing is
+    left but the noise, and no interval is wider than that of readings that first order holds for."""
+    gives, sigma = np.array([1.2e-4, 2.0e-4, 2.5e-4]), 5e-6
+    stiff = file()
+    joints = tuple(replace(joint, stiffness=1.0 / each) for joint, each in zip(stiff.joints, gives, strict=True))
+    arm = replace(stiff, joints=joints)
+    fits = []
+    for seed, more in ((1, 1.0e-4), (2, 1.3e-4)):
+        q = np.repeat(poses(seed, 120), 2, axis=0)
+        tip = tips(q, gives=gives + np.array([0.0, more, 0.0]), rounds=30) + noise(seed, len(q), sigma)
+        term = Candidate("joint_compliance", (1,), ("compliance",), MappingProxyType({}))
+        fits.append(fit_common(arm, recording(q, tip), (term,)))
+        reach = stats.t.ppf(0.975, fits[-1].freedom) * fits[-1].errors[0][0]
+        assert abs(fits[-1].sizes[0][0] - more) < 1.5 * reach
+        assert reach < 1e-7
+        assert fits[-1].rms == pytest.approx(sigma * 2**0.5, rel=0.1)
 
 
 @pytest.mark.parametrize("visit_noise", [0.0, 3e-5])
