@@ -170,7 +170,12 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
 
 def _begun(prepared: Prepared, candidate: Candidate, slopes: Array, columns: Array) -> Term:
     """A term at the sizes that a linear fit found for its pattern."""
-    sizes = slopes if linear(candidate) else np.array(candidate.from_slopes(slopes.tolist()))
+    if linear(candidate):
+        return _term(prepared, candidate, slopes, columns)
+    sizes = np.array(candidate.from_slopes(slopes.tolist()))
+    if not np.isfinite(sizes).all():
+        # A link that would have to give less than nothing has no finite modulus: begin at the stiffest there is.
+        sizes = np.minimum(sizes, [bounds(candidate, name, prepared)[1] for name in candidate.sizes])
     return _term(prepared, candidate, sizes, columns)
 
 

@@ -13,6 +13,8 @@ from diagnose.fitting.refit import refit
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.recording import Recording
 from diagnose.residual.observed import observe
+from materials.catalogue import load_catalogue
+from sections import Tube
 from tests.diagnose.recorded import planar_arm, poses, sagging_tip
 
 STIFFNESS = np.array([400.0, 250.0, 150.0])
@@ -81,3 +83,23 @@ def test_to_first_order_ten_thousand_readings_are_sure_of_a_wrong_size():
     ready = prepared(10000, (ZERO, SOFT), 0, SIGMA)
     low, high = off(refit(ready, (0, 1), (), fit(ready, (0, 1))), (SOFT,))[SOFT][1]
     assert not low < SIZES[SOFT] < high
+
+
+def test_a_link_that_would_give_less_than_nothing_ends_at_finite_sizes():
+    """No modulus makes a link push against its load: the fit stays among numbers, and what it leaves is said."""
+    metal = load_catalogue(user=False).find("aluminium-6061-t6")
+    arm = replace(
+        soft_arm(), links=tuple(replace(link, section=Tube(0.04, 0.002), material=metal) for link in soft_arm().links)
+    )
+    count = 60
+    recording = Recording("r.csv", poses(count, 1), np.zeros((count, 2)), np.arange(1, count + 1))
+    observed = observe(arm, recording, scale=np.full(2, SIGMA))
+    stiffer = Candidate("link_modulus", (1,), ("excess",), {})
+    columns = columns_of(observed, stiffer)
+    assert columns is not None
+    observed = replace(observed, residual=1.2 * columns[:, :, 0])
+    ready = set_up(observed, packed_up([(stiffer, columns)]))
+    found = refit(ready, (0,), (), fit(ready, (0,)))
+    assert np.isfinite(found.terms[0].sizes).all()
+    assert found.terms[0].sizes[0] > 1.0
+    assert 0.0 < found.rss < np.inf
