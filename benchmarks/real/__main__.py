@@ -1,8 +1,9 @@
-"""Real machines: python -m benchmarks.real [motoman] [ur10] [servo] [printer] [irb120] [iiwa7] [--inside] [--out DIR]
+"""Real machines: python -m benchmarks.real [MACHINE ...] [--inside] [--out DIR]
 
-Prints, for each machine (all by default), what the tool says of its recordings and how well that predicts what was not
-fitted. `--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps the servo's
-telemetry with its pulls and the iiwa 7's runs as one table.
+Prints, for each of motoman, ur10, servo, printer, irb120, iiwa7 and together (all by default), what the tool says of
+its recordings and how well that predicts what was not fitted; together is of several recordings of one machine.
+`--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps the servo's telemetry with
+its pulls and the iiwa 7's runs as one table.
 """
 
 from __future__ import annotations
@@ -11,10 +12,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.real import iiwa7, irb120, motoman, printer, servo, ur10
+from benchmarks.real import iiwa7, irb120, motoman, printer, servo, together, ur10
 from benchmarks.real.data import NoDataError
 
-_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120", "iiwa7")
+_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120", "iiwa7", "together")
 
 
 def main() -> int:
@@ -45,6 +46,9 @@ def main() -> int:
             print()
         if "iiwa7" in machines:
             iiwa7.evaluate(out=asked.out)
+            print()
+        if "together" in machines:
+            together.evaluate()
     except NoDataError as error:
         print(error, file=sys.stderr)
         return 1
