@@ -38,6 +38,9 @@ WORDS = (
 )
 
 
+DESCRIBED = "product_of_joints"
+"""The class of the proof half that a form of the tool has come to describe, since people asked for it."""
+
 ENOUGH = 100
 """Cases from which on the fine tables say anything; the JSON of a score has them always."""
 FINE = ("by effect", "by arm", "by recording", "by parameter", "small causes")
@@ -82,6 +85,8 @@ def section(score: Score) -> str:
         reached = _rate(target.reached) if isinstance(target.reached, Rate) else _spread(target.reached)
         verdict = "**MISSED** " if target.met is False else ""
         lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
+    if half == "proof":
+        lines += ["", _wrapped(_of_others(score))]
     lines += [
         "",
         "| the three figures | |",
@@ -104,6 +109,18 @@ def section(score: Score) -> str:
     if score.misses:
         lines += ["", "Misses, each with its case's number:", "", *(f"- {each}" for each in score.misses)]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _of_others(score: Score) -> str:
+    """What of the unknown classes is proof: all but the one that a form of the tool describes."""
+    table = next(table for title, table in score.tables if title == "unknown classes called unknown")
+    others = [each for name, each in table if name != DESCRIBED]
+    called, asked = sum(each.count for each in others), sum(each.total for each in others)
+    return (
+        f"One class of the proof half, `{DESCRIBED}`, is no proof any more: a form of the tool, a joint that is off by "
+        "where another stands, describes it, for that was asked for by itself. "
+        f"Of the other {len(others)} classes {called} of {asked} cases are called unknown."
+    )
 
 
 def _tally(tally: tuple[tuple[str, int], ...]) -> str:

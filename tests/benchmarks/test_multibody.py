@@ -510,6 +510,20 @@ def test_impossible_sizes_are_those_that_no_machine_has():
     assert len(impossible(entry("link_mass", [1, 2], everywhere), file)) == 1  # too much for the second alone
 
 
+def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
+    there = {"class": "bumper", "joints": [2], "depends_on": ["q2"], "since_s": None, "until_s": None}
+    truths = [
+        truth("a", "unknown", unknown=there),
+        truth("b", "unknown", unknown=there | {"class": "gas_spring"}),
+        truth("c", "unknown", unknown=there | {"class": "product_of_joints"}),
+    ]
+    answers = {"a": said("a", "unknown"), "b": said("b", "none"), "c": said("c", "unknown")}
+    words = " ".join(section(score(truths, answers, "sealed")).split())
+    assert "`product_of_joints`, is no proof any more" in words
+    assert "Of the other 2 classes 1 of 2 cases are called unknown." in words
+    assert "no proof any more" not in section(score(truths, answers, "disclosed"))
+
+
 def test_the_page_keeps_its_other_parts_and_the_section_is_replaced(tmp_path):
     page = tmp_path / "proof.md"
     page.write_text("# The proof\n\nWords.\n", encoding="utf-8")
