@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain.chain import Arm, EffectEntry, Link
 from arm.chain.statics import solve
@@ -39,7 +40,8 @@ class _Loads:
 
 def with_weights(observed: Observed, corrected: Arm, of: str = "") -> tuple[Arm, tuple[str, ...]]:
     """A corrected arm with the weights that the torques show, where compliance was judged by them, and what is said of
-    that; without that compliance where no weights of its links make those loads. `of` takes one recording's torques."""
+    that. Where no weights of its links make those loads, the compliance stays if what the file's own make is nearer to
+    what was measured than no load at all, and goes else. `of` takes one recording's torques."""
     told = [each for each in observed.torques if of in ("", each.of) and (each.instead or not _off(each, observed))]
     judged = {each.joint for each in told if each.instead}
     written = [entry for entry in corrected.effects if _gives(entry, judged, observed.arm)]
@@ -56,13 +58,37 @@ def with_weights(observed: Observed, corrected: Arm, of: str = "") -> tuple[Arm,
             observed, loads, told, changed, links
         ):
             return arm, _said(observed, arm, links, errors, centres=centres)
-    kept = tuple(entry for entry in corrected.effects if entry not in written)
-    at = ", ".join(str(joint + 1) for joint in sorted(judged))
-    return replace(corrected, effects=kept), (
-        f"The corrected arm lacks how drive{'s' if len(judged) > 1 else ''} {at} give{'' if len(judged) > 1 else 's'}: "
+    places = judged & {number - 1 for entry in written for number in entry.at} or judged
+    at, many = ", ".join(str(joint + 1) for joint in sorted(places)), len(places) > 1
+    why = (
         "that is judged by the measured torque, and no masses and centres along its rigid links make that load (a "
-        "payload, a counterbalance or what lies beside the links does).",
+        "payload, a counterbalance or what lies beside the links does)."
     )
+    beside = max(_not_made(observed, each) for each in told if each.instead and each.joint in places)
+    if beside < 1.0:
+        return corrected, (
+            f"The corrected arm has drive{'s' if many else ''} {at} give under a load that is {100.0 * beside:.2g} % "
+            f"off what was measured: {why}",
+        )
+    kept = tuple(entry for entry in corrected.effects if entry not in written)
+    return replace(corrected, effects=kept), (
+        f"The corrected arm lacks how drive{'s' if many else ''} {at} give{'' if many else 's'}: {why}",
+    )
+
+
+def _not_made(observed: Observed, each: DriveTorque) -> float:
+    """What the file's weights do not make of the load that a drive's torque shows, RMS, as a share of it."""
+    own = _rows(observed, each)
+    model = np.broadcast_to(np.asarray(observed.nominal.joints[each.joint].drive_load), (observed.rows,))
+    return float(np.linalg.norm(each.held - model[own]) / np.linalg.norm(each.held))
+
+
+def _rows(observed: Observed, each: DriveTorque) -> NDArray[np.bool_]:
+    """The readings that a torque is of."""
+    recording = observed.recording
+    if isinstance(recording, Several) and observed.which is not None and each.of:
+        return observed.which == recording.names.index(each.of)
+    return np.ones(recording.size, dtype=bool)
 
 
 def _off(each: DriveTorque, observed: Observed) -> bool:
@@ -103,9 +129,7 @@ def _loads(observed: Observed, told: Sequence[DriveTorque], links: Sequence[int]
     further = np.stack([changed(k, (0.0, 1.0)) for k in links], axis=2) if links else np.zeros((*bare.shape, 0))
     lacking, mass, centre, drive = list[Array](), list[Array](), list[Array](), list[Array]()
     for place, each in enumerate(told):
-        own = np.ones(recording.size, dtype=bool)
-        if isinstance(recording, Several) and observed.which is not None and each.of:
-            own = observed.which == recording.names.index(each.of)
+        own = _rows(observed, each)
         held, rows = np.zeros(recording.size), own & once
         held[own] = each.held
         model = np.broadcast_to(np.asarray(observed.nominal.joints[each.joint].drive_load), (recording.size,))
