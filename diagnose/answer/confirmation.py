@@ -379,7 +379,7 @@ class Confirmed:
             *(tether(term, self.fitted.unit, rules=self.rules.fitting) for term in terms),
             *(None for _ in forms),
         ]
-        return HeldOut(self.observed, parts, folds, tethers)
+        return HeldOut(self.observed, parts, folds, tethers, nuisances=1)
 
     def _rms_held_out(self, members: Sequence[int]) -> float:
         """What some of the members and forms leave of parts of the workspace that their fit has not seen."""

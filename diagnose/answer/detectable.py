@@ -20,18 +20,25 @@ from diagnose.search.calibrate import Calibrated, gumbel
 from sections.numeric import Array
 
 
-def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) -> tuple[Detectable, ...]:
+def detectable(
+    prepared: Prepared, test: Calibrated, unit: float, level: float, *, plainest: bool = False
+) -> tuple[Detectable, ...]:
     """For every effect and place that can be seen, the least size that the gate would have found.
 
     `test` is the gate's, `unit` the scatter of whitened residuals, `level` the p-value at which the gate opens. The
-    variant of each candidate that shows best counts; of several sizes the one that shows least.
+    variant of each candidate that shows best counts (`plainest`: where one does without its shapes, that one); of
+    several sizes the one that shows least.
     """
     price = prepared.criterion.price
     needed = _needed(prepared, _threshold(test.drawn, level))
     best: dict[tuple[str, tuple[int, ...]], Detectable] = {}
+    every = [group.candidate for group in prepared.pool.groups]
+    plain = {(each.effect, each.at) for each in every if is_plain(each)} if plainest else set()
     for number, group in enumerate(prepared.pool.groups):
         candidate = group.candidate
         if candidate.outside or candidate.only is not None:
+            continue
+        if (candidate.effect, candidate.at) in plain and not is_plain(candidate):
             continue
         noncentrality = needed(group.rank, float(price[number]))
         found = _of_group(prepared, number, unit * math.sqrt(noncentrality))
@@ -39,6 +46,11 @@ def detectable(prepared: Prepared, test: Calibrated, unit: float, level: float) 
         if found is not None and (key not in best or found.rms < best[key].rms):
             best[key] = found
     return tuple(best.values())
+
+
+def is_plain(candidate: Candidate) -> bool:
+    """Whether a candidate is what its effect does where none of its shapes is given: each of them is nought."""
+    return not any(candidate.shapes.values())
 
 
 def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None:

@@ -114,10 +114,10 @@ def _shape(
     leading = telling[0].name if won is None else won.effect
     words = SENTENCES.get(leading, leading.replace("_", " ")) + ("" if won is None else _place_of(won))
     beside = [prepared.beside, *(prepared.columns[m] for m in known)]
-    total = float(np.sum(residual_held_out(observed, beside, folds) ** 2))
+    total = float(np.sum(residual_held_out(observed, beside, folds, nuisances=1) ** 2))
     share = telling[0].share_held_out
     if together:
-        left = residual_held_out(observed, [*beside, *(prepared.columns[m] for m in together)], folds)
+        left = residual_held_out(observed, [*beside, *(prepared.columns[m] for m in together)], folds, nuisances=1)
         share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
     noise = 0.0 if noise_floor is None else observed.rows * (noise_floor * looks_quieter(observed)) ** 2
     share *= total / max(total - noise, rules.form_leads * total)
@@ -208,7 +208,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
     gained = gains(namer.pool, given)
     price = namer.criterion.price
     worth = -namer.criterion.count * np.log1p(-np.minimum(gained / max(given.rss, 1e-300), 1.0 - 1e-12)) - price
-    base = residual_held_out(observed, [prepared.beside, *(prepared.columns[m] for m in known)], folds)
+    base = residual_held_out(observed, [prepared.beside, *(prepared.columns[m] for m in known)], folds, nuisances=1)
     total = float(np.sum(base**2))
     found: list[Form] = []
     seen: set[str] = set()
@@ -223,7 +223,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
             continue
         seen.add(candidate.effect)
         columns = [prepared.beside, *(prepared.columns[m] for m in known), prepared.columns[number]]
-        left = residual_held_out(observed, columns, folds)
+        left = residual_held_out(observed, columns, folds, nuisances=1)
         share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
         sentence = SENTENCES.get(candidate.effect, candidate.effect)
         found.append(Form(candidate.effect, float(gained[number] / given.rss), share, sentence))

@@ -17,6 +17,9 @@ from .fit import normal_solution
 Folds = NDArray[np.int64]
 Split = TypeVar("Split")
 
+_TOLD = 1e-12
+"""Of the largest, what directions of normal equations below are told by nothing, as in `normal_solution`."""
+
 
 def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     """The ways to hold rows out that this recording allows, each a fold number for every reading.
@@ -75,7 +78,8 @@ class HeldOut:
 
     `columns` are the parts' displacements (N, C, d), `tethers` (d,) for each part what holds its sizes at nought: the
     reciprocal of their usual size over the scatter (None: nothing does). What the parts multiply to is worked out once
-    a fold.
+    a fold. Of the first `nuisances` parts, what no other fold tells (where a point is that is touched in one fold
+    alone) is fitted to the fold's own readings: nothing can foretell it, and it says nothing of the rest.
     """
 
     def __init__(
@@ -84,6 +88,8 @@ class HeldOut:
         columns: Sequence[Array],
         folds: Folds,
         tethers: Sequence[Array | None] | None = None,
+        *,
+        nuisances: int = 0,
     ) -> None:
         self._observed, self._folds = observed, folds
         parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
@@ -97,11 +103,36 @@ class HeldOut:
         self._size = np.where(size > 0.0, size, 1.0)
         self._scaled = scaled / self._size
         self._products = [self._product(folds == fold, target) for fold in self._each]
+        self._own = [self._told_by_none_but(gram, int(self._edges[nuisances])) for gram, _ in self._products]
 
     def _product(self, rows: NDArray[np.bool_], target: Array) -> tuple[Array, Array]:
         part = self._scaled[rows]
         flat = part.reshape(part.shape[0] * part.shape[1], part.shape[2])
         return flat.T @ flat, flat.T @ target[rows].reshape(-1)
+
+    def _told_by_none_but(self, gram: Array, width: int) -> Array:
+        """The directions (width, k) of the first columns' sizes that no fold but that of a product tells."""
+        whole = sum(each[:width, :width] for each, _ in self._products)
+        if width == 0 or len(self._products) == 1:
+            return np.zeros((width, 0))
+        values, vectors = np.linalg.eigh(whole - gram[:width, :width])
+        mine = np.einsum("wk,wv,vk->k", vectors, gram[:width, :width], vectors)
+        return vectors[:, (values <= _TOLD * values[-1]) & (mine > _TOLD * values[-1])]
+
+    def _of_its_own(self, left: Array, out: NDArray[np.bool_], own: Array) -> Array:
+        """What of a fold's readings left, (n, C, k), the directions that it alone tells take up of the tip, m."""
+        width = len(own)
+        seen = np.tensordot(self._scaled[out][:, :, :width], own, 1)
+        flat = seen.reshape(-1, own.shape[1])
+        target = self._observed.scaled(self._whole(left, out))[out].reshape(len(flat), -1)
+        values = (own @ np.linalg.lstsq(flat, target, rcond=None)[0]) / self._size[:width, None]
+        return np.tensordot(self._design[out][:, : self._observed.components, :width], values, 1)
+
+    def _whole(self, left: Array, out: NDArray[np.bool_]) -> Array:
+        """A fold's readings in their places among all, nought elsewhere."""
+        found = np.zeros((len(out), *left.shape[1:]))
+        found[out] = left
+        return found
 
     @property
     def _each(self) -> Sequence[int]:
@@ -119,10 +150,14 @@ class HeldOut:
         at = np.ix_(taken, taken)
         whole = sum(gram[at] for gram, _ in self._products) + np.diag(self._held[taken] / self._size[taken] ** 2)
         against = sum(wanted[taken] for _, wanted in self._products)
-        for fold, (gram, wanted) in zip(self._each, self._products, strict=True):
-            values = normal_solution(whole - gram[at], against - wanted[taken])
+        for fold, (gram, wanted), own in zip(self._each, self._products, self._own, strict=True):
+            values = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
             out = self._folds == fold
-            left[out] -= self._design[out][:, :width][:, :, taken] @ (values / self._size[taken])
+            if own.shape[1] and (taken[: len(own)] == np.arange(len(own))).all():
+                missed = self._observed.residual[out] - self._design[out][:, :, taken] @ values
+                left[out] = missed[:, :width] - self._of_its_own(missed[..., None], out, own)[..., 0]
+            else:
+                left[out] -= self._design[out][:, :width][:, :, taken] @ values
         return left
 
     def rms_of(self, drawn: Array) -> Array:
@@ -137,10 +172,11 @@ class HeldOut:
             for fold in self._each
         ]
         whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
-        for fold, (gram, _), wanted in zip(self._each, self._products, against, strict=True):
+        for fold, (gram, _), wanted, own in zip(self._each, self._products, against, self._own, strict=True):
             out = self._folds == fold
             values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
-            left[out] -= np.tensordot(self._design[out][:, :width], values, 1)
+            missed = drawn[out] - np.tensordot(self._design[out], values, 1)
+            left[out] = missed[:, :width] - (self._of_its_own(missed, out, own) if own.shape[1] else 0.0)
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
 
     def better_by(self, which: Sequence[int], without: Sequence[int], together: NDArray[np.int64]) -> float:
@@ -156,12 +192,13 @@ class HeldOut:
         return rms_length(self.residual(which))
 
 
-def residual_held_out(observed: Observed, columns: Sequence[Array], folds: Folds) -> Array:
+def residual_held_out(observed: Observed, columns: Sequence[Array], folds: Folds, *, nuisances: int = 0) -> Array:
     """The tip's residual (N, D), m, of each reading under a fit that has not seen its fold.
 
-    `columns` are the displacements (N, C, d) of whatever the model fits, nuisances included.
+    `columns` are the displacements (N, C, d) of whatever the model fits, the first `nuisances` of them no part of what
+    is judged (see `HeldOut`).
     """
-    return HeldOut(observed, columns, folds).residual()
+    return HeldOut(observed, columns, folds, nuisances=nuisances).residual()
 
 
 def rms_held_out(observed: Observed, columns: Sequence[Array], folds: Folds) -> float:

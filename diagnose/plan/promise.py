@@ -14,7 +14,7 @@ import numpy as np
 
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
-from diagnose.answer.detectable import detectable, largest_size
+from diagnose.answer.detectable import detectable, is_plain, largest_size
 from diagnose.fitting.prepare import Prepared, limits, nuisances
 from diagnose.patterns.library import Candidate, candidates, parameter_of
 from diagnose.patterns.packed import Columns, packed
@@ -106,7 +106,8 @@ def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) 
         rng=np.random.default_rng(asked.seed),
         among=(everything,),
     )[0]
-    found = detectable(prepared, test, 1.0, rules.search.false_alarm)
+    # What an effect does of itself is what is promised, not the variant that would show best.
+    found = detectable(prepared, test, 1.0, rules.search.false_alarm, plainest=True)
     wanted = [each for each in found if is_asked(each.effect, tuple(n - 1 for n in each.at), asked.effects)]
     shown = tuple(_shown(prepared, each, asked) for each in wanted)
     there = {(each.effect, each.at) for each in wanted}
@@ -193,13 +194,14 @@ def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
 def _shown(prepared: Prepared, found: Detectable, asked: Asked) -> Shown:
     """What was found detectable, with its rivals."""
     pool, at = prepared.pool, tuple(number - 1 for number in found.at)
-    number = next(
+    alike = [
         k
         for k, group in enumerate(pool.groups)
         if (group.candidate.effect, group.candidate.at) == (found.effect, at)
         and group.visible == found.visible
         and found.parameter in group.candidate.sizes
-    )
+    ]
+    number = min(alike, key=lambda k: not is_plain(pool.groups[k].candidate))
     candidate = pool.groups[number].candidate
     usual = usual_size(candidate, found.parameter)
     rivals = rivals_of(prepared, number, found.parameter, asked)

@@ -196,8 +196,6 @@ def simulate(
     <Simulation: made by a model, 30 readings, frame known, tool known>
     """
     given = with_effects(arm_of(arm, tips="one"), with_)
-    if at is not None and observe in ("same_point", "plane", "bar"):
-        raise InputError("", "at", f"names poses, but what touches ({observe}) finds its own; leave one of them out")
     readings = None if at is None else read_plan(at, given.model)
     reads: dict[str, Any] = {
         "observe": observe, "direction": direction, "anchor": _lengths("anchor", anchor), "anchor_free": anchor_free,
@@ -207,7 +205,7 @@ def simulate(
         reads = _planned(Path(at), reads)
     if readings is not None and readings.bar_at is not None and reads["observe"] == "bar":
         reads["bar"] = sorted(set(readings.bar_at.tolist()))
-    if readings is not None and reads["observe"] in LABELS and readings.touches is None:
+    if readings is not None and reads["observe"] in LABELS and readings.instrument.kinds != (reads["observe"],):
         raise InputError("", "at", f"names nothing that is touched: it needs a {LABELS[reads['observe']]} in each row")
     plan = _plan(
         poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,

@@ -100,3 +100,30 @@ def test_what_is_held_out_is_made_of_parts_of_the_workspace(null):
     assert len(np.unique(part)) > len(np.unique(fold))
     assert all(len(np.unique(fold[part == k])) == 1 for k in np.unique(part))
     assert all(len(np.unique(part[poses(null.observed) == k])) == 1 for k in np.unique(poses(null.observed)))
+
+
+def test_what_one_fold_alone_tells_of_the_readings_is_its_own(null):
+    """A point that only one fold touches lies wherever that fold's readings have it: held out, they come out as the
+    fit of that fold alone leaves them, wherever it lies; a cause that one fold alone shows is foretold by nothing."""
+    folds = splits(null.observed, 1)["pose blocks"]
+    rows, parts, width = *null.observed.residual.shape, null.observed.components
+    place = np.zeros((rows, parts, width))
+    place[folds == 2, :width] = np.eye(width)
+    shift = np.tensordot(place, np.array([3e-3, -2e-3]), 1)
+    moved = with_residual(null, null.observed.residual + shift).observed
+    cause = columns_of(null)
+    known, asked = ([place, *cause], {"nuisances": 1})
+    held = residual_held_out(null.observed, known, folds, **asked)
+    assert residual_held_out(moved, known, folds, **asked) == pytest.approx(held, abs=1e-12)
+    plain = residual_held_out(null.observed, cause, folds)
+    out = folds == 2
+    assert held[~out] == pytest.approx(residual_held_out(null.observed, known, folds)[~out], abs=1e-15)
+    others = np.concatenate(cause, axis=2)[~out] / null.observed.scale[:, None]
+    target = null.observed.residual[~out] / null.observed.scale
+    values = np.linalg.lstsq(others.reshape(-1, 3), target.reshape(-1), rcond=None)[0]
+    missed = (null.observed.residual - np.concatenate(cause, axis=2) @ values)[out, :width]
+    assert held[out] == pytest.approx(missed - missed.mean(axis=0), abs=1e-12)
+    assert np.linalg.norm(residual_held_out(moved, known, folds)[out] - plain[out], axis=1).min() > 1e-3
+    drawn = (null.observed.residual + shift)[..., None]
+    by_draws = HeldOut(null.observed, known, folds, **asked).rms_of(drawn)
+    assert by_draws == pytest.approx([np.sqrt(np.mean(np.sum(held**2, axis=1)))], rel=1e-9)

@@ -9,6 +9,7 @@ import linkwright as lw
 from linkwright.results.planning import describe
 
 ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"
+WELDING = ARM.parents[1] / "welding-arm" / "arm.yaml"
 PLAY = [{"effect": "backlash", "at": 2, "total": "3 arcmin"}]
 
 
@@ -39,6 +40,46 @@ def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
     again = lw.plan(ARM, poses=10, after=before, payloads=["0 kg", 3.0])
     assert again.text() == plan.read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("bench")
+def test_the_loop_goes_by_planes_that_are_touched(linkwright):
+    """The same by commands alone, where a dial gauge touches planes: `simulate --at` touches what the plan names."""
+    play, plan = "{effect: backlash, at: 2, total: 6 arcmin}", ("--out", "first-plan.csv")
+    arm = str(WELDING)
+    asked = ("--instrument", "plane", "--poses", "30", "--for", "backlash,joint_compliance")
+    assert linkwright("plan", arm, *asked, *plan)[0] == 0
+    for kind, other in (("same_point", "point"), ("bar", "bar")):
+        status, _, err = linkwright("simulate", arm, "--at", "first-plan.csv", "--observe", kind, "--out", "no.csv")
+        assert (status, err.count("\n")) == (2, 1)
+        assert f"it needs a {other} in each row" in err
+    made = ("--with", play, "--declare-sigma")
+    first = ("simulate", arm, "--at", "first-plan.csv", "--observe", "plane", *made, "--out", "first.csv")
+    assert linkwright(*first)[0] == 0
+    planned, read = (Path(name).read_text().splitlines() for name in ("first-plan.csv", "first.csv"))
+    assert planned[0] == read[0]
+    assert [row.rpartition(",")[2] for row in planned] == [row.rpartition(",")[2] for row in read]
+    before = lw.diagnose(arm, "first.csv")
+    assert before.verdict == "alias_class"
+    again = ("--after", "first.csv", "--poses", "12", "--payload", "0 kg", "--payload", "5 kg", "--out", "next.csv")
+    assert linkwright("plan", arm, *again)[0] == 0
+    assert linkwright("simulate", arm, "--at", "next.csv", *made, "--seed", "3", "--out", "second.csv")[0] == 0
+    after = lw.diagnose(arm, ["first.csv", "second.csv"])
+    assert after.verdict == "named"
+    assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
+
+
+@pytest.mark.usefixtures("bench")
+@pytest.mark.parametrize("instrument", ["same_point", "bar"])
+def test_an_offset_is_named_where_few_touches_tell_where_a_point_is(instrument):
+    """A point all of whose touches are held out together is no evidence against what was found."""
+    arm = WELDING
+    extra = {"bar": ["0 mm", "300 mm"]} if instrument == "bar" else {}
+    lw.plan(arm, poses=30, instrument=instrument, for_=["joint_compliance", "backlash"], **extra).save("plan.csv")
+    offset = {"effect": "encoder_offset", "at": 2, "offset": "0.05 deg"}
+    found = lw.diagnose(arm, lw.simulate(arm, at="plan.csv", with_=[offset], declare_sigma=True))
+    assert found.verdict == "named"
+    assert [(each.effect, each.at) for each in found.found.findings] == [("encoder_offset", (2,))]
 
 
 def test_after_two_recordings_what_neither_tells_is_planned(linkwright, tmp_path):
