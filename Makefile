@@ -23,7 +23,7 @@ help:
 	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make lint       ruff and pyright"
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
-	@echo "make instruments  what each cheap instrument shows, and finds against a tracker (docs/recordings.md; half an hour)"
+	@echo "make instruments  what each cheap instrument shows, and finds against a tracker (docs/recordings.md; an hour)"
 	@echo "make results    benchmarks/RESULTS.md: every measured figure beside its target (RESULTS_ARGS=--quick; many minutes)"
 	@echo "make problems   hold the optimiser against every combination of random problems and a hand calculation, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
@@ -123,6 +123,7 @@ benchmark: $(DEV)
 instruments: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments --page docs/recordings.md
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.against $(or $(INSTRUMENTS_ARGS),--page docs/recordings.md)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.touches $(or $(INSTRUMENTS_ARGS),--page docs/recordings.md)
 
 results: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.results --page benchmarks/RESULTS.md $(RESULTS_ARGS)

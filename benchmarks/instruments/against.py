@@ -24,7 +24,8 @@ from scipy.spatial.transform import Rotation
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from arm.files.read import read_arm
-from benchmarks.blind.generator.arms import arm_file
+from benchmarks.blind.generator.arms import Ranges, arm_file
+from benchmarks.blind.generator.mechanics import Arm as DrawnArm
 from benchmarks.instruments.page import write_table
 from benchmarks.multibody.arms import draw_arm
 from benchmarks.multibody.causes import Cause, Stage, draw_cause, possible
@@ -136,11 +137,15 @@ def stage_of(seed: int) -> tuple[Arm, Stage]:
     real, ranges = draw_arm(FAMILY, rng)
     session = draw_session("full", real, ranges, 1, rng)
     body = machine(real)
+    return arm_of(real, ranges), Stage(body, session, played(Plan(body, session)))
+
+
+def arm_of(real: DrawnArm, ranges: Ranges) -> Arm:
+    """An arm of the generator as its file has it, read again."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "arm.yaml"
         file.write_text(arm_file(real, ranges), encoding="utf-8")
-        given = read_arm(file)
-    return given, Stage(body, session, played(Plan(body, session)))
+        return read_arm(file)
 
 
 def recorded(stage: Stage, tips: Tips, instrument: str, seed: int) -> Recording:
@@ -222,13 +227,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
             found.append((size, each))
             print(f"| {effect} {list(came[0].at) or ''} | {size:g} | {' | '.join(each)} |", flush=True)
         by_instrument = [least([(size, each[k]) for size, each in found]) for k in range(len(asked.instruments))]
-        rows.append((f"{EFFECTS[effect].title}{_where(drawn)}", *by_instrument))
+        rows.append((titled(drawn), *by_instrument))
     if asked.page is not None:
         write_table(asked.page, ("cause", *asked.instruments), rows)
 
 
-def _where(cause: Cause) -> str:
-    return f" ({EFFECTS[cause.effect].place} {', '.join(map(str, cause.at))})" if cause.at else ""
+def titled(cause: Cause) -> str:
+    """A cause and where it is, in words."""
+    title = EFFECTS[cause.effect].title
+    return f"{title} ({EFFECTS[cause.effect].place} {', '.join(map(str, cause.at))})" if cause.at else title
 
 
 if __name__ == "__main__":
