@@ -74,6 +74,18 @@ def _link(link: Link, mass: float | None, at: float | None) -> Link:
     return link if masses == link.masses else replace(link, masses=masses)
 
 
+def with_counterweights(arm: Arm, balances: Sequence[Balance], *, least: bool) -> Arm:
+    """The arm with the counterweights that are chosen as light and as near to their joints as they may be, or as heavy
+    as they may be."""
+    values: dict[tuple[int, str], float] = {}
+    for each in balances:
+        if each.field == "counterweight":
+            values[each.place, each.field] = each.lower if least else each.upper
+        elif each.field == "counterweight_at" and least:
+            values[each.place, each.field] = max(each.lower, min(each.upper, 0.0))
+    return balanced(arm, values) if values else arm
+
+
 def settled(arm: Arm) -> Arm:
     """An arm with nothing left to choose: what came to nothing is left out."""
     if not any(joint.balancer_chosen for joint in arm.joints) and not any(

@@ -17,6 +17,7 @@ from arm.actuators import Actuator
 from arm.chain.chain import Arm
 from arm.worst.search import WorstSearch
 from executors import Executor
+from optimize.balance.balance import with_counterweights
 from optimize.exchange.design import arm_of, numeric_beams
 from optimize.exchange.exchange import Context, context_of
 from optimize.exchange.program import carried_mass, drives_cost
@@ -180,7 +181,8 @@ class _Search:
     def _hopeless(self, pick: Assignment) -> bool:
         """Whether the drives alone break the limit on the total mass or the cost."""
         problem = self.problem_with(pick)
-        heavy = any(x.relation != ">=" and carried_mass(problem) >= x.value for x in problem.limit("total_mass"))
+        lightest = replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=True))
+        heavy = any(x.relation != ">=" and carried_mass(lightest) >= x.value for x in problem.limit("total_mass"))
         dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
         hopeless = heavy or dear or self._too_soft(problem)
         if hopeless:

@@ -19,6 +19,7 @@ from sections.numeric import Array
 from .binding_poses import ErrorCut
 
 _WEIGHT = BEAM_FIELDS.index("mass_per_length")
+_GROWTH = BEAM_FIELDS.index("thermal_expansion")
 _RIGIDITIES = tuple(k for k, name in enumerate(BEAM_FIELDS) if name.endswith("_rigidity") or "_rigidity_" in name)
 _NONE = 1e-9
 """A term below this share of the largest counts as none."""
@@ -26,10 +27,11 @@ _FARTHEST = 1e-6
 """How far (relative) the sum of the terms may be from the error that they are the terms of."""
 
 
-def one_signed(model: ErrorModel, cuts: Sequence[ErrorCut], p: Array) -> bool:
+def one_signed(model: ErrorModel, cuts: Sequence[ErrorCut], p: Array, *, growth: bool = False) -> bool:
     """Whether no two terms of the error point against each other at any of the poses; `p` is a design's beam values,
-    at which the terms are measured."""
-    return all(_agree(_terms(model, cut, p)) for cut in cuts)
+    at which the terms are measured. With `growth` what each link grows by is a term of its own, for materials that
+    grow by more or less."""
+    return all(_agree(_terms(model, cut, p, growth=growth)) for cut in cuts)
 
 
 def _agree(terms: Array | None) -> bool:
@@ -41,7 +43,7 @@ def _agree(terms: Array | None) -> bool:
     return bool(products.min(initial=0.0) >= -_NONE * products.max(initial=0.0))
 
 
-def _terms(model: ErrorModel, cut: ErrorCut, p: Array) -> Array | None:
+def _terms(model: ErrorModel, cut: ErrorCut, p: Array, *, growth: bool) -> Array | None:
     """The terms (N, 3) of a pose's error; None where it is no such sum, be it in another zone of a drive."""
     if model.cases[cut.load_case].zones:
         return None
@@ -49,8 +51,9 @@ def _terms(model: ErrorModel, cut: ErrorCut, p: Array) -> Array | None:
     own = p.reshape(size, width)
     weights = [(link, _WEIGHT) for link in range(size) if own[link, _WEIGHT] != 0.0]
     soft = [(link, k) for link in range(size) for k in _RIGIDITIES if own[link, k] != 0.0]
+    grown = [(link, _GROWTH) for link in range(size) if growth and own[link, _GROWTH] != 0.0]
     bare = own.copy()
-    for link, k in weights:
+    for link, k in (*weights, *grown):
         bare[link, k] = 0.0
     for link, k in soft:
         bare[link, k] = np.copysign(1e300, own[link, k])
@@ -65,7 +68,8 @@ def _terms(model: ErrorModel, cut: ErrorCut, p: Array) -> Array | None:
     heavy = {weight: error(weight) - still for weight in weights}
     bent = {each: error(each) - still for each in soft}
     both = [error(weight, each) - still - heavy[weight] - bent[each] for weight in weights for each in soft]
-    terms = np.array([still, *heavy.values(), *bent.values(), *both])
+    longer = [error(each) - still for each in grown]
+    terms = np.array([still, *heavy.values(), *bent.values(), *both, *longer])
     whole = _vector(model, cut, p)
     largest = float(np.abs(terms).sum())
     if not np.all(np.isfinite(terms)) or np.abs(terms.sum(axis=0) - whole).max() > _FARTHEST * largest:

@@ -27,6 +27,7 @@ from arm.worst.parts import worst_search
 from arm.worst.search import WorstPose, WorstSearch
 from arm.worst.workspace import Unreachable
 from materials.material import Material
+from optimize.balance.balance import with_counterweights
 from optimize.choice.picks import options
 from optimize.exchange.binding_poses import ErrorCut
 from optimize.exchange.design import with_chosen_links
@@ -48,7 +49,8 @@ _SURE = 1e-6
 
 @dataclass(frozen=True)
 class _Extremes:
-    """What any option of a link has at least and at most: mass (kg/m), cost (EUR/m), rigidities."""
+    """What any option of a link has at least and at most: mass (kg/m), cost (EUR/m), rigidities, and thermal expansion
+    (1/K, none counting as nought)."""
 
     lightest: float
     heaviest: float
@@ -57,6 +59,13 @@ class _Extremes:
     height: float
     width: float
     torsion: float
+    expansion: tuple[float, float]
+
+    @property
+    def least_expansion(self) -> float:
+        """The expansion that is nearest to none."""
+        low, high = self.expansion
+        return max(low, min(high, 0.0))
 
 
 def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
@@ -110,7 +119,8 @@ def _link_extremes(problem: Problem, pairs: Sequence[tuple[str, Material]]) -> _
         )
     table = np.array(rows)
     low, high = table.min(axis=0).tolist(), table.max(axis=0).tolist()
-    return _Extremes(low[0], high[1], low[2], *high[3:])
+    grows = [stuff.at(problem.arm.temperature).thermal_expansion or 0.0 for _, stuff in pairs]
+    return _Extremes(low[0], high[1], low[2], high[3], high[4], high[5], high[6], (min(grows), max(grows)))
 
 
 def _lengths(problem: Problem, link: int) -> tuple[float, float]:
@@ -128,15 +138,19 @@ def _cheapest_rest(problem: Problem) -> float:
 
 def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:
     rigid = sum(link.mass or 0.0 for link in problem.arm.links if link.section is None)
-    ideal = _ideal(problem)
     if limit.name in ("mass", "total_mass"):
-        carried = 0.0 if limit.name == "mass" else carried_mass(replace(problem, arm=ideal))
+        carried, heaviest = 0.0, 0.0
+        if limit.name == "total_mass":
+            carried = carried_mass(replace(problem, arm=_ideal(problem)))
+            heaviest = carried_mass(
+                replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=False))
+            )
         beside = " with joints and payload" if carried else ""
         least = rigid + carried + _least_sum(problem, {k: each.lightest for k, each in extremes.items()})
         if limit.relation != ">=" and least > limit.value:
             return OutOfReach(limit, least, f"the lightest sections and materials weigh{beside}")
         if limit.relation != "<=" and problem.actuators is None:
-            most = rigid + carried + sum(each.heaviest * _lengths(problem, k)[1] for k, each in extremes.items())
+            most = rigid + heaviest + sum(each.heaviest * _lengths(problem, k)[1] for k, each in extremes.items())
             if most < limit.value:
                 return OutOfReach(limit, most, f"the heaviest sections and materials weigh{beside}")
     if limit.name == "cost":
@@ -160,8 +174,9 @@ def _least_sum(problem: Problem, per_length: dict[int, float]) -> float:
 
 
 def _ideal(problem: Problem) -> Arm:
-    """The arm with drives that have the best of every actuator that may be chosen, in the stiffest of its zones."""
-    arm = problem.arm
+    """The arm with drives that have the best of every actuator that may be chosen, in the stiffest of its zones, and
+    with the lightest counterweights, as near to their joints as they may be."""
+    arm = with_counterweights(problem.arm, problem.balances, least=True)
     stiffest = (
         joint if not joint.zones else replace(joint, stiffness=max(each for _, each in joint.zones), zones=())
         for joint in arm.joints
@@ -212,7 +227,7 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     try:
         for limit in problem.limits:
             for bound in bounds:
-                best = _best(problem, model, search, limit, bound)
+                best = _best(problem, model, search, limit, bound, extremes)
                 told = None if best is None else OutOfReach(limit, best, f"{bound.words} {_VERBS[limit.name]}")
                 if told is not None and _beyond(told):
                     found.append(told)
@@ -240,7 +255,7 @@ def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) 
         if each is None:
             found.append(beam)
         elif rigid:
-            found.append(rigid_beam(beam))
+            found.append(rigid_beam(replace(beam, thermal_expansion=_expansion(beam, each))))
         else:
             found.append(
                 Beam(
@@ -250,13 +265,25 @@ def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) 
                     flexural_rigidity_height=each.height,
                     flexural_rigidity_width=each.width,
                     torsional_rigidity=each.torsion,
-                    thermal_expansion=beam.thermal_expansion,
+                    thermal_expansion=_expansion(beam, each),
                 )
             )
     return tuple(found)
 
 
-def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit, bound: _Bound) -> float | None:
+def _expansion(beam: Beam, each: _Extremes) -> float | None:
+    """The least that a link may expand by, where its expansion counts at all."""
+    return None if beam.thermal_expansion is None else each.least_expansion
+
+
+def _best(
+    problem: Problem,
+    model: ErrorModel,
+    search: WorstSearch,
+    limit: Limit,
+    bound: _Bound,
+    extremes: dict[int, _Extremes],
+) -> float | None:
     """The best (SI) that a limited figure could be; None where nothing tells."""
     arm, p = problem.arm, values_of_rigid(bound.beams)
     if limit.name == "first_frequency":
@@ -272,22 +299,36 @@ def _best(problem: Problem, model: ErrorModel, search: WorstSearch, limit: Limit
         softest = least_stiffness(compliance, search.poses(p, _POSES) if limit.poses is None else limit.poses, p)
         return None if softest is None else softest.value
     if limit.name == "max_error":
-        return _least_error(problem, model, search, p)
+        return _least_error(problem, model, search, p, extremes)
     return None
 
 
-def _least_error(problem: Problem, model: ErrorModel, search: WorstSearch, p: Array) -> float | None:
-    """The error (m) that every design has at some pose at least: no two terms may cancel there."""
+def _least_error(
+    problem: Problem, model: ErrorModel, search: WorstSearch, p: Array, extremes: dict[int, _Extremes]
+) -> float | None:
+    """The error (m) that every design has at some pose at least: no two terms may cancel there, whichever way what the
+    links are made of grows."""
     if problem.arm.play != "worst" or problem.workspace.error != "whole" or problem.balances:
         return None
     if any(case.relative_to is not None for case in problem.load_cases):
         return None  # what is subtracted grows with what gives
     fixed = fixed_error(model)
-    own = beam_values(beams_of(problem.arm, problem.load_cases))
+    own = beams_of(problem.arm, problem.load_cases)
+    ends = [beam_values(_growing(own, extremes, end)) for end in (0, 1)]
     for pose in search.worst(p, certify=False).poses:
-        if one_signed(model, (_cut(pose, fixed),), own):
+        if all(one_signed(model, (_cut(pose, fixed),), end, growth=True) for end in ends):
             return pose.error
     return fixed if fixed > 0.0 else None
+
+
+def _growing(own: Sequence[Beam], extremes: dict[int, _Extremes], end: int) -> list[Beam]:
+    """The arm's beams with the least (`end` 0) or the greatest expansion that may be chosen."""
+    return [
+        beam
+        if beam.thermal_expansion is None or link not in extremes
+        else replace(beam, thermal_expansion=extremes[link].expansion[end])
+        for link, beam in enumerate(own)
+    ]
 
 
 def _cut(pose: WorstPose, fixed: float) -> ErrorCut:

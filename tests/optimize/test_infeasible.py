@@ -129,6 +129,38 @@ def test_bounds_leave_what_can_be_kept(tmp_path: Path) -> None:
     assert optimise(problem).status in ("certified", "converged")
 
 
+@pytest.mark.parametrize("given", ["steel-s355", "invar-36"])
+def test_bounds_let_a_material_grow_by_its_own_coefficient(given: str, tmp_path: Path) -> None:
+    """A metre warmed by 30 K: steel by 12e-6 1/K grows 0.36 mm, which 0.2 mm forbids; invar, of 1.6e-6, does not."""
+    arm = (
+        "chain:\n  - joint: {type: revolute}\n"
+        f"    link: {{length: 1 m, section: {{shape: circle, diameter: 80 mm}}, material: {given}}}\n"
+        "payload: {mass: 2 kg}\ntemperature: 50 degC\neffects: [{effect: thermal_expansion}]\n"
+    )
+    limits = "minimize: mass\nsubject_to: {max_error: '<= 0.2 mm', section_size: [10 mm, 150 mm]}\n"
+    problem = problem_of(tmp_path, arm, f"{limits}choose: {{material: [steel-s355, invar-36]}}\n")
+    assert out_of_reach(problem) == ()
+    assert optimise(problem).arm.links[0].material.name == "invar-36"
+    steel = problem_of(tmp_path, arm, f"{limits}choose: {{material: [steel-s355]}}\n")
+    (beyond,) = out_of_reach(steel)
+    assert beyond.best == pytest.approx(0.36e-3, rel=1e-6)
+
+
+def test_materials_that_grow_either_way_bound_nothing(tmp_path: Path) -> None:
+    """Of one that grows and one that shrinks a design may make what cancels another error."""
+    metal = "{elastic_modulus: 70 GPa, density: 2700 kg/m^3, poisson_ratio: 0.3, yield_strength: 200 MPa, %s}"
+    shrinks, grows = (metal % f"thermal_expansion: {each}e-6 1/K" for each in (-9, 12))
+    arm = (
+        "chain:\n  - joint: {type: revolute, range: [-30 deg, 30 deg]}\n"
+        f"    link: {{length: 1 m, section: {{shape: circle, diameter: 80 mm}}, material: {grows}}}\n"
+        "payload: {mass: 2 kg}\ntemperature: 50 degC\neffects: [{effect: thermal_expansion},\n"
+        "  {effect: link_length, at: 1, length: -0.3 mm}]\n"
+    )
+    for stuffs, count in ((f"[{grows}]", 0), (f"[{shrinks}]", 1), (f"[{grows}, {shrinks}]", 0)):
+        text = f"minimize: mass\nsubject_to: {{max_error: '<= 0.1 mm', {SIZES}}}\nchoose: {{material: {stuffs}}}\n"
+        assert len(out_of_reach(problem_of(tmp_path, arm, text))) == count
+
+
 def test_a_failure_of_the_solver_is_said_as_such(tmp_path: Path) -> None:
     text = f"subject_to: {{mass: '<= 0.5 kg', safety_factor: '>= 40', {SIZES}}}\n"
     context = context_of(problem_of(tmp_path, BAR % "", text))

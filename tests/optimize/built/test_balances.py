@@ -13,6 +13,7 @@ from arm.evaluation import evaluate
 from arm.files.read import read_arm
 from arm.files.write import arm_to_yaml
 from optimize.exchange.exchange import context_of
+from optimize.infeasible.quick import out_of_reach
 from optimize.problem import Problem
 from optimize.run import optimise
 from optimize.tradeoff.question import question
@@ -113,6 +114,22 @@ def test_a_given_counterweight_is_the_one_that_is_chosen(tmp_path: Path) -> None
     assert result.after.mass is not None
     assert hung.mass == pytest.approx(9.0, rel=1e-5)
     assert result.after.total_mass == pytest.approx(result.after.mass + 9.0 + PAYLOAD, rel=1e-9)
+
+
+@pytest.mark.parametrize("limit", ["total_mass: '<= 15 kg'", "first_frequency: '>= 16 Hz'"])
+def test_a_heavy_counterweight_as_given_puts_no_limit_out_of_reach(limit: str, tmp_path: Path) -> None:
+    """Half a tonne given, of which all may go: neither its mass nor its inertia bounds what designs can be."""
+    choose = "counterweight: [{link: 1, mass: [0 kg, 600 kg], at: -700 mm}]"
+    given = ", masses: [{mass: 500 kg, at: [-700 mm, 0 mm, 0 mm]}]"
+    problem = lifting(tmp_path, choose, f", {limit}", link=given)
+    assert out_of_reach(problem) == ()
+    result = optimise(problem)
+    assert {each.name for each in result.binding} >= {limit.partition(":")[0]}
+    heavy = lifting(tmp_path, choose, ", total_mass: '>= 550 kg'", link=given.replace("500", "5"))
+    assert out_of_reach(heavy) == ()
+    beyond = lifting(tmp_path, choose, ", total_mass: '>= 2000 kg'", link=given)
+    (found,) = out_of_reach(beyond)
+    assert 600.0 < found.best < 2000.0
 
 
 def test_what_it_slows_the_arm_by_counts(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from arm.actuators import ACTUATORS_VARIABLE
 from arm.evaluation import evaluate
 from optimize.choice.actuators import assignments, with_actuators
+from optimize.infeasible.quick import out_of_reach
 from optimize.problem import Problem
 from optimize.run import optimise
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
@@ -202,3 +203,38 @@ def test_near_ties_are_those_of_all_drives(tmp_path: Path) -> None:
         assert tie.objective == pytest.approx(values[key], rel=2e-4)
         assert evaluate(tie.arm, problem.workspace).max_error == pytest.approx(tie.max_error, rel=1e-4)
         assert tuple(joint.actuator.name for joint in tie.arm.joints if joint.actuator is not None) == key[0]
+
+
+LIGHT_OR_HEAVY = """\
+format_version: 1
+maker: Somebody
+references: {list: "Somebody's price list"}
+actuators:
+  LIGHT: {gear: planetary, rated_torque: 900 N*m, stiffness: 80 kN*m/rad, backlash: 0 arcmin, mass: 1 kg, source: list}
+  HEAVY: {gear: planetary, rated_torque: 900 N*m, stiffness: 80 kN*m/rad, backlash: 0 arcmin, mass: 12 kg, source: list}
+"""
+
+
+def test_a_heavy_drive_may_be_the_better_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against a force that lifts the tip the weight of a drive between the links helps: what the lightest would err by
+    puts no limit out of reach."""
+    (tmp_path / "own.yaml").write_text(LIGHT_OR_HEAVY, encoding="utf-8")
+    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    lifted = jointed(
+        [500, 500],
+        ranged("-5 5", "-5 5", more=""),
+        rest="payload: {mass: 0 kg, force: [0 N, 150 N, 0 N]}\n",
+    )
+    found: dict[str, float] = {}
+    for names in ("LIGHT", "HEAVY"):
+        text = f"subject_to: {{{SIZES}, mass: '<= 30 kg'}}\nchoose: {{actuator: [[LIGHT], [{names}]]}}\n"
+        found[names] = optimise(problem_of(tmp_path, lifted, text)).objective
+    assert found["HEAVY"] < 0.9 * found["LIGHT"]
+    limit = 1e3 * (0.6 * found["HEAVY"] + 0.4 * found["LIGHT"])
+    text = (
+        f"minimize: mass\nsubject_to: {{{SIZES}, max_error: '<= {limit:.5f} mm'}}\n"
+        "choose: {actuator: [[LIGHT], [LIGHT, HEAVY]]}\n"
+    )
+    problem = problem_of(tmp_path, lifted, text)
+    assert out_of_reach(problem) == ()
+    assert [joint.actuator.name for joint in optimise(problem).arm.joints if joint.actuator] == ["LIGHT", "HEAVY"]
