@@ -119,11 +119,11 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
-        uncertain = read_uncertain(mapping, arm)
         limits, ranges, off = _subject_to(mapping, arm, figures)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, same, actuators, sizes = chosen
+        uncertain = read_uncertain(mapping, _as_driven(arm, actuators))
         balances: tuple[Balance, ...] = ()
         motors: tuple[MotorChoice, ...] = ()
         if mapping.has("choose"):
@@ -262,6 +262,19 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)
+
+
+def _as_driven(arm: Arm, actuators: Sequence[Sequence[Actuator]] | None) -> Arm:
+    """The arm with drives that give and have play wherever one that may be chosen does: what may be uncertain of it."""
+    if actuators is None:
+        return arm
+    joints = [
+        joint
+        if not own
+        else replace(joint, stiffness=max(each.stiffness for each in own), backlash=max(each.backlash for each in own))
+        for joint, own in zip(arm.joints, actuators, strict=True)
+    ]
+    return replace(arm, joints=tuple(joints))
 
 
 def _relative(mapping: Mapping, arm: Arm, cases: tuple[LoadCase, ...]) -> tuple[LoadCase, ...]:

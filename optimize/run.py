@@ -30,6 +30,7 @@ from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .reaching import start_that_reaches
 from .result import Iteration, OptimizationResult, Status, proved
+from .robust.drives import robust_drives
 from .robust.places import robust_places
 from .robust.run import robust_optimum
 from .sizes.driven import optimise_driven_lists
@@ -71,10 +72,13 @@ def optimise(
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
         settings["journal"] = journal
-        # With motors to place, each combination of places has a nominal and a robust optimum of its own.
+        # With motors to place or drives to choose, each combination has a nominal and a robust optimum of its own.
+        by_nominal = partial(optimise, **settings, told=told, executor=executor)
         if problem.motors:
-            return robust_places(problem, partial(optimise, **settings, told=told, executor=executor), **settings)
-        nominal = optimise(replace(problem, uncertain=None), **settings, told=told, executor=executor)
+            return robust_places(problem, by_nominal, **settings)
+        if problem.actuators is not None:
+            return robust_drives(problem, by_nominal, **settings)
+        nominal = by_nominal(replace(problem, uncertain=None))
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     if problem.sizes is not None and problem.actuators is not None:
         return optimise_driven_lists(problem, progress=progress, log=log)

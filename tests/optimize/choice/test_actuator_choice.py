@@ -238,3 +238,42 @@ def test_a_heavy_drive_may_be_the_better_one(tmp_path: Path, monkeypatch: pytest
     problem = problem_of(tmp_path, lifted, text)
     assert out_of_reach(problem) == ()
     assert [joint.actuator.name for joint in optimise(problem).arm.joints if joint.actuator] == ["LIGHT", "HEAVY"]
+
+
+STIFF_OR_SOFT = """\
+format_version: 1
+maker: Somebody
+references: {list: "Somebody's price list"}
+actuators:
+  STIFF: {gear: planetary, rated_torque: 900 N*m, stiffness: 80 kN*m/rad, backlash: 0 arcmin, mass: 4 kg, source: list}
+  SOFT: {gear: planetary, rated_torque: 900 N*m, stiffness: 20 kN*m/rad, backlash: 0 arcmin, mass: 1 kg, source: list}
+"""
+
+
+@pytest.mark.parametrize("given", ["", ", stiffness: 50 kN*m/rad"])
+@pytest.mark.parametrize("robust", ["worst", "90 %"])
+def test_drives_are_chosen_for_what_is_uncertain(
+    given: str, robust: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The drive that is best for the arm as it is breaks the limit once it may be softer: another one keeps it, and an
+    arm as given without a drive that gives has one that may be softer all the same."""
+    (tmp_path / "own.yaml").write_text(STIFF_OR_SOFT, encoding="utf-8")
+    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    arm = jointed([500], ranged("-30 30", more=given))
+
+    def asked(drives: str, more: str = "") -> Problem:
+        text = "minimize: total_mass\nsubject_to: {max_error: '<= 0.8 mm', section_size: [10 mm, 150 mm]}\n"
+        return problem_of(tmp_path, arm, f"{text}choose: {{actuator: [{drives}]}}\n{more}")
+
+    soft = f"robust: {robust}\nuncertain: {{stiffness: 40 %}}\n"
+    assert optimise(asked("STIFF, SOFT")).drives[0].actuators == ("SOFT",)
+    found = optimise(asked("STIFF, SOFT", soft))
+    assert [(each.actuators, each.outcome) for each in found.drives] == [
+        (("STIFF",), "best"),
+        (("SOFT",), "infeasible"),
+    ]
+    assert found.objective == pytest.approx(optimise(asked("STIFF", soft)).objective, rel=1e-4)
+    assert found.robust is not None
+    assert found.robust.design.value <= 0.8e-3 * (1.0 + 1e-4)
+    with pytest.raises(NoAnswer, match="max_error"):
+        optimise(asked("SOFT", soft))
