@@ -2,22 +2,24 @@
 the sides of two joints in each other's columns.
 
 Where nothing in the library explains a mismatch, or it is only scatter, each such mistake is tried: the recording is
-searched again with the labels put right. A mistake is told only where the physics then named leaves the noise floor.
+searched again with the labels put right. A mistake is told only where the physics then named leaves the noise floor,
+and with the labels as they stand does not: else it is not the labels that explain anything.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
-from diagnose.fitting.fit import fit, remaining
-from diagnose.fitting.prepare import nuisances, prepare
+from diagnose.fitting.fit import fit, impossible, remaining
+from diagnose.fitting.prepare import Prepared, nuisances, packed_up, prepare, set_up
 from diagnose.options import Options
+from diagnose.patterns.library import Candidate, columns_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
 from diagnose.residual.observed import Observed, observe, rms_length, visits
@@ -60,6 +62,8 @@ def mislabelled(
         return None
     rms = _left(namer, named.members)
     groups = [namer.pool.groups[member].candidate for member in named.members]
+    if _left_as_logged(prepare(observe(arm, recording, rules=rules), asked, floor), groups) <= enough:
+        return None
     found = tuple((candidate.effect, candidate.numbers) for candidate in groups)
     return Mislabelled(each.said, found, rms) if rms <= enough else None
 
@@ -67,6 +71,17 @@ def mislabelled(
 def _left(namer: Namer, members: tuple[int, ...]) -> float:
     width = namer.prepared.observed.components
     return rms_length(remaining(namer.prepared, fit(namer.prepared, members))[:, :width])
+
+
+def _left_as_logged(logged: Prepared, candidates: Sequence[Candidate]) -> float:
+    """The RMS length (m) of what some candidates leave of the tip with the labels as they stand, at possible sizes."""
+    patterns = ((each, columns_of(logged.observed, each)) for each in candidates)
+    told = packed_up((each, columns) for each, columns in patterns if columns is not None)
+    alone = set_up(logged.observed, told, logged.rejected)
+    fitted = fit(alone, range(len(alone.pool.groups)))
+    if impossible(alone, fitted) is not None:
+        return np.inf
+    return rms_length(remaining(alone, fitted)[:, : logged.observed.components])
 
 
 def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried]:

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
+from diagnose.options import Options
 from diagnose.reading.read import read_recording
 from diagnose.result import Diagnosis
+from diagnose.search.labels import mislabelled
 from sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import planar_tip, sagging_tip, table, written
@@ -91,6 +93,19 @@ def test_sides_that_are_right_are_left_alone(tmp_path: Path) -> None:
 def test_sides_in_no_order_at_all_are_not_called_late(tmp_path: Path) -> None:
     """Sides written down at random: no shift of them explains anything."""
     assert diagnosed(tmp_path, np.random.default_rng(8).permutation(180)).labels is None
+
+
+def test_what_the_labels_do_not_touch_says_nothing_against_them(tmp_path: Path) -> None:
+    """A zero that is off shows alike whatever the sides: put right or not, it leaves the noise."""
+    rng = np.random.default_rng(7)
+    stood = np.repeat(rng.uniform(-1.5, 1.5, (40, 3)), 2, axis=0)
+    sides = np.repeat(rng.choice([-1.0, 1.0], (40, 3)), 2, axis=0)
+    tip = planar_tip(stood + np.array([0.0, 0.5e-3, 0.0])) + SIGMA * rng.standard_normal((80, 2))
+    columns = table(stood, tip, **{f"dir{k + 1}": sides[:, k] for k in range(3)})
+    (tmp_path / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
+    read = read_recording(written(tmp_path / "recording.csv", columns), ARM, tmp_path / "recording.yaml")
+    floor = np.sqrt(2.0) * SIGMA
+    assert mislabelled(ARM, read, Options(), floor, 20.0 * floor, lambda _: None) is None
 
 
 def hung(folder: Path, wrong: str) -> Diagnosis:
