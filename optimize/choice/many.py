@@ -30,7 +30,7 @@ _LOOSE = 2e-3
 """A solution this far (relative) above its combination's bound can raise bounds."""
 
 
-_MOST_PARTS, _MOST_PARTS_FREE = 40, 400
+_MOST_PARTS, _MOST_PARTS_FREE = 120, 400
 """So many parts of all combinations are looked at where they are bounded at once; with lengths to choose."""
 
 

@@ -32,6 +32,8 @@ from .relaxation import LOOSE, Node, Relaxation, Relaxed
 from .splitting import split
 
 _LITTLE = 1e-9
+_NEAR = 0.1
+"""Combinations that a mixture is made of by this share of what the nearest is are solved too."""
 _SHARE, _LOOSEST = 0.1, 0.01
 """How loose cells may be with free lengths, as a share of the gap and at most."""
 
@@ -95,7 +97,7 @@ class Branching:
             self._push(replace(found.node, bound=found.bound))
         if self._heap and self._heap[0][2].prices is not None:
             first = self.relaxation.solve(self._heap[0][2], math.inf, rough=True)
-            self._try(self._pick(first))
+            self._try(next(self._picks(first)))
             if not self._refresh():
                 return None
         while self._heap and self.parts < most:
@@ -211,8 +213,9 @@ class Branching:
         if bound >= enough:
             self._out = min(self._out, bound)
             return True
-        pick = self._pick(found)
-        if pick not in self.chooser.candidates:
+        untried = (pick for pick in self._picks(found) if pick not in self.chooser.candidates)
+        pick = next(untried, None)
+        if pick is not None:
             self._try(pick)
             if not self._refresh():
                 return False
@@ -223,17 +226,21 @@ class Branching:
             self._push(part)
         return True
 
-    def _pick(self, found: Relaxed) -> Combination:
-        """The combination that a relaxed solution is nearest to."""
-        chosen: list[int] = []
+    def _picks(self, found: Relaxed) -> Iterator[Combination]:
+        """The combinations that a relaxed solution is mixed of, the nearest first."""
+        mixed: list[dict[int, float]] = []
         for k, cells in enumerate(self.relaxation.cells):
             weights: dict[int, float] = {}
             for column, share in found.shares:
                 if column.link == k:
                     option = int(cells.option[column.cell])
                     weights[option] = weights.get(option, 0.0) + share
-            chosen.append(max(weights, key=lambda each: weights[each]))
-        return self._combination(chosen)
+            mixed.append(weights)
+        every = [(math.prod(w for _, w in each), each) for each in itertools.product(*(w.items() for w in mixed))]
+        every.sort(key=lambda each: -each[0])
+        for weight, each in every:
+            if weight >= _NEAR * every[0][0]:
+                yield self._combination([option for option, _ in each])
 
     def _combination(self, chosen: Sequence[int]) -> Combination:
         """The combination of an option of each elastic link."""

@@ -1,9 +1,10 @@
 """What one link can be, in cells: a shape of a material with ranges of its dimensions, split where it matters.
 
-A cell knows what its sections bring (`optimize.choice.products`) at its corners and at its middle. A sum of their
-logarithms is least at a corner where it rises or falls along each dimension; by how much the middle is off the mean of
-the corners tells how curved it is between them, and twice that is taken off. Logarithms of a solid circle, ellipse or
-rectangle are straight in those of its dimensions, so that one cell of all sizes is as good as many.
+A cell knows what its sections bring (`optimize.choice.products`) at its corners, at its middle and at the middles of
+its sides. A sum of their logarithms is least at a corner where it rises or falls along each dimension; by how much the
+middle is below two opposite sides tells how it sags along that dimension, and twice that is taken off, for each along
+which the sum sags. Logarithms of a solid circle, ellipse or rectangle are straight in those of its dimensions, so that
+one cell of all sizes is as good as many.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,8 @@ from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.section import Section
 
+from .straddling import mixture, multipliers
+
 COLUMNS = (*FEATURES, "price", "length")
 """What a cell holds of a section: the logarithms of its features, thermal expansion as it is, the logarithm of the
 price of its material by length (EUR/m); and the logarithm of the link's length where that is free, which no section
@@ -38,8 +41,8 @@ _PLAIN = 4
 """So many of the features every section has; one of the others that is not known is in no sum."""
 _LEAST_PRICE = 1e-12
 _CURVED = 2.0
-"""What is taken off for curvature, over the difference of the middle from the mean of the corners: exactly one where
-the middle is the lowest point of a parabola."""
+"""What is taken off for curvature along a dimension, over the difference of the middle from the mean of the two sides:
+exactly one where the middle is the lowest point of a parabola."""
 _FIRST = 4
 """Cells along each dimension of a shape whose features are not straight, at first, all together at most that many."""
 _GIVES = 1e-7
@@ -49,6 +52,11 @@ _NARROW = 0.3
 MOST_CELLS, MOST_CELLS_FREE = 100_000, 60_000
 """So many cells are made of a link's options, with lengths that stay and free ones; from then on they stay as they
 are."""
+_CANCELLED = 0.25
+"""This share of all curvature is taken off as well: where columns' curvatures cancel at the middle they need not do so
+all along."""
+_AT_ONCE = 128
+"""So many cells across a limit are looked at together."""
 NARROWEST = 1e-5
 """Cells are not split further than this (in logarithms)."""
 
@@ -86,7 +94,9 @@ def _kind_of(shape: str, problem: Problem) -> _Kind:
 class Cells:
     """The cells of a link's options (shape with material); more of them as they are split. Arrays by cell: `option`,
     `low` and `high` (logarithms of dimensions), `corners` (N, C + 1, K) whose last is the middle, `kept` (N, C + 1)
-    which of those keep all limits on single links, `pad` (N, K) what is taken off for curvature."""
+    which of those keep all limits on single links, `bends` (N, D, K) what is taken off for curvature along each
+    dimension: what sags counts, what arches does not. `held` (N, C, H) is what must not be above nought at the
+    corners, and `held_bends` (N, D, H) what is taken off of it; `across` tells which cells lie across such a limit."""
 
     def __init__(self, problem: Problem, options: Sequence[tuple[str, Material]]) -> None:
         self.problem, self.options = problem, tuple(options)
@@ -104,9 +114,19 @@ class Cells:
         self.low, self.high = np.zeros((room, self._width)), np.zeros((room, self._width))
         self.corners = np.zeros((room, count, len(COLUMNS)))
         self.kept = np.zeros((room, count), dtype=bool)
-        self.pad = np.zeros((room, len(COLUMNS)))
+        self.bends = np.zeros((room, self._width, len(COLUMNS)))
+        most = max(self._held_at_middle(number) for number in range(len(self._kinds)))
+        self.held = np.full((room, count - 1, most), -1.0)
+        self.held_bends = np.zeros((room, self._width, most))
+        self.across = np.zeros(room, dtype=bool)
         self._children: dict[tuple[int, int], Ids] = {}
         self.roots = self._first_cells()
+
+    def _held_at_middle(self, number: int) -> int:
+        """How many conditions the sections of a shape have."""
+        kind = self._kinds[number]
+        middle = 0.5 * (kind.lower + kind.upper)[None, None]
+        return self._measured(kind, np.flatnonzero(self._kind == number)[:1], middle)[2].shape[2]
 
     def _first_cells(self) -> Ids:
         found: list[Ids] = []
@@ -118,7 +138,8 @@ class Cells:
             low[:, :size], high[:, :size] = kind.lower, kind.upper
             ids, _ = self._made(options, low, high)
             for _ in range(24):
-                poor = (self.pad[ids, :_PLAIN].max(axis=1) > _FIRST) | ~np.isfinite(self.pad[ids]).all(axis=1)
+                pad = self.pad(ids)
+                poor = (pad[:, :_PLAIN].max(axis=1) > _FIRST) | ~np.isfinite(pad).all(axis=1)
                 if not poor.any():
                     break
                 widest = (self.high - self.low)[ids[poor]].argmax(axis=1)
@@ -140,32 +161,43 @@ class Cells:
 
     def _made_of(self, kind: _Kind, options: Ids, low: Array, high: Array) -> tuple[Ids, NDArray[np.bool_]]:
         size = len(kind.names)
-        shares = np.array([*itertools.product((0.0, 1.0), repeat=size), (0.5,) * size])
+        corners = np.array([*itertools.product((0.0, 1.0), repeat=size)])
+        sides = 0.5 + 0.5 * np.concatenate([-np.eye(size), np.eye(size)])
+        shares = np.concatenate([corners, np.full((1, size), 0.5), sides])
         points = low[:, None, :size] + shares * (high - low)[:, None, :size]
         columns, kept, held = self._measured(kind, options, points)
-        middle, corners = columns[:, -1], columns[:, :-1]
+        last = len(corners)
         with np.errstate(invalid="ignore"):
-            pad = _CURVED * np.abs(middle - corners.mean(axis=1))
-            bend = _CURVED * np.abs(held[:, -1] - held[:, :-1].mean(axis=1))
-            least = held[:, :-1].min(axis=1) - bend
+            bends, held_bends = _sagging(columns, last), _sagging(held, last)
+            # Where a corner is no section at all, nothing is known of how the cell curves.
+            bends[~np.isfinite(columns[:, :last]).all(axis=(1, 2))] = np.inf
+            held_bends = np.where(np.isfinite(held[:, :last]).all(axis=1)[:, None], held_bends, np.inf)
+            least = held[:, :last].min(axis=1) - np.maximum(held_bends, 0.0).sum(axis=1)
         impossible = (least > _GIVES).any(axis=1)
         narrow = (high - low).max(axis=1) <= _NARROW
-        impossible |= narrow & ~np.isfinite(pad[:, :_PLAIN]).all(axis=1)
-        times = (self.corners.shape[1] - 1) // corners.shape[1]
-        full = np.concatenate([np.repeat(corners, times, axis=1), middle[:, None]], axis=1)
-        flags = np.concatenate([np.repeat(kept[:, :-1], times, axis=1), kept[:, -1:]], axis=1)
+        impossible |= narrow & ~np.isfinite(bends[..., :_PLAIN]).all(axis=(1, 2))
+        times = (self.corners.shape[1] - 1) // last
+        full = np.concatenate([np.repeat(columns[:, :last], times, axis=1), columns[:, last : last + 1]], axis=1)
+        flags = np.concatenate([np.repeat(kept[:, :last], times, axis=1), kept[:, last : last + 1]], axis=1)
         stay = ~impossible
+        known = np.isfinite(held_bends).all(axis=1)
+        told = np.repeat(np.where(known[:, None], held[:, :last], -1.0), times, axis=1)[stay]
+        limits = slice(0, held.shape[2])
         place = self._more(int(stay.sum()))
         self.option[place] = options[stay]
         self.low[place], self.high[place] = low[stay], high[stay]
-        self.corners[place], self.kept[place], self.pad[place] = full[stay], flags[stay], pad[stay]
+        self.corners[place], self.kept[place], self.bends[place, :size] = full[stay], flags[stay], bends[stay]
+        self.held[place], self.held_bends[place] = -1.0, 0.0
+        self.held[place, :, limits] = told
+        self.held_bends[place, :size, limits] = np.where(known[:, None], held_bends, 0.0)[stay]
+        self.across[place] = (told > 0.0).any(axis=(1, 2)) & np.isfinite(bends[stay]).all(axis=(1, 2))
         return np.arange(place.start, place.stop), stay
 
     def _more(self, number: int) -> slice:
         """Where so many more cells go; the arrays double where they are full."""
         first, self.count = self.count, self.count + number
         while self.count > len(self.option):
-            for name in ("option", "low", "high", "corners", "kept", "pad"):
+            for name in ("option", "low", "high", "corners", "kept", "bends", "held", "held_bends", "across"):
                 own = getattr(self, name)
                 setattr(self, name, np.concatenate([own, np.zeros_like(own)]))
         return slice(first, self.count)
@@ -214,16 +246,91 @@ class Cells:
                 self._children[each] = made[ends[number] : ends[number + 1]]
         return np.concatenate([self._children[each] for each in asked]) if asked else ids
 
+    def pad(self, ids: Ids) -> Array:
+        """By how much a column of cells may leave the range of its corners, either way (N, K)."""
+        return np.abs(self.bends[ids]).sum(axis=1)
+
+    def least_kept(self, ids: Ids, price: Array, room: float) -> tuple[Array, Array]:
+        """The least of a sum of columns (N) over what of each cell keeps its limits, from below: as well as it is known
+        for those cells that come within `room` of the least of all. And how much curvature may have done to it, along
+        all dimensions together; infinite where limits were not looked at, or nothing is known of corners."""
+        found, bent = self._sags(ids, price)
+        values = (self.corners[ids, :-1] @ price).min(axis=1) - found
+        bent = np.where(self.across[ids], np.inf, bent)
+        doubtful = self.across[ids]
+        while (doubtful & (values <= values.min() + room)).any():
+            near = np.flatnonzero(doubtful)
+            if len(near) > _AT_ONCE:
+                near = near[np.argpartition(values[near], _AT_ONCE - 1)[:_AT_ONCE]]
+            found, curved = self._over_kept(ids[near], price)
+            values[near], bent[near], doubtful[near] = np.maximum(values[near], found), curved, False
+        return values, bent
+
+    def _over_kept(self, ids: Ids, price: Array) -> tuple[Array, Array]:
+        scores, held = self.corners[ids, :-1] @ price, self.held[ids]
+        room = np.maximum(self.held_bends[ids], 0.0).sum(axis=1)
+        weights = multipliers(scores, held - room[:, None])
+        sag, bent = self._sags(ids, price, weights)
+        total = scores + np.einsum("nch,nh->nc", held, weights) - _GIVES * weights.sum(axis=1)[:, None]
+        return total.min(axis=1) - sag, bent
+
+    def _sags(self, ids: Ids, price: Array, weights: Array | None = None) -> tuple[Array, Array]:
+        """What is taken off of a sum of columns for curvature (N), limits added with `weights` (N, H); and all that
+        curves, whether it adds up or cancels."""
+        own = self.bends[ids]
+        along, every = own @ price, np.abs(own) @ np.abs(price)
+        if weights is not None:
+            limits = self.held_bends[ids]
+            along += np.einsum("ndh,nh->nd", limits, weights)
+            every += np.einsum("ndh,nh->nd", np.abs(limits), weights)
+        bent = every.sum(axis=1)
+        return np.maximum(along, 0.0).sum(axis=1) + _CANCELLED * bent, bent
+
+    def best_of(self, ids: Ids, values: Array, price: Array) -> tuple[int, Array]:
+        """The cell (its place in `ids`) of the least sum of columns, and the columns that it comes from; `values` are
+        raised where they were not exact."""
+        exact: dict[int, Array] = {}
+        while (best := int(values.argmin())) not in exact:
+            value, exact[best] = self._exact(int(ids[best]), price)
+            values[best] = max(float(values[best]), value)
+        return best, exact[best]
+
+    def _exact(self, cell: int, price: Array) -> tuple[float, Array]:
+        """The least of a sum of columns over what of a cell keeps its limits, and the columns that it comes from;
+        infinite where nothing keeps them all."""
+        scores, held, bends = self.corners[cell, :-1] @ price, self.held[cell], self.held_bends[cell]
+        shares, found = np.eye(len(scores))[scores.argmin()], np.zeros(held.shape[1])
+        empty = False
+        if self.across[cell]:
+            mixed = mixture(scores, held - np.maximum(bends, 0.0).sum(axis=0))
+            empty = mixed is None
+            shares, found = mixed or (shares, found)
+        own = self.bends[cell]
+        along = own @ price + bends @ found
+        sag, _ = self._sags(np.array([cell]), price, found[None])
+        value = float((scores + held @ found).min() - _GIVES * found.sum() - sag[0])
+        there = shares > 0.0
+        taken = shares[there] @ self.corners[cell, :-1][there] - own[along > 0.0].sum(axis=0)
+        taken -= _CANCELLED * np.sign(price) * np.abs(own).sum(axis=0)
+        return np.inf if empty else value, taken
+
     def telling_axes(self, ids: Ids, price: Array) -> Ids:
-        """The dimension of each cell along which a sum of its columns differs most between its corners, or is widest
-        where the cell is curved more than that."""
+        """The dimension of each cell along which a sum of its columns sags most, or differs most between its corners
+        where that is far more."""
         scores = (self.corners[ids, :-1] @ price).reshape(len(ids), *(2,) * self._width)
         effects = np.stack(
             [np.abs(np.diff(scores, axis=1 + k)).reshape(len(ids), -1).max(axis=1) for k in range(self._width)], axis=1
         )
         widths = (self.high - self.low)[ids]
-        curved = self.pad[ids] @ np.abs(price) > 0.5 * effects.max(axis=1)
-        return np.where(curved, widths.argmax(axis=1), np.where(widths > 0.0, effects, -1.0).argmax(axis=1))
+        sags = np.maximum(self.bends[ids] @ price, 0.0)
+        curved = sags.sum(axis=1) > 0.5 * effects.max(axis=1)
+        return np.where(curved, sags.argmax(axis=1), np.where(widths > 0.0, effects, -1.0).argmax(axis=1))
+
+    def distances(self, option: int) -> Array:
+        """How unlike each option is to one of them: in stiffness, density and price of its material, and in shape."""
+        fields = [MATERIAL_FIELDS.index(name) for name in ("elastic_modulus", "density", "cost")]
+        logs = np.log(np.maximum(self._rows[:, fields], _LEAST_PRICE))
+        return np.abs(logs - logs[option]).sum(axis=1) + (self._kind != self._kind[option])
 
     @property
     def spent(self) -> bool:
@@ -236,15 +343,16 @@ class Cells:
 
     def spans(self, ids: Ids) -> tuple[Array, Array]:
         """The least and the greatest of each column in each cell."""
-        corners, pad = self.corners[ids, :-1], self.pad[ids]
+        corners, pad = self.corners[ids, :-1], self.pad(ids)
         return corners.min(axis=1) - pad, corners.max(axis=1) + pad
 
-    def values(self, cell: int, corner_shares: Array) -> tuple[str, tuple[str, ...], Array]:
-        """A section inside a cell: its shape, the names of its dimensions and their values (m)."""
-        kind = self._kinds[self._kind[self.option[cell]]]
-        size = len(kind.names)
-        at = self.low[cell, :size] + corner_shares[:size] * (self.high - self.low)[cell, :size]
-        return kind.shape, kind.names, cast(Array, np.exp(at))
+
+def _sagging(values: Array, corners: int) -> Array:
+    """What is taken off of values (N, P, K) along each dimension (N, D, K): of so many corners, the middle, the lower
+    sides and the upper ones."""
+    middle, sides = values[:, corners : corners + 1], values[:, corners + 1 :]
+    half = sides.shape[1] // 2
+    return _CURVED * (0.5 * (sides[:, :half] + sides[:, half:]) - middle)
 
 
 def features(found: SectionProperties, materials: MaterialValues, *, shear: bool) -> list[Any]:

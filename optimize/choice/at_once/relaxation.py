@@ -61,11 +61,10 @@ class Node:
 
 @dataclass(frozen=True)
 class Column:
-    """A corner of a cell of a link, with the columns that it counts with."""
+    """A place in a cell of a link, with the columns that it counts with."""
 
     link: int
     cell: int
-    corner: int
     values: Array
 
 
@@ -127,16 +126,15 @@ class Relaxation:
         bound = found.constant
         losses: list[dict[int, float]] = []
         for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
-            ids, size = start, np.abs(price)
+            ids = start
             loose = LOOSE * max(abs(found.bound), self.little)
             while True:
-                scores = own.corners[ids] @ price
-                values = scores[:, :-1].min(axis=1) - own.pad[ids] @ size
+                values, bent = own.least_kept(ids, price, room)
                 options, places = np.unique(own.option[ids], return_inverse=True)
                 least = np.full(len(options), np.inf)
                 np.minimum.at(least, places, values)
-                real = np.where(own.kept[ids], scores, np.inf).min(axis=1)
-                coarse = (values <= least[places] + loose) & (values <= least.min() + room)
+                real = np.where(own.kept[ids], own.corners[ids] @ price, np.inf).min(axis=1)
+                coarse = (bent > _ROUGHER * loose) & (values <= least[places] + loose) & (values <= least.min() + room)
                 coarse &= (real - values > _ROUGHER * loose) & (own.width(ids) > NARROWEST)
                 if own.spent or not coarse.any():
                     break
@@ -376,14 +374,10 @@ class _Solve:
         """The least of a link's part over its cells, and whether a column was added for it; cells that are near
         the least and by more than `loose` below the best of their sections are split first."""
         own = self.relaxation.cells[k]
-        size = np.abs(price)
         end = float((self.node.low if price[LENGTH] >= 0.0 else self.node.high)[k, LENGTH])
         while True:
             ids = self.cells[k]
-            scores = own.corners[ids] @ price
-            corner = scores[:, :-1].argmin(axis=1)
-            values = scores[np.arange(len(ids)), corner] - own.pad[ids] @ size
-            best = int(values.argmin())
+            values, bent = own.least_kept(ids, price, loose or 0.0)
             if loose is None or own.spent:
                 break
             near = (
@@ -391,10 +385,11 @@ class _Solve:
                 if len(ids) > _MOST_SPLIT
                 else np.arange(len(ids))
             )
-            real = np.where(self._inside(own, ids[near], k), scores[near], np.inf).min(axis=1)
-            # A cell matters where it could be better than a section that is there.
+            real = np.where(self._inside(own, ids[near], k), own.corners[ids[near]] @ price, np.inf).min(axis=1)
+            # A cell matters where it could be better than a section that is there, and is not known well enough.
             short = values[near] < np.minimum(real.min(), real) - loose
-            coarse = near[short & (values[near] <= values[best] + loose) & (own.width(ids[near]) > NARROWEST)]
+            short &= bent[near] > loose
+            coarse = near[short & (values[near] <= values.min() + loose) & (own.width(ids[near]) > NARROWEST)]
             if not len(coarse):
                 break
             parts = own.split(ids[coarse], own.telling_axes(ids[coarse], price))
@@ -404,8 +399,8 @@ class _Solve:
             self.columns = [each for each in self.columns if each.link != k or each.cell not in gone]
             if not len(self.cells[k]):
                 return np.inf, False
+        best, taken = own.best_of(ids, values, price)
         cell = int(ids[best])
-        taken = own.corners[cell, corner[best]] - np.sign(price) * own.pad[cell]
         taken[LENGTH] = end
         least = float(values[best]) + float(price[LENGTH]) * end
         if any(
@@ -413,7 +408,7 @@ class _Solve:
             for each in self.columns
         ):
             return least, False
-        self.columns.append(Column(k, cell, int(corner[best]), taken))
+        self.columns.append(Column(k, cell, taken))
         return least, True
 
     def _inside(self, own: Cells, ids: Ids, k: int) -> Array:

@@ -1,4 +1,5 @@
-"""A part of all combinations in two: by the column, or the price, in which what a link is mixed of differs most."""
+"""A part of all combinations in two: by the column, the price, or the kind of section and material in which what a link
+is mixed of differs most."""
 
 from __future__ import annotations
 
@@ -20,8 +21,8 @@ _ASIDE = 1e-4
 """A side of a part this near (in logarithms) is where the split would be."""
 
 
-def split(relaxation: Relaxation, node: Node, found: Relaxed) -> list[Node]:
-    """A part in two, by the column in which what is mixed differs most."""
+def split(relaxation: Relaxation, node: Node, found: Relaxed, *, by_kind: bool = True) -> list[Node]:
+    """A part in two, by the column in which what is mixed differs most, or (`by_kind`) by shape and material."""
     scores = found.chords.copy()
     for k in range(len(relaxation.cells)):
         mixed: dict[int, tuple[float, Array]] = {}
@@ -39,6 +40,9 @@ def split(relaxation: Relaxation, node: Node, found: Relaxed) -> list[Node]:
     by_rate = _by_rate(relaxation, node, found, float(scores[k, column]))
     if by_rate is not None:
         return by_rate
+    kinds = _by_kind(relaxation, node, found, float(scores[k, column])) if by_kind else None
+    if kinds is not None:
+        return kinds
     if scores[k, column] <= _LEAST_SCORE:
         return []
     at = float(found.y[k, column])
@@ -76,6 +80,33 @@ def _by_rate(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -
     return [
         replace(node, cells=tuple(ids[side] if j == k else ids for j, ids in enumerate(node.cells)))
         for side in (rates <= at, rates > at)
+    ]
+
+
+def _by_kind(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -> list[Node] | None:
+    """A part in two by what is alike to either of the two options that a link is mostly mixed of; None where splitting
+    by a column promises more than that (`score`)."""
+    best: tuple[float, int, list[int]] | None = None
+    for k, cells in enumerate(relaxation.cells):
+        mixed: dict[int, tuple[float, Array]] = {}
+        for column, share in found.shares:
+            if column.link == k:
+                option = int(cells.option[column.cell])
+                weight, at = mixed.get(option, (0.0, np.zeros(len(COLUMNS))))
+                mixed[option] = (weight + share, at + share * column.values)
+        worth = sum(float(np.abs(found.prices[k]) @ np.abs(at - w * found.y[k])) for w, at in mixed.values())
+        first = sorted(mixed, key=lambda each: -mixed[each][0])[:2]
+        if len(first) == 2 and (best is None or worth > best[0]):
+            best = worth, k, first
+    if best is None or best[0] <= max(_LEAST_SCORE, score):
+        return None
+    _, k, (one, other) = best
+    cells = relaxation.cells[k]
+    nearer = cells.distances(one) <= cells.distances(other)
+    side = nearer[cells.option[node.cells[k]]]
+    return [
+        replace(node, cells=tuple(ids[each] if j == k else ids for j, ids in enumerate(node.cells)))
+        for each in (side, ~side)
     ]
 
 

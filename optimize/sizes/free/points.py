@@ -19,7 +19,9 @@ class Points(Cells):
         self.roots = np.arange(count)
         self.corners = np.repeat(own.columns[:, None], 2, axis=1)
         self.kept = np.ones((count, 2), dtype=bool)
-        self.pad = np.zeros_like(own.columns)
+        self.bends = np.zeros((count, 0, own.columns.shape[1]))
+        self.held, self.held_bends = np.zeros((count, 1, 0)), np.zeros((count, 0, 0))
+        self.across = np.zeros(count, dtype=bool)
 
     @property
     def spent(self) -> bool:

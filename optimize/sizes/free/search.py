@@ -242,7 +242,7 @@ class FreeListSearch:
         if any(len(ids) == 0 for ids in left.cells):
             self._out = min(self._out, enough)
             return
-        parts = split(self.relaxation, left, found)
+        parts = split(self.relaxation, left, found, by_kind=False)
         if not parts:
             self._out = min(self._out, bound)
         for part in parts:
