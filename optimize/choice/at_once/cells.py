@@ -171,7 +171,7 @@ class Cells:
             bends, held_bends = _sagging(columns, last), _sagging(held, last)
             # Where a corner is no section at all, nothing is known of how the cell curves.
             bends[~np.isfinite(columns[:, :last]).all(axis=(1, 2))] = np.inf
-            held_bends = np.where(np.isfinite(held[:, :last]).all(axis=1)[:, None], held_bends, np.inf)
+            held_bends = np.where(np.all(np.isfinite(held[:, :last]), axis=1, keepdims=True), held_bends, np.inf)
             least = held[:, :last].min(axis=1) - np.maximum(held_bends, 0.0).sum(axis=1)
         impossible = (least > _GIVES).any(axis=1)
         narrow = (high - low).max(axis=1) <= _NARROW
@@ -180,8 +180,8 @@ class Cells:
         full = np.concatenate([np.repeat(columns[:, :last], times, axis=1), columns[:, last : last + 1]], axis=1)
         flags = np.concatenate([np.repeat(kept[:, :last], times, axis=1), kept[:, last : last + 1]], axis=1)
         stay = ~impossible
-        known = np.isfinite(held_bends).all(axis=1)
-        told = np.repeat(np.where(known[:, None], held[:, :last], -1.0), times, axis=1)[stay]
+        known = np.all(np.isfinite(held_bends), axis=1, keepdims=True)
+        told = np.repeat(np.where(known, held[:, :last], -1.0), times, axis=1)[stay]
         limits = slice(0, held.shape[2])
         place = self._more(int(stay.sum()))
         self.option[place] = options[stay]
@@ -189,7 +189,7 @@ class Cells:
         self.corners[place], self.kept[place], self.bends[place, :size] = full[stay], flags[stay], bends[stay]
         self.held[place], self.held_bends[place] = -1.0, 0.0
         self.held[place, :, limits] = told
-        self.held_bends[place, :size, limits] = np.where(known[:, None], held_bends, 0.0)[stay]
+        self.held_bends[place, :size, limits] = np.where(known, held_bends, 0.0)[stay]
         self.across[place] = (told > 0.0).any(axis=(1, 2)) & np.isfinite(bends[stay]).all(axis=(1, 2))
         return np.arange(place.start, place.stop), stay
 

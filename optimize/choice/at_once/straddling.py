@@ -22,7 +22,7 @@ def multipliers(scores: Array, held: Array) -> Array:
     nought there (N, C, H): they raise the least of `scores + held @ multipliers` over the corners."""
     found = np.zeros((len(held), held.shape[2]))
     total = scores.copy()
-    across = (held > 0.0).any(axis=1) & (held <= 0.0).any(axis=1)
+    across = np.any(held > 0.0, axis=1) & np.any(held <= 0.0, axis=1)
     for _ in range(_SWEEPS):
         for k in np.flatnonzero(across.any(axis=0)).tolist():
             own = held[:, :, k]
@@ -39,6 +39,7 @@ def _of_one(scores: Array, held: Array) -> Array:
     out = scores.argmin(axis=1)
     needed = beyond[every, out] & ~beyond.all(axis=1)
     within = np.where(beyond, np.inf, scores).argmin(axis=1)
+    found = np.zeros(len(held))
     for _ in range(_MOST_TURNS):
         run = np.where(needed, held[every, out] - held[every, within], 1.0)
         found = np.where(needed, (scores[every, within] - scores[every, out]) / run, 0.0)
