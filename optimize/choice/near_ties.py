@@ -23,8 +23,8 @@ MOST_SOLVED = 100
 """So many are solved to the end."""
 _MOST_TRIED = 300
 """So many are solved for the binding poses alone, to see whether they come near."""
-_IN_VAIN = 30
-"""After so many in a row that have no solution no more of millions are tried."""
+_IN_VAIN = 20
+"""After so many that have no solution no more of millions are tried: each costs as much as several that have one."""
 _TOGETHER = 40
 """So many of the most promising are solved in the order of their shapes, for one program serves all of a kind."""
 
@@ -115,14 +115,16 @@ class _Search:
         if chooser.progress is not None:
             found = len(self.found)
             chooser.progress(found, min(found + 1 + more, MOST_SOLVED), "solving near ties")
+        branching = None if self.among is None else self.among.branching
+        if branching is not None and not branching.could_reach(pick, self.limit):
+            return
         solved = chooser.solve(pick)
         if self.among is not None and self.among.bounds is not None:
             learn_from(self.among.bounds, pick, solved)
         if solved.objective is None or solved.solution is None:
             self.failed = self.failed or chooser.candidates[pick].outcome == "unsolved"
-            self._in_vain += self.among is not None and self.among.branching is not None
+            self._in_vain += branching is not None
             return
-        self._in_vain = 0
         if solved.objective > self.limit:
             chooser.note(pick, solved.objective, "bounded out")
             return

@@ -133,7 +133,7 @@ class Branching:
         while heap:
             bound, _, places, ranked = heapq.heappop(heap)
             left -= 1
-            yield self._combination([each[k][1] for each, k in zip(ranked, places, strict=True)]), max(left, len(heap))
+            yield self.combination([each[k][1] for each, k in zip(ranked, places, strict=True)]), max(left, len(heap))
             # Each next worse one has one parent: only links from the last that was moved on are moved.
             last = max((j for j, k in enumerate(places) if k), default=0)
             for j in range(last, len(places)):
@@ -142,6 +142,15 @@ class Branching:
                     if more < enough:
                         after = (*places[:j], places[j] + 1, *places[j + 1 :])
                         heapq.heappush(heap, (more, next(self._order), after, ranked))
+
+    def could_reach(self, pick: Combination, objective: float) -> bool:
+        """Whether one combination could do as well as an objective (SI), by its own bound as far as that is cheap."""
+        alone = [
+            np.array([(pick.shapes[link], pick.materials[link]) == each for each in own.options]).nonzero()[0]
+            for link, own in zip(self.links, self.relaxation.cells, strict=True)
+        ]
+        enough = objective / self.worth
+        return self.relaxation.solve(self.relaxation.root(alone), enough, rough=True).bound < enough
 
     def _tell(self) -> None:
         progress = self.chooser.progress
@@ -240,9 +249,9 @@ class Branching:
         every.sort(key=lambda each: -each[0])
         for weight, each in every:
             if weight >= _NEAR * every[0][0]:
-                yield self._combination([option for option, _ in each])
+                yield self.combination([option for option, _ in each])
 
-    def _combination(self, chosen: Sequence[int]) -> Combination:
+    def combination(self, chosen: Sequence[int]) -> Combination:
         """The combination of an option of each elastic link."""
         size = self.context.problem.arm.size
         shapes: list[str | None] = [None] * size

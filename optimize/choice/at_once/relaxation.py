@@ -33,6 +33,8 @@ LOOSE = 1e-3
 """A cell whose bound is this far below the best of its sections seen is loose."""
 _ROUGHER = 3.0
 """So many times looser cells may be where it is only to be told which combinations come near the best."""
+_RANKING_TURNS = 3
+"""So often cells are split before options are ranked: what is won later is not worth its time."""
 _LITTLE = 1e-3
 """The relaxation's value counts as at least this where something is held against it."""
 _MOST_SPLIT = 128
@@ -126,24 +128,30 @@ class Relaxation:
         bound = found.constant
         losses: list[dict[int, float]] = []
         for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
-            ids = start
-            loose = LOOSE * max(abs(found.bound), self.little)
-            while True:
-                values, bent = own.least_kept(ids, price, room)
-                options, places = np.unique(own.option[ids], return_inverse=True)
-                least = np.full(len(options), np.inf)
-                np.minimum.at(least, places, values)
-                real = np.where(own.kept[ids], own.corners[ids] @ price, np.inf).min(axis=1)
-                coarse = (bent > _ROUGHER * loose) & (values <= least[places] + loose) & (values <= least.min() + room)
-                coarse &= (real - values > _ROUGHER * loose) & (own.width(ids) > NARROWEST)
-                if own.spent or not coarse.any():
-                    break
-                axes = own.telling_axes(ids[coarse], price)
-                ids = np.concatenate([ids[~coarse], own.split(ids[coarse], axes)])
+            ids = self._told_apart(own, start, price, room, LOOSE * max(abs(found.bound), self.little))
+            values, _ = own.least_kept(ids, price, room)
+            options, places = np.unique(own.option[ids], return_inverse=True)
+            least = np.full(len(options), np.inf)
+            np.minimum.at(least, places, values)
             ends = found.node.low if price[LENGTH] >= 0.0 else found.node.high
             bound += float(least.min()) + float(price[LENGTH]) * float(ends[len(losses), LENGTH])
             losses.append(dict(zip(options.tolist(), (least - least.min()).tolist(), strict=True)))
         return bound, losses
+
+    def _told_apart(self, own: Cells, ids: Ids, price: Array, room: float, loose: float) -> Ids:
+        """A link's cells, split where an option that is less than `room` above the best one is not known well."""
+        for _ in range(_RANKING_TURNS):
+            values, bent = own.least_kept(ids, price, room)
+            least = np.full(len(own.options), np.inf)
+            np.minimum.at(least, own.option[ids], values)
+            real = np.where(own.kept[ids], own.corners[ids] @ price, np.inf).min(axis=1)
+            coarse = (bent > _ROUGHER * loose) & (values <= least[own.option[ids]] + loose)
+            coarse &= values <= least.min() + room
+            coarse &= (real - values > _ROUGHER * loose) & (own.width(ids) > NARROWEST)
+            if own.spent or not coarse.any():
+                break
+            ids = np.concatenate([ids[~coarse], own.split(ids[coarse], own.telling_axes(ids[coarse], price))])
+        return ids
 
     def full(self, y: Array) -> Array:
         """Columns of the elastic links (n, K) among those of all links, flat."""

@@ -70,6 +70,27 @@ def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: py
     assert result.objective == pytest.approx(every.min(), rel=1e-2)
 
 
+def test_what_one_combination_could_reach_is_told_from_what_it_could_not(tmp_path: Path) -> None:
+    """No combination that reaches an objective is held to be out of its reach, and most of the hopeless are."""
+    rows = materials(12, 3)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"choose: {{section: [circle], material: {named(rows)}}}\n"
+        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
+    )
+    branching = Branching(Chooser(context_of(problem_of(tmp_path, arm, text)), None, None), many.WANTED)
+    assert branching.run(20) is not None
+    every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    names = [each.name for _, each in branching.relaxation.cells[0].options]
+    enough = 1.2 * float(every.min())
+    could = np.zeros(every.shape, dtype=bool)
+    for place, _ in np.ndenumerate(every):
+        chosen = [names.index(f"m{number}") for number in place]
+        could[place] = branching.could_reach(branching.combination(chosen), enough)
+    assert could[every < enough * (1.0 - 1e-3)].all()
+    assert np.mean(~could[every > 2.0 * enough]) > 0.5
+
+
 def test_thirteen_millions_are_bounded_at_once(tmp_path: Path) -> None:
     text = (
         f"choose: {{section: [circle, tube, rectangle, triangle, ellipse], material: {CATALOGUE}}}\n"
