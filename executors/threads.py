@@ -1,23 +1,24 @@
-"""One thread of linear algebra for each worker: workers with a thread for every core only disturb each other."""
+"""One thread of linear algebra: what Linkwright multiplies is small, and threads that wait for each other beside other
+work cost several times what they save."""
 
 from __future__ import annotations
 
-import ctypes
 import os
-import re
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import contextmanager
-from pathlib import Path
+
+from threadpoolctl import threadpool_info, threadpool_limits
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """What libraries read while they are loaded."""
-_LIBRARY = re.compile(r"(/\S*openblas\S*)$")
-# Names that end in an underscore after that are Fortran's, and take pointers.
-_NAMES = tuple(
-    (f"{before}openblas_get_num_threads{after}", f"{before}openblas_set_num_threads{after}")
-    for before in ("", "scipy_")
-    for after in ("", "64_")
-)
+_LINEAR_ALGEBRA = "blas"
+
+
+@contextmanager
+def one_thread() -> Generator[None]:
+    """The libraries that are loaded take one thread meanwhile; afterwards what they took before."""
+    with threadpool_limits(1, user_api=_LINEAR_ALGEBRA):
+        yield
 
 
 @contextmanager
@@ -26,33 +27,14 @@ def one_thread_for_children() -> Generator[None]:
     else), forked ones have the libraries as they are in their parent."""
     added = [name for name in VARIABLES if name not in os.environ]
     os.environ.update(dict.fromkeys(added, "1"))
-    libraries = loaded()
-    before = [get() for get, _ in libraries]
-    for _, put in libraries:
-        put(1)
     try:
-        yield
+        with one_thread():
+            yield
     finally:
         for name in added:
             os.environ.pop(name, None)
-        for (_, put), number in zip(libraries, before, strict=True):
-            put(number)
 
 
-def loaded() -> list[tuple[Callable[[], int], Callable[[int], None]]]:
-    """What reads and sets the number of threads of each OpenBLAS that this process has loaded; none elsewhere than on
-    Linux, where nothing is forked."""
-    try:
-        maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return []
-    found: list[tuple[Callable[[], int], Callable[[int], None]]] = []
-    for path in sorted({hit.group(1) for line in maps.splitlines() if (hit := _LIBRARY.search(line))}):
-        try:
-            library = ctypes.CDLL(path)
-        except OSError:  # taken away since
-            continue
-        for get, put in _NAMES:
-            if hasattr(library, get) and hasattr(library, put):
-                found.append((getattr(library, get), getattr(library, put)))
-    return found
+def threads() -> list[int]:
+    """How many threads each library of linear algebra that is loaded takes."""
+    return [int(each["num_threads"]) for each in threadpool_info() if each["user_api"] == _LINEAR_ALGEBRA]

@@ -6,11 +6,15 @@ reader that closed the output. Everything else is imported once an interrupt is 
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
 INTERRUPTED = 130
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""What libraries of linear algebra read while they are loaded. What a command multiplies is small: threads that wait
+for each other take longer than one does, and many times as long where anything else is running."""
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -24,5 +28,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and leave with its exit status."""
+    """Run the command line, with one thread of linear algebra unless the environment says otherwise, and leave with its
+    exit status."""
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
     sys.exit(run(arguments))

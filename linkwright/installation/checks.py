@@ -175,19 +175,17 @@ def _folder(name: str, folder: Path) -> Check:
 
 
 def _threads() -> Check:
-    """How many threads linear algebra takes. One is best where commands run side by side; none is wrong."""
+    """How many threads linear algebra takes. One is best; none is wrong."""
     import numpy as np
     import scipy.linalg
 
-    from executors.threads import loaded
+    from executors.threads import threads
 
     scipy.linalg.lu(np.linalg.inv(np.eye(2)))  # now the libraries are loaded
-    counts = sorted({get() for get, _ in loaded()})
+    counts = sorted(set(threads()))
     cores = os.cpu_count() or 1
     found = f"{', '.join(map(str, counts)) or 'unknown'} of {cores} cores"
-    hint = (
-        "OPENBLAS_NUM_THREADS=1 serves better where several commands run at once" if max(counts, default=1) > 1 else ""
-    )
+    hint = "without OPENBLAS_NUM_THREADS one is taken, which serves better" if max(counts, default=1) > 1 else ""
     return Check("threads of linear algebra", "sound", found, hint)
 
 

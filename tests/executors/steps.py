@@ -51,7 +51,7 @@ def die(item: int) -> int:
 
 def threads(item: int) -> list[int]:
     """How many threads each library of linear algebra that is loaded would take."""
-    from executors.threads import loaded
+    from executors.threads import threads as counted
 
     del item
-    return [get() for get, _ in loaded()]
+    return counted()

@@ -8,10 +8,12 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pytest
+from threadpoolctl import threadpool_limits
 
 from executors import Here, Processes, Work, WorkersLost, plain
 from executors.packing import packed, unpacked
-from executors.threads import loaded
+from executors.threads import threads
+from linkwright.face.workers import at_work
 from tests.executors import steps
 from units.quantities import InputError, NoAnswer
 
@@ -107,16 +109,21 @@ def test_workers_take_one_thread_each_and_their_parent_keeps_its_own():
     import numpy as np
 
     assert np.linalg.det(np.eye(3)) == 1.0  # the library is loaded
-    before = [get() for get, _ in loaded()]
-    try:
-        for _, put in loaded():
-            put(2)
+    with threadpool_limits(2, user_api="blas"):
+        before = threads()
+        assert set(before) == {2}
         with Processes(2, patience=0.0) as two:
             assert two.map(plain(steps.threads), range(2)) == [[1] * len(before)] * 2
-        assert [get() for get, _ in loaded()] == [2] * len(before)
-    finally:
-        for (_, put), number in zip(loaded(), before, strict=True):
-            put(number)
+        assert threads() == before
+
+
+def test_long_work_takes_one_thread_here_too():
+    with threadpool_limits(2, user_api="blas"):
+        before = threads()
+        with at_work(Here(), None) as given:
+            assert isinstance(given, Here)
+            assert set(threads()) == {1}
+        assert threads() == before
 
 
 def test_read_only_mappings_are_sent():

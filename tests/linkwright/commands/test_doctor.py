@@ -1,10 +1,15 @@
 """`linkwright doctor`: a sound installation, and each way in which one is not."""
 
 import json
+import os
+import subprocess
+import sys
 import tempfile
 from importlib import metadata
 
 import pytest
+
+from executors.threads import VARIABLES
 
 
 def checkup(linkwright, bench):
@@ -22,6 +27,16 @@ def test_this_installation_is_sound(linkwright, bench):
     status, found = checkup(linkwright, bench)
     assert status == 0
     assert {"Python", "casadi", "solver (IPOPT)", "catalogue: materials", "threads of linear algebra"} <= set(found)
+
+
+@pytest.mark.parametrize(("asked", "taken"), [(None, "1"), ("2", "2")])
+def test_a_command_takes_one_thread_of_linear_algebra_unless_told_otherwise(tmp_path, asked, taken):
+    left = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+    given = left if asked is None else {**left, "OPENBLAS_NUM_THREADS": asked}
+    told = tmp_path / "doctor.json"
+    subprocess.run([sys.executable, "-m", "linkwright", "doctor", "--json", str(told)], env=given, check=True)
+    found = {each["name"]: each["found"] for each in json.loads(told.read_text())["checks"]}
+    assert found["threads of linear algebra"].startswith(f"{taken} of ")
 
 
 def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch):
