@@ -173,6 +173,15 @@ class MistakeRules:
     swapped_levels: int = rule(
         4, "payloads", "Of so many every two are swapped in turn; of more nobody confuses just two.", TIME
     )
+    searched_again: int = rule(
+        3,
+        "mistakes of labels",
+        "The most promising, by what a few of the library then explain; only these are searched as a whole.",
+        TIME,
+    )
+    taken_at_once: int = rule(
+        4, "causes", "Which are taken one after the other to see how promising labels put right are.", TIME
+    )
     swapped_sides: int = rule(
         3,
         "pairs of joints",

@@ -2,12 +2,14 @@
 the sides of two joints in each other's columns.
 
 Where nothing in the library explains a mismatch, or it is only scatter, each such mistake is tried: the recording is
-searched again with the labels put right. A mistake is told only where the physics then named leaves the noise floor,
-and with the labels as they stand does not: else it is not the labels that explain anything.
+searched again with the labels put right, where a few of the library, taken one after the other, then explain most. A
+mistake is told only where the physics then named leaves the noise floor, and with the labels as they stand does not:
+else it is not the labels that explain anything.
 """
 
 from __future__ import annotations
 
+import heapq
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +19,7 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm
 from diagnose.fitting.fit import fit, impossible, remaining
-from diagnose.fitting.prepare import Prepared, nuisances, packed_up, prepare, set_up
+from diagnose.fitting.prepare import Prepared, nuisances, packed_up, patterns_of, prepare, set_up
 from diagnose.options import Options
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.patterns.pool import orthonormal
@@ -28,6 +30,7 @@ from diagnose.rules.rules import Rules
 from sections.numeric import Array
 
 from .naming import Namer, name_missing
+from .subsets import gains, products
 
 
 @dataclass(frozen=True)
@@ -46,14 +49,21 @@ def mislabelled(
     rules = asked.rules
     enough = min(rules.mistakes.label_leaves * left, rules.fitting.at_the_floor * floor)
     tried = [*_relabelled(arm, recording, rules), *_crossed(observe(arm, recording, rules=rules))]
-    namers: list[tuple[float, Namer, _Tried]] = []
+    if not tried:
+        return None
+    logged = prepare(observe(arm, recording, rules=rules), asked, floor)
+    promises: list[float] = []
     for number, each in enumerate(tried):
-        tell(number / (len(tried) + 1))
-        prepared = prepare(observe(arm, each.recording, rules=rules), asked, floor)
+        tell(0.6 * number / len(tried))
+        promises.append(_promise(observe(arm, each.recording, scale=logged.observed.scale, rules=rules), asked))
+    namers: list[tuple[float, Namer, _Tried]] = []
+    for number in heapq.nsmallest(rules.mistakes.searched_again, range(len(tried)), key=promises.__getitem__):
+        tell(0.6 + 0.1 * len(namers))
+        prepared = prepare(observe(arm, tried[number].recording, rules=rules), asked, floor)
         namer = Namer(prepared, thorough=False, seed=asked.seed)
         subsets = namer.best_of_library() if prepared.pool.groups else {}
         if subsets:
-            namers.append((min(_left(namer, subset.members) for subset in subsets.values()), namer, each))
+            namers.append((min(_left(namer, subset.members) for subset in subsets.values()), namer, tried[number]))
     rms, namer, each = min(namers, key=lambda found: found[0], default=(np.inf, None, None))
     if namer is None or each is None or rms > enough:
         return None
@@ -62,10 +72,30 @@ def mislabelled(
         return None
     rms = _left(namer, named.members)
     groups = [namer.pool.groups[member].candidate for member in named.members]
-    if _left_as_logged(prepare(observe(arm, recording, rules=rules), asked, floor), groups) <= enough:
+    if _left_as_logged(logged, groups) <= enough:
         return None
     found = tuple((candidate.effect, candidate.numbers) for candidate in groups)
     return Mislabelled(each.said, found, rms) if rms <= enough else None
+
+
+def _promise(observed: Observed, asked: Options) -> float:
+    """What a few of the library, taken one after the other, leave of a mismatch: mean square, weighed."""
+    alone = set_up(observed, patterns_of(observed, asked))
+    given, members, criterion, barred = (
+        products(alone.pool, alone.vector),
+        list[int](),
+        alone.criterion,
+        ~alone.library(),
+    )
+    while len(members) < observed.rules.mistakes.taken_at_once and not barred.all():
+        value = criterion.of_many(given.rss, gains(alone.pool, given), criterion.price, criterion.ranks)
+        best = int(np.argmin(np.where(barred, np.inf, value)))
+        if not np.isfinite(value[best]):
+            break
+        members.append(best)
+        barred[best] = True
+        given = given.beside(alone.pool.columns([best]))
+    return given.rss / max(len(alone.vector), 1)
 
 
 def _left(namer: Namer, members: tuple[int, ...]) -> float:
