@@ -62,7 +62,8 @@ def least_frequency(
             continue
         candidates = poses[_starts(poses, scanned)]
         if search.workspace.kind == "joints":
-            reached = climb(slow.derivatives, candidates, *climbing_bounds(arm, search.lower, search.upper))[0]
+            bounds = climbing_bounds(arm, search.lower, search.upper)
+            reached = climb(lambda q, _, slow=slow: slow.derivatives(q), candidates, *bounds)[0]
             candidates = np.vstack([candidates, wrapped(arm, reached, search.lower, search.upper)])
         values = first_frequencies(arm, beams, payloads, candidates)
         lowest = int(np.argmin(values))

@@ -21,13 +21,15 @@ Index = NDArray[np.intp]
 CellFilter = Callable[[Array, Array, Index], NDArray[np.bool_]]
 """(centres (N, n), half widths (N, n), functions (N,)) -> which cells may hold an admissible point."""
 
-Derivatives = Callable[[Array], tuple[Array, Array, Array]]
-"""Points (N, n) to values (N,), gradients (N, n) and Hessians (N, n, n)."""
+Derivatives = Callable[[Array, Index], tuple[Array, Array, Array]]
+"""Points (N, n), and of which starts they come (N,), to values (N,), gradients (N, n) and Hessians (N, n, n)."""
 
 _OUTWARD = 1e-12
 _CHUNK = 8192
 _NO_GAIN = 1e-14
 """A step that promises less than this share more is none."""
+_LEAST_DAMPING = 1e-3
+"""Where not even so small a share of a step leads upwards the climb is at its end."""
 
 
 @dataclass(frozen=True)
@@ -132,35 +134,47 @@ def _halved(centers: Array, half: Array, which: Index, weight: Array) -> tuple[A
 
 
 def climb(at: Derivatives, starts: Array, lower: Array, upper: Array, steps: int = 40) -> tuple[Array, Array]:
-    """Local maxima of a function for each of `starts` (N, n) within a box, by projected Newton steps on all at once.
+    """Local maxima of a function for each of `starts` (N, n) within a box, by projected Newton steps on all at once;
+    each start may have a function of its own.
 
     Infinite bounds leave a full-circle joint free to turn through. Returns points (N, n) and values (N,).
     """
-    x = np.clip(starts, lower, upper)
-    value, gradient, hessian = at(x)
+    points = np.clip(starts, lower, upper)
+    rows = np.arange(len(points), dtype=np.intp)
+    value, gradient, hessian = at(points, rows)
+    x, values = points, value.copy()
     damping = np.ones(len(x))
-    identity = np.eye(x.shape[1])
     for _ in range(steps):
-        held = ((x <= lower) & (gradient < 0.0)) | ((x >= upper) & (gradient > 0.0))
-        free = ~held
-        # A held coordinate takes the Hessian's own size: one of another size would drown the others' curvatures.
-        size = np.abs(hessian).max(axis=(1, 2), initial=0.0)[:, None, None]
-        masked = hessian * free[:, :, None] * free[:, None, :] - size * identity * held[:, :, None]
-        eigenvalues, vectors = np.linalg.eigh(masked)
-        floor = 1e-6 * np.abs(eigenvalues).max(axis=1, initial=1e-300, keepdims=True)
-        uphill = np.einsum("nij,ni->nj", vectors, gradient * free) / np.maximum(np.abs(eigenvalues), floor)
-        whole = np.clip(np.einsum("nij,nj->ni", vectors, uphill), -0.6, 0.6)
-        if np.all(np.einsum("ni,ni->n", gradient * free, whole) <= _NO_GAIN * np.abs(value)):
+        whole, promised = _newton_step(x, gradient, hessian, lower, upper)
+        # Most are there after a few steps: only what still climbs is worked out again.
+        going = (promised > _NO_GAIN * np.abs(value)) & (damping >= _LEAST_DAMPING)
+        if not np.all(going):
+            points[rows], values[rows] = x, value
+            rows, x, value, gradient = rows[going], x[going], value[going], gradient[going]
+            hessian, damping, whole = hessian[going], damping[going], whole[going]
+        if not len(rows):
             break
-        step = whole * damping[:, None]
-        trial = np.clip(x + step, lower, upper)
-        new_value, new_gradient, new_hessian = at(trial)
+        trial = np.clip(x + whole * damping[:, None], lower, upper)
+        new_value, new_gradient, new_hessian = at(trial, rows)
         better = new_value > value
-        if not np.any(better) and np.all(damping < 1e-3):
-            break
         damping = np.where(better, np.minimum(1.0, 2.0 * damping), 0.25 * damping)
         x = np.where(better[:, None], trial, x)
         value = np.where(better, new_value, value)
         gradient = np.where(better[:, None], new_gradient, gradient)
         hessian = np.where(better[:, None, None], new_hessian, hessian)
-    return x, value
+    points[rows], values[rows] = x, value
+    return points, values
+
+
+def _newton_step(x: Array, gradient: Array, hessian: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
+    """Steps uphill (N, n) from points within a box, and what each promises to first order (N,)."""
+    held = ((x <= lower) & (gradient < 0.0)) | ((x >= upper) & (gradient > 0.0))
+    free = ~held
+    # A held coordinate takes the Hessian's own size: one of another size would drown the others' curvatures.
+    size = np.abs(hessian).max(axis=(1, 2), initial=0.0)[:, None, None]
+    masked = hessian * free[:, :, None] * free[:, None, :] - size * np.eye(x.shape[1]) * held[:, :, None]
+    eigenvalues, vectors = np.linalg.eigh(masked)
+    floor = 1e-6 * np.abs(eigenvalues).max(axis=1, initial=1e-300, keepdims=True)
+    uphill = np.einsum("nij,ni->nj", vectors, gradient * free) / np.maximum(np.abs(eigenvalues), floor)
+    step = np.clip(np.einsum("nij,nj->ni", vectors, uphill), -0.6, 0.6)
+    return step, np.einsum("ni,ni->n", gradient * free, step)

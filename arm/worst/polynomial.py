@@ -217,21 +217,22 @@ def evaluate(coefficients: Coefficients, q: Array) -> Array:
     """The functions' values (N, functions) at unscaled joint coordinates q (N, n)."""
     x = coefficients.coordinates.scaled(np.atleast_2d(q))
     size = len(coefficients.coordinates.revolute)
+    table = coefficients.in_reals
     if size == 0:
-        return np.broadcast_to(coefficients.tensor.real, (len(x), len(coefficients.tensor))).copy()
-    bases = [coefficients.coordinates.basis(j, coefficients.degree, x[:, j]) for j in range(size)]
-    flat = coefficients.tensor.reshape(len(coefficients.tensor), -1)
-    if len(flat) <= _FEW_FUNCTIONS:
+        return np.broadcast_to(table, (len(x), len(table))).copy()
+    turning = enumerate(coefficients.coordinates.revolute)
+    bases = [_real_basis(turns, coefficients.degree, x[:, j], 0)[0] for j, turns in turning]
+    if len(table) <= _FEW_FUNCTIONS:
         # Joint after joint: the table of all products of the bases would be far larger than what comes of it.
-        left = np.moveaxis(coefficients.tensor, 0, -1)
-        values = bases[0] @ left.reshape(left.shape[0], -1)
+        left = np.moveaxis(table, 0, -1)
+        values = left.reshape(len(left), -1).T @ bases[0]
         for basis in bases[1:]:
-            values = (basis[:, None, :] @ values.reshape(len(x), basis.shape[1], -1))[:, 0]
-        return values.real
+            values = np.einsum("bn,brn->rn", basis, values.reshape(len(basis), -1, len(x)))
+        return np.ascontiguousarray(values.T)
     weights = bases[0]
     for basis in bases[1:]:
-        weights = (weights[:, :, None] * basis[:, None, :]).reshape(len(x), -1)
-    return (weights @ flat.T).real
+        weights = (weights[:, None, :] * basis[None, :, :]).reshape(-1, len(x))
+    return np.ascontiguousarray((table.reshape(len(table), -1) @ weights).T)
 
 
 @dataclass(frozen=True)

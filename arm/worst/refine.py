@@ -31,7 +31,7 @@ def uphill(error: ErrorFunction, starts: Array, bounds: Bounds, *, step: float =
     offsets = np.vstack([np.zeros((1, size)), unit, -unit, *([mixed] if mixed else [])])
     scale = max(float(error(starts).max()), 1e-30)
 
-    def at(q: Array) -> tuple[Array, Array, Array]:
+    def at(q: Array, _: NDArray[np.intp]) -> tuple[Array, Array, Array]:
         around = (q[:, None, :] + offsets).reshape(-1, size)
         values = (error(around) / scale).reshape(len(q), -1)
         middle, ahead, behind = values[:, 0], values[:, 1 : size + 1], values[:, size + 1 : 2 * size + 1]

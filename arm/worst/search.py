@@ -28,7 +28,8 @@ from .workspace import RegionCells, Workspace, climbing_bounds, joint_box, regio
 
 DEFAULT_GAP = 1e-4
 """Relative gap of the certificate."""
-_DISTINCT = 0.05
+_DISTINCT, _MOST_POSES = 0.05, 12
+"""Poses of one load case nearer to each other than this (rad or m) count once, and so many are shown."""
 _LOOKED_AT = 64
 _FARTHEST = 1e6
 """An error of so many reaches says that a figure is wrong, not that an arm is bad."""
@@ -290,9 +291,11 @@ class WorstSearch:
         if self.workspace.kind == "joints":
             lower, upper = scaled(self._climbing[0])[joints], scaled(self._climbing[1])[joints]
             x = scaled(self._coordinates.placed(joints, q[:, joints]))
-            x[:, joints], _ = climb(lambda at: polynomials.terms.at(at, which), x[:, joints], lower, upper)
+            x[:, joints], _ = climb(lambda at, rows: polynomials.terms.at(at, which[rows]), x[:, joints], lower, upper)
             q = self._in_range(self._coordinates.unscaled(x))
-            poses = self.worst_poses_at(q, p, polynomials.case)
+            error = self.errors(q, p, polynomials.case).error
+            apart = _worst_apart(q[:, joints], error, np.zeros(len(q), dtype=np.intp), _MOST_POSES)
+            poses = self.worst_poses_at(q[apart], p, polynomials.case)
         else:
             best = np.argsort(-values[order, which], kind="stable")[:16]
             q = np.array([self._climb_in_region(p, polynomials, int(which[k]), q[k]) for k in best])
@@ -396,14 +399,25 @@ def _apart(q: Array, values: Array, count: int) -> NDArray[np.intp]:
     return np.array(chosen, dtype=np.intp)
 
 
-def distinct(poses: list[WorstPose], joints: Sequence[int] | None = None, most: int = 12) -> tuple[WorstPose, ...]:
+def distinct(
+    poses: list[WorstPose], joints: Sequence[int] | None = None, most: int = _MOST_POSES
+) -> tuple[WorstPose, ...]:
     """The worst first, near repeats left out; `joints` are those (from 0) that count for that, all by default."""
-    own = slice(None) if joints is None else list(joints)
-    kept: list[WorstPose] = []
-    for pose in sorted(poses, key=lambda pose: -pose.error):
-        turns = [np.subtract(pose.q, other.q)[own] for other in kept if other.load_case == pose.load_case]
-        if all(np.abs(turn).max(initial=0.0) > _DISTINCT for turn in turns):
-            kept.append(pose)
-        if len(kept) == most:
-            break
-    return tuple(kept)
+    if not poses:
+        return ()
+    q, case = np.array([pose.q for pose in poses]), np.array([pose.load_case for pose in poses])
+    own = q if joints is None else q[:, list(joints)]
+    return tuple(poses[k] for k in _worst_apart(own, np.array([pose.error for pose in poses]), case, most))
+
+
+def _worst_apart(q: Array, errors: Array, case: NDArray[np.intp], most: int) -> list[int]:
+    """Indices of the worst of some poses q (N, n) first, at most so many, near repeats in one load case left out."""
+    left = np.argsort(-errors, kind="stable")
+    kept: list[int] = []
+    while len(left) and len(kept) < most:
+        first = left[0]
+        kept.append(int(first))
+        apart = np.abs(q[left] - q[first]).max(axis=1, initial=0.0) > _DISTINCT
+        left = left[apart | (case[left] != case[first])]
+        left = left[left != first]
+    return kept
