@@ -22,7 +22,9 @@ class FittedParameter:
     """A parameter's value with its 95 % interval, in the SI unit of `kind` (see materials.quantities).
 
     `name` is the parameter's own, with the joint's or link's number where the effect acts at one (`compliance_2`).
-    `at_bound` says that it stands at a physical bound.
+    `at_bound` says that it stands at a physical bound. `may_hold` is an effect that does the same at this place, of
+    which the value may hold a part that nothing tells apart: value and interval are those of both, and with what is
+    usual of that effect left out the parameter alone is `between`.
     """
 
     name: str
@@ -32,6 +34,13 @@ class FittedParameter:
     value: float
     interval: tuple[float, float]
     at_bound: bool = False
+    may_hold: str = ""
+    between: tuple[float, float] | None = None
+
+    @property
+    def alone(self) -> tuple[float, float]:
+        """The 95 % interval of the parameter alone."""
+        return self.interval if self.between is None else self.between
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,8 @@ def size_of(parameter: FittedParameter) -> str:
         return f"{parameter.parameter} {value}, which the data do not bound"
     unit = value.partition(" ")[2] or None
     ends = [format_quantity(end, parameter.kind, unit, digits=3).partition(" ")[0] for end in (low, high)]
-    return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]})"
+    also = f"; part of it may be {EFFECTS[parameter.may_hold].title}" if parameter.may_hold else ""
+    return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]}{also})"
 
 
 def about_of(parameter: FittedParameter) -> str:

@@ -34,6 +34,7 @@ from sections.numeric import Array
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, held_within
 from .shared_weights import factors
+from .taken_up import taken_up
 from .terms import DIFFERENCE, Term, linear, term_at
 from .under_weights import (
     entries_of,
@@ -459,14 +460,31 @@ def _parameters(
         total, beside = summed
         found.append(total)
         fitted = [each for each in fitted if each[0] == beside]
+    others = taken_up(prepared, terms, place)
     for name, value, error, sure, shown in fitted:
         if not shown:
             continue
         low, high = bounds(candidate, name, prepared)
         reach = factor * error if sure else float("inf")
-        kind = kind_of(arm, candidate, name)
-        interval = (value - reach, value + reach)
-        found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval, not low < value < high))
+        kind, interval = kind_of(arm, candidate, name), (value - reach, value + reach)
+        also = others.get(name)
+        # What another effect may be of it ends where the size itself would be impossible.
+        ends = (
+            (max(low, interval[0] - also.below), min(high, interval[1] + also.above)) if also is not None else interval
+        )
+        found.append(
+            FittedParameter(
+                f"{name}{ending}",
+                name,
+                at,
+                kind,
+                value,
+                interval,
+                not low < value < high,
+                "" if also is None else also.effect,
+                None if also is None else (min(interval[0], ends[0]), max(interval[1], ends[1])),
+            )
+        )
     for name in candidate.free_shapes:
         kind = kind_of(arm, candidate, name)
         value = candidate.shapes[name]

@@ -161,7 +161,7 @@ class Diagnosis(Reported):
 
 
 def _parameter(fitted: FittedParameter) -> dict[str, Any]:
-    low, high = (in_unit(end, fitted.kind) for end in fitted.interval)
+    low, high = (in_unit(end, fitted.kind) for end in fitted.alone)
     unit = unit_of(fitted.kind)
     return {
         "parameter": fitted.name,

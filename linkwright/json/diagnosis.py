@@ -69,8 +69,9 @@ def parameter_json(fitted: FittedParameter) -> dict[str, Any]:
     return {
         "value": in_unit(fitted.value, fitted.kind),
         "unit": unit_of(fitted.kind),
-        "ci95": [in_unit(end, fitted.kind) for end in fitted.interval],
+        "ci95": [in_unit(end, fitted.kind) for end in fitted.alone],
         **fields(fitted, "parameter", "at", "at_bound"),
+        "may_hold": fitted.may_hold or None,
     }
 
 

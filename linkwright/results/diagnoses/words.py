@@ -89,7 +89,7 @@ def interval(fitted: FittedParameter) -> Value:
     """The 95 % interval, in the unit of the value."""
     if not all(math.isfinite(end) for end in fitted.interval):
         return Value("–")
-    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in fitted.interval)
+    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in fitted.alone)
     number, _, unit = low.partition(" ")
     return Value(f"{number} to {high}" if high.partition(" ")[2] == unit else f"{low} to {high}")
 

@@ -1,0 +1,64 @@
+"""What a size of a finding may hold of another effect that does exactly the same at the same place.
+
+Friction winds a drive up by a constant and by a share of its load. Play that friction holds on the side of approach
+does what the constant does: half of it is in the constant, and no recording of sides tells how much. Where a finding
+has one size, that is a matter of its name, for which its alternatives stand; where it has several, of that size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.effects import EFFECTS
+from diagnose.patterns.library import Candidate, columns_of, parameter_of
+
+from .prepare import Prepared
+from .terms import Term
+
+_ALIKE = 1e-6
+"""Patterns that differ by a smaller share are one."""
+
+
+@dataclass(frozen=True)
+class TakenUp:
+    """An effect that a size may hold some of, and how far the size alone may be below and above for that, SI."""
+
+    effect: str
+    below: float
+    above: float
+
+
+def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str, TakenUp]:
+    """By the name of a size what it may hold of what is not among the findings, each of those at most as large as is
+    usual."""
+    term = terms[place]
+    own = term.candidate
+    if own.outside or own.share or term.shared or own.only is not None or not own.at or len(own.sizes) < 2:
+        return {}
+    named = {each.candidate.effect for each in terms if each.candidate.at == own.at}
+    white = prepared.observed.whitened(term.columns)
+    found: dict[str, TakenUp] = {}
+    for other in (group.candidate for group in prepared.pool.groups):
+        if other.outside or other.share or other.at != own.at or other.effect in named or len(other.sizes) != 1:
+            continue
+        columns = columns_of(prepared.observed, other) if _usual(other) else None
+        if columns is None or columns.shape[2] != 1:
+            continue
+        column = prepared.observed.whitened(columns)[:, 0]
+        for name, one in zip(own.sizes, white.T, strict=True):
+            along = float(column @ one) / max(float(one @ one), 1e-300)
+            if np.linalg.norm(column - along * one) <= _ALIKE * np.linalg.norm(column):
+                size = parameter_of(EFFECTS[other.effect], other.sizes[0])
+                most = max(abs(end) for end in size.typical)
+                ends = [along * max(size.lower, -most), along * min(size.upper, most)]
+                found[name] = TakenUp(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
+    return found
+
+
+def _usual(candidate: Candidate) -> bool:
+    """Whether no shape of a candidate is beyond what is usual: play under a load that no friction holds is seated."""
+    parameters = [(parameter_of(EFFECTS[candidate.effect], name), at) for name, at in candidate.shapes.items()]
+    return all(abs(at) <= max(abs(end) for end in parameter.typical) for parameter, at in parameters)
