@@ -85,12 +85,12 @@ class Parameter:
     """A parameter of an effect: its kind of quantity (see materials.quantities), bounds and typical size in SI, source.
 
     `role` says how a fit treats it (see `Role`), `grid` the values at which a search tries a shape; where the pattern
-    depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load. What moves a
-    joint `across` its motion is of the same kind on slides. What is `of_all` is tried only where the effect acts
-    everywhere together, and then instead of the other sizes. An `optional` size is tried as nought too.
-    A `whole` shape is a whole number and stays on its grid; `default` is what a shape is where an entry does not name
-    it. Other than nought a size or shape `requires` these conditions of a recording, beside those of its effect. A size
-    that leaves the plane of a planar arm is `out_of_plane`.
+    depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load; a `threshold`
+    changes the pattern only where it passes a load. What moves a joint `across` its motion is of the same kind on
+    slides. What is `of_all` is tried only where the effect acts everywhere together, and then instead of the other
+    sizes. An `optional` size is tried as nought too. A `whole` shape is a whole number and stays on its grid; `default`
+    is what a shape is where an entry does not name it. Other than nought a size or shape `requires` these conditions of
+    a recording, beside those of its effect. A size that leaves the plane of a planar arm is `out_of_plane`.
     """
 
     name: str
@@ -103,6 +103,7 @@ class Parameter:
     role: Role = "given"
     grid: tuple[float, ...] = ()
     relative_to_load: bool = False
+    threshold: bool = False
     across: bool = False
     of_all: bool = False
     optional: bool = False

@@ -32,6 +32,8 @@ from diagnose.search.subsets import Criterion, criterion_for, gains, products
 from diagnose.several.nuisances import of_each
 from sections.numeric import Array
 
+from .thresholds import at_best
+
 _IN_TIME = frozenset(
     {
         "smooth_in_time",
@@ -404,7 +406,8 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
             break
         members.append(best)
         given = given.beside(pool.columns([best]))
-    columns = [prepared.beside, *(prepared.columns[m] for m in members)]
+    taken = [pool.groups[m].candidate for m in members]
+    columns = [prepared.beside, *at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)]
     stacked = np.concatenate(columns, axis=2)
     design, target = observed.scaled(stacked), observed.scaled(observed.residual)
     if design.shape[2] == 0:

@@ -36,6 +36,7 @@ from .prepare import Prepared, held_within
 from .shared_weights import factors
 from .taken_up import taken_up
 from .terms import DIFFERENCE, Term, linear, term_at
+from .thresholds import between_loads, least_of
 from .under_weights import (
     entries_of,
     hold_of,
@@ -359,9 +360,13 @@ def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Te
             left = partial(_scan(prepared, terms, place, unit).at, shapes, name)
             most = parameter_of(EFFECTS[candidate.effect], name)
             reach = (max(middle - _REACH, np.log(max(most.lower, _TINY))), min(middle + _REACH, np.log(most.upper)))
-            found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
-            if float(found.fun) < left(middle):
-                shapes[name] = float(np.exp(found.x))
+            if most.threshold:
+                best, least = least_of(left, between_loads(prepared.observed, candidate, reach))
+            else:
+                found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
+                best, least = float(found.x), float(found.fun)
+            if least < left(middle):
+                shapes[name] = float(np.exp(best))
                 new = replace(candidate, shapes=MappingProxyType(shapes))
                 columns = columns_of(prepared.observed, new)
                 if columns is not None:

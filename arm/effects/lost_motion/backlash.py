@@ -55,6 +55,7 @@ BACKLASH = Effect(
             (0.0, 50.0),
             grid=(0.0, 0.1, 0.25, 0.5, 1.01),
             relative_to_load=True,
+            threshold=True,
             requires=("sides",),
         ).means(
             "load below which friction holds the joint on the side that it came from",
