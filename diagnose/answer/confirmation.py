@@ -128,6 +128,8 @@ class Confirmed:
         width = self.observed.residual.shape[1]
         rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
         room = unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+        if len(self.members) >= self.rules.fitting.many_findings:
+            room = room.at_least(self.rules.fitting.least_unnamed)
         weak = self._weak()
         if not weak:
             return room

@@ -48,6 +48,11 @@ class Unnamed:
         """The same, each family moving as much as another look at the recording says if that is more."""
         return replace(self, deviation=max(self.deviation, other.deviation))
 
+    def at_least(self, times_the_noise: float) -> Unnamed:
+        """The same, each family moving so many times the noise's RMS at least."""
+        least = times_the_noise * float(np.sqrt(len(self.rows) * self.variance))
+        return replace(self, deviation=max(self.deviation, least))
+
     def beside(self, operator: Array) -> Array:
         """How far unnamed physics may move some estimates: covariance (k, k) of what an operator (k, n) on all that is
         fitted makes of it, of which the rows searched are a fair sample."""

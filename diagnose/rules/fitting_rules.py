@@ -222,6 +222,19 @@ class FittingRules:
         "Where visits differ by so much more than readings of a visit, intervals rest on how visits differ.",
         JUDGED,
     )
+    many_findings: int = rule(
+        3,
+        "findings",
+        "From so many on an arm has causes too small to be named: what is found is the largest of them.",
+        PROOF,
+    )
+    least_unnamed: float = rule(
+        0.1,
+        "times the noise's RMS",
+        "What each candidate that is not named moves at least on such an arm: six small causes of a third of the noise "
+        "among sixty candidates. What is left says less, since names were chosen to make it small.",
+        PROOF,
+    )
     nothing_unnamed: float = rule(
         0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"
     )

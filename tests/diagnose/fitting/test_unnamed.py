@@ -7,6 +7,7 @@ from scipy.stats import multivariate_normal
 from diagnose.fitting.fit import fit
 from diagnose.fitting.refit import refit
 from diagnose.fitting.unnamed import unnamed, variances
+from diagnose.rules.rules import RULES
 from diagnose.search.subsets import gains, products
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
@@ -80,13 +81,13 @@ def chosen(prepared, member, count, taken):
 
 def test_intervals_cover_though_names_were_chosen_to_leave_little():
     """Of a dozen small causes what three names take up is chosen; what is left says that next to nothing else is there,
-    and the weak names themselves say that there is."""
+    and the weak names themselves say that there is; so does the room that is usual where so much was found."""
     null = prepared_null()
     member = group_of(null, "joint_compliance", (2,))
     rng, trials = np.random.default_rng(31), 60
     own = null.pool.groups[member].candidate.family
     others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
-    left_alone, sampled = 0, 0
+    covered = dict.fromkeys(("narrow", "sampled", "usual"), 0)
     for _ in range(trials):
         vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
         for k in rng.choice(others, 12, replace=False).tolist():
@@ -97,12 +98,13 @@ def test_intervals_cover_though_names_were_chosen_to_leave_little():
         prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
         members = chosen(prepared, member, 3, others)
         narrow = room_of(prepared, members)
-        for room in (narrow, narrow.no_less_than(room_of(prepared, [member]))):
+        usual = narrow.at_least(RULES.fitting.least_unnamed)
+        for room in (narrow, narrow.no_less_than(room_of(prepared, [member])), usual):
             low, high = refit(prepared, members, (), fit(prepared, members), room).parameters[0][0].interval
-            inside = low <= 0.0 <= high
-            left_alone, sampled = (left_alone + inside, sampled) if room is narrow else (left_alone, sampled + inside)
-    assert left_alone < 0.85 * trials
-    assert within(sampled, trials=trials)
+            covered[("narrow" if room is narrow else "usual" if room is usual else "sampled")] += low <= 0.0 <= high
+    assert covered["narrow"] < 0.85 * trials
+    assert within(covered["sampled"], trials=trials)
+    assert within(covered["usual"], trials=trials)
 
 
 def test_intervals_cover_where_visits_differ():
