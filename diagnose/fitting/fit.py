@@ -10,7 +10,7 @@ from scipy import stats
 
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
-from arm.effects.loads.link_mass import mass_declared
+from arm.effects.loads.link_mass import LINK_MASS, mass_declared
 from diagnose.patterns.library import Candidate, Family, parameter_of
 from diagnose.patterns.unknown_weights import only_products
 from diagnose.residual.observed import Observed
@@ -171,8 +171,8 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
 
 def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> float:
     """The most that may hang on a link or at the tip beyond what the arm file says is there, kg: a usual extra and as
-    much again, or at the tip what an arm of that weight lifts at most; infinite where the file leaves the mass open,
-    and for sizes that are no mass."""
+    much again, or at the tip what an arm of that weight lifts at most, and what may hang on the last link; infinite
+    where the file leaves the mass open, and for sizes that are no mass."""
     effect, rules = EFFECTS[candidate.effect], prepared.observed.rules.fitting
     if candidate.share or effect.declared is None:
         return np.inf
@@ -182,7 +182,9 @@ def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> floa
     most = parameter.typical[1] + rules.heavier * _in_the_file(candidate, name, prepared.observed)
     if effect.place == "link":
         return most
-    return max(most, rules.lifts * _whole_mass(prepared.observed))
+    arm, beams = prepared.observed.arm_given, [link.beam for link in prepared.observed.state.links]
+    last = LINK_MASS.sizes[0].typical[1] + rules.heavier * mass_declared(arm, beams, arm.size - 1)
+    return max(most, last, rules.lifts * _whole_mass(prepared.observed))
 
 
 def _whole_mass(observed: Observed) -> float:

@@ -198,10 +198,10 @@ class FittingRules:
         JUDGED,
     )
     lifts: float = rule(
-        0.5,
+        1.0,
         "times its own mass",
-        "More extra mass at the tip than this, no arm lifts: light ones (14 kg by one of 30) come near.",
-        "KUKA LBR iiwa 14 R820, data sheet",
+        "More extra mass at the tip than this, no arm lifts: the lightest for what they carry lift their own.",
+        "A. Albu-Schaeffer et al., Industrial Robot 34 (2007) 376: a load-to-weight ratio of 1:1",
     )
     largest_unnamed: float = rule(
         0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF

@@ -1,5 +1,7 @@
 """Linear fits of findings: sizes, their intervals, and what is physically impossible."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom
@@ -114,11 +116,26 @@ def test_no_more_hangs_on_a_link_than_its_mass_allows(null):
 
 
 def test_no_more_hangs_at_the_tip_than_an_arm_lifts(null):
-    """Half of what its links weigh, where that is more than a usual extra (3 kg) and what the file says is there."""
+    """What its links weigh, or what hangs on the last one: a usual 5 kg and as much as it weighs."""
     candidate = null.pool.groups[group_of(null, "payload", ())].candidate
-    whole = sum(float(link.beam.mass) for link in null.observed.state.links)
-    at_the_tip = float(null.observed.state.links[-1].beam.mass) + null.observed.arm_given.payload.mass
-    most = max(0.5 * whole, 3.0 + at_the_tip)
+    own = [float(link.beam.mass) for link in null.observed.state.links]
+    at_the_tip = own[-1] + null.observed.arm_given.payload.mass
+    most = max(sum(own), 5.0 + own[-1], 3.0 + at_the_tip)
     for mass, possible in ((0.95 * most, True), (1.05 * most, False)):
         reason = why_impossible(null, candidate, np.array([mass]), np.array([mass]), 0.0)
         assert (reason is None) is possible
+
+
+def test_what_hangs_on_the_last_link_of_a_light_arm_may_hang_at_its_tip(null):
+    """Three kilograms of links lift no 5 kg by weight, yet a hose of that weight is usual on the last one."""
+    observed = null.observed
+    bare = replace(observed.arm, payload=replace(observed.arm.payload, mass=0.0))
+    light = replace(null, observed=replace(observed, arm=bare))
+    tip = null.pool.groups[group_of(null, "payload", ())].candidate
+    last = null.pool.groups[group_of(null, "link_mass", (2,))].candidate
+    own = float(observed.state.links[2].beam.mass)
+    assert sum(float(link.beam.mass) for link in observed.state.links) < 4.0
+    for mass, possible in ((4.9 + own, True), (5.1 + own, False)):
+        on_the_link = np.array([mass if name == "mass" else 0.0 for name in last.sizes])
+        assert (why_impossible(light, last, on_the_link, np.abs(on_the_link), 0.0) is None) is possible
+        assert (why_impossible(light, tip, np.array([mass]), np.array([mass]), 0.0) is None) is possible
