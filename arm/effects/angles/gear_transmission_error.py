@@ -12,6 +12,9 @@ from arm.chain.vectors import plus, times
 from arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
 from sections.numeric import cos, sin
 
+_LEAST_WAVES = 0.7
+"""Of less of a wave neither its period nor that it is one shows: a scale or an eccentricity does as much."""
+
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
@@ -32,11 +35,11 @@ def _amplitude(name: str) -> Parameter:
 
 
 def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
-    """Whether a joint went through a whole wave of the order, at enough different coordinates to see it."""
+    """Whether a joint went through most of a wave of the order, at enough different coordinates to see it."""
     q = readings.q[:, at[0]]
     waves = shapes["order"] * float(np.ptp(q)) / (2.0 * np.pi if readings.state.joints[at[0]].revolute else 1.0)
     different = len(np.unique(np.round(q, 3)))
-    return waves >= 1.0 and different >= max(8.0, 1.5 * waves)
+    return waves >= _LEAST_WAVES and different >= max(8.0, 1.5 * waves)
 
 
 GEAR_TRANSMISSION_ERROR = Effect(
