@@ -32,6 +32,7 @@ from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
+from .left_at_nought import left_at_nought
 from .prepare import Prepared, held_within
 from .shared_weights import factors
 from .taken_up import taken_up
@@ -112,7 +113,7 @@ def refit(
         residual, rss, freedom = _left(prepared, terms)
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     parameters = tuple(
-        _parameters(prepared, terms, place, spread, freedom, rss / max(freedom, 1), unnamed)
+        _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
         for place in range(len(terms))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
@@ -441,6 +442,7 @@ def _parameters(
     terms: Sequence[Term],
     place: int,
     spread: _Spread,
+    residual: Array,
     freedom: int,
     variance: float,
     unnamed: Unnamed | None,
@@ -466,12 +468,19 @@ def _parameters(
         found.append(total)
         fitted = [each for each in fitted if each[0] == beside]
     others = taken_up(prepared, terms, place)
+    # Room for what is not named makes all of a finding as much less sure.
+    less_sure = float(np.max(errors / np.maximum(spread.noise[place], _TINY), initial=1.0))
+    left = prepared.observed.whitened(residual)
+    besides = left_at_nought(prepared, terms, place, left, factor * less_sure * float(np.sqrt(variance)))
     for name, value, error, sure, shown in fitted:
         if not shown:
             continue
         low, high = bounds(candidate, name, prepared)
         reach = factor * error if sure else float("inf")
-        kind, interval = kind_of(arm, candidate, name), (value - reach, value + reach)
+        below, above = besides.get(name, (0.0, 0.0))
+        least, most = value - reach, value + reach
+        interval = (min(least, max(low, least - below)), max(most, min(high, most + above)))
+        kind = kind_of(arm, candidate, name)
         also = others.get(name)
         # What another effect may be of it ends where the size itself would be impossible.
         ends = (

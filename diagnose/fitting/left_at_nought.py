@@ -1,0 +1,78 @@
+"""How far sizes of a finding may be off for further sizes of its effect that were left at nought.
+
+Friction winds a drive up by a constant and by a share of its load, always by both. A recording whose loads differ
+little tells their sum, and the finding that one of them makes is chosen, since the other is not told beside it. But
+not told is not nought: it may be as large as the recording allows, up to what is usual, and what it takes is missing
+from the size that was fitted in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from arm.effects import EFFECTS, Parameter
+from diagnose.patterns.library import columns_of
+from diagnose.patterns.pool import orthonormal
+from sections.numeric import Array
+
+from .prepare import Prepared
+from .terms import Term
+
+_ALIKE = 1e-9
+"""Of a pattern's length, what rounding leaves beside another that is the same."""
+
+
+def left_at_nought(
+    prepared: Prepared, terms: Sequence[Term], place: int, left: Array, reach: float
+) -> dict[str, tuple[float, float]]:
+    """By the name of each size of a finding how far it may lie below and above what was fitted, SI, for what its effect
+    has besides. `left` (n,) is the whitened remainder of the fit, `reach` half an interval in whitened units."""
+    term = terms[place]
+    candidate = term.candidate
+    if candidate.outside or candidate.share or term.shared or candidate.only is not None:
+        return {}
+    effect, held = EFFECTS[candidate.effect], prepared.observed.state.conditions
+    further = [
+        each
+        for each in (effect.sizes if effect.told_as is None else ())
+        if each.name not in candidate.sizes
+        and not each.of_all
+        and (each.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
+        and all(getattr(held, condition) is not None for condition in each.requires)
+    ]
+    found = dict.fromkeys(candidate.sizes, (0.0, 0.0))
+    if not further:
+        return {}
+    white = prepared.observed.whitened
+    others = [each.columns for k, each in enumerate(terms) if k != place]
+    beside = orthonormal(white(np.concatenate([prepared.beside, *others], axis=2)))
+    own = white(term.columns)
+    own = own - beside @ (beside.T @ own)
+    for parameter in further:
+        columns = columns_of(prepared.observed, replace(candidate, sizes=(parameter.name,)))
+        if columns is None:
+            continue
+        pattern = white(columns)[:, 0]
+        seen = pattern - beside @ (beside.T @ pattern)
+        taken = np.linalg.lstsq(own, seen, rcond=None)[0]
+        low, high = _between(parameter, seen - own @ taken, pattern, left, reach)
+        for name, slope in zip(candidate.sizes, (-taken).tolist(), strict=True):
+            ends = (slope * low, slope * high)
+            below, above = found[name]
+            found[name] = (below + max(0.0, -min(ends)), above + max(0.0, *ends))
+    return found
+
+
+def _between(parameter: Parameter, alone: Array, whole: Array, left: Array, reach: float) -> tuple[float, float]:
+    """The least and the greatest that a size may be, about nought, by what it does alone (n,) and what is left: within
+    what is usual and what is possible."""
+    usual = max(abs(end) for end in parameter.typical)
+    low, high = max(parameter.lower, -usual), min(parameter.upper, usual)
+    told = float(np.linalg.norm(alone))
+    if told > _ALIKE * float(np.linalg.norm(whole)):
+        best = float(alone @ left) / told**2
+        low, high = max(low, best - reach / told), min(high, best + reach / told)
+    return min(low, 0.0), max(high, 0.0)
