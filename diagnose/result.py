@@ -194,6 +194,15 @@ class LackOfFit:
 
 
 @dataclass(frozen=True)
+class SmallBeside:
+    """Causes of the library too small to be named singly, which together are more than noise: how far they move the tip
+    (RMS length, m), most likely, and what readings of one pose say of the fit with room for them."""
+
+    moved: float
+    lack_of_fit: LackOfFit
+
+
+@dataclass(frozen=True)
 class WrittenArm:
     """The corrected arm as its file says it, read back and applied to the recording it stems from: the RMS (m) that it
     leaves, what the fit `promised` (m), and in words what of the findings the file lacks."""
@@ -316,10 +325,11 @@ class Diagnosis:
     says where it comes from. `null_vectors` are sentences on what the nuisances cannot tell apart among themselves.
     `gate_p` is the p-value that there is any mismatch at all; `split` names how rows were held out; `corrected` is the
     arm file with the findings in it. `sentence` is the plain answer. `lack_of_fit` is None where too few poses were
-    read again; `scatter` says how many times the noise floor readings scatter by from visit to visit, where that is
-    more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the named
-    findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which sides
-    or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
+    read again; `small` are causes too small to be named that are more than noise together (None: none are needed to
+    explain what is left), `scatter` says how many times the noise floor readings scatter by from visit to visit, where
+    that is more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the
+    named findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which
+    sides or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
     together (none named: one), `differences` what is not the same in all of them.
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
     recordings that seem to be of different arms (None: they do not).
@@ -355,6 +365,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     seconds: float
     lack_of_fit: LackOfFit | None = None
+    small: SmallBeside | None = None
     scatter: float | None = None
     rms_promised: float = math.nan
     written: WrittenArm | None = None

@@ -48,6 +48,7 @@ from .sentences import (
     mm,
     nothing_singly,
     null_vectors,
+    of_small_causes,
     reading_of,
     recording_of,
     refutation,
@@ -149,6 +150,7 @@ class Conclusion(Confirmed):
             ),
             seconds=time.perf_counter() - began,
             lack_of_fit=self.lack_of_fit,
+            small=self.small,
             scatter=self._scatter(),
             rms_promised=rms_length(self._left_by_names()),
             recordings=each,
@@ -357,6 +359,7 @@ class Conclusion(Confirmed):
             p_value,
             self._causes(),
             scatter=self._scatter(),
+            small=self.small,
             rules=self.rules.fitting,
         )
 
@@ -392,6 +395,8 @@ class Conclusion(Confirmed):
             found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
         if self.left_over and self.members and self.lack_of_fit is not None and self._does_not_fit():
             found.append(refutation(self.lack_of_fit))
+        if self.small is not None and self.lack_of_fit is not None:
+            found.append(of_small_causes(self.small, self.lack_of_fit))
         found += [
             f"The {each} was beyond chance among the readings fitted, but those held out are told as well without it: "
             "left out again."

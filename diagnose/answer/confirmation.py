@@ -14,20 +14,21 @@ from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from diagnose.fitting.prepare import Prepared, packed_up, set_up
 from diagnose.fitting.refit import Refit, impossible_term, refit, tether
+from diagnose.fitting.small_causes import SmallCauses, small_causes
 from diagnose.fitting.unnamed import Unnamed, unnamed
 from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
 from diagnose.residual.noise import NoiseFloor
 from diagnose.residual.observed import Observed, kept, looks_quieter, observed_about, rms_length
-from diagnose.result import LackOfFit
+from diagnose.result import LackOfFit, SmallBeside
 from diagnose.rules.rules import Rules
 from diagnose.search.aliases import Rival, rivals
 from diagnose.search.naming import Named, Namer, weighed_again
 from diagnose.search.one_set_of_weights import renamed_under_one_set
 from sections.numeric import Array
 
-from .lack_of_fit import refuted_by
+from .lack_of_fit import refuted_by, refutes
 from .sentences import label_of
 from .together import only_with
 from .unknown import predictable
@@ -62,7 +63,8 @@ class Confirmed:
             said += [f"{self._label(self.members[place])}{reason}" for place in places]
             for place in sorted(places, reverse=True):
                 self.found, self.members = _less(self.found, place), _less(self.members, place)
-                self.alternatives, self.p_values = _less(self.alternatives, place), _less(self.p_values, place)
+                self.alternatives, self.alike = _less(self.alternatives, place), _less(self.alike, place)
+                self.p_values = _less(self.p_values, place)
             if not (unexplained and self._form_instead(whole)):
                 self._fit()
         if self.members:
@@ -74,7 +76,10 @@ class Confirmed:
         self.scattered = False
         self._predicted: float | None = None
         self.lack_of_fit = self._lack_of_fit()
-        self.left_over = self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
+        self.small = self._small_causes()
+        self.left_over = self.small is None and (
+            self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
+        )
 
     def _test_what_is_left(self) -> None:
         """Test anew what seems to be beyond chance in what is left, where motion beyond first order was part of it."""
@@ -88,7 +93,7 @@ class Confirmed:
     def _take_up(self, whole: Recording | None) -> None:
         """Take up what was named under the names that go first, and fit it to what it is to be confirmed by."""
         self.search: Prepared = self.namer.prepared
-        self.found, self.alternatives = self._renamed()
+        self.found, self.alternatives, self.alike = self._renamed()
         self.p_values = self.named.p_values if self.named is not None else ()
         self.forms: tuple[int, ...] = self.named.outside if self.named is not None else ()
         self.prepared, number = self._fitted_to(whole)
@@ -124,7 +129,7 @@ class Confirmed:
 
     def _unnamed(self) -> Unnamed:
         """What the recording leaves room for beside what is named."""
-        rivals = [rival.member for others in self.alternatives for rival in others]
+        rivals = [rival.member for others in self.alike for rival in others]
         width = self.observed.residual.shape[1]
         rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
         room = unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
@@ -279,37 +284,72 @@ class Confirmed:
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
             local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
             # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
-            whole = rms_length(self.observed.still(remaining(self.prepared, fit(self.prepared, ()))[:, :width]))
-            unexplained = bool(self.members) and left**2 - floor**2 > rules.most_left * (whole**2 - floor**2)
+            unexplained = bool(self.members) and self._leaves_most(left)
             lasting = local or unexplained or self._predictable() > rules.lasting
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.members and self._only_scatter())
+            # So much is no scatter unless it is seen to scatter, and no pose was come back to.
+            lasting = lasting or (not self.members and left > rules.too_far_to_scatter * floor)
         self.scattered = not lasting
         return lasting
 
-    def _lack_of_fit(self) -> LackOfFit | None:
-        """What readings of one pose say of the fit; None where nothing was searched or too few were repeated."""
+    def _lack_of_fit(self, small: SmallCauses | None = None) -> LackOfFit | None:
+        """What readings of one pose say of the fit, perhaps with room for small causes; None where nothing was searched
+        or too few were repeated."""
         if self.named is None:
             return None
+        folds = hardest(self.folds)
+        held_out = hardest(self.held_out) if small is None else self._held_out(folds, small.columns)
         shapes = sum(len(term.candidate.free_shapes) for term in self.refit.terms)
         sizes = sum(term.columns.shape[2] for term in self.refit.terms)
         forms = sum(self.prepared.columns[m].shape[2] for m in self.outside)
         return refuted_by(
             self.observed,
             self.observed.still(self._after()),
-            hardest(self.held_out),
+            held_out,
             self.prepared.pool.nuisance.shape[1] + shapes + sizes + forms,
             seed=self.options.seed,
             rules=self.rules.answer,
+            small=small,
         )
+
+    def _small_causes(self) -> SmallBeside | None:
+        """The causes too small to be named that what is left beside the findings comes from, where readings of one pose
+        refute these as the whole answer and do not with room for those; None where it is no more than noise, or more
+        than such causes make."""
+        found, observed = self.lack_of_fit, self.observed
+        alone = not self.members or self.outside or len(self._searched()) < observed.rows
+        rules = self.rules.answer
+        if found is None or alone or not refutes(found, rules) or self._leaves_most(rms_length(self._after())):
+            return None
+        prepared = self._with_what_is_left()
+        fitted = fit(prepared, self.found)
+        rivals = [rival.member for others in self.alike for rival in others]
+        noise = fitted.rss / len(prepared.vector) / found.times**2
+        causes = small_causes(prepared, self.found, rivals, noise)
+        if causes is None:
+            return None
+        again = self._lack_of_fit(causes)
+        if again is None or refutes(again, rules):
+            return None
+        moved = rms_length(causes.likeliest[:, : observed.components])
+        return SmallBeside(moved, again)
+
+    def _leaves_most(self, left: float) -> bool:
+        """Whether findings that leave an RMS of `left` (m) leave most of the mismatch that is more than noise."""
+        if self.noise.rms_m is None:
+            return False
+        floor = self.noise.rms_m * looks_quieter(self.observed)
+        nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
+        whole = rms_length(self.observed.still(nothing))
+        return left**2 - floor**2 > self.rules.answer.most_left * (whole**2 - floor**2)
 
     def _does_not_fit(self) -> bool:
         """Whether readings of one pose refute what was found, or readings held out do; where there are no repeats,
         whether far more is left than the declared noise, and not by chance."""
         rules, found = self.rules.answer, self.lack_of_fit
         if found is not None:
-            misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
-            misfit |= found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond
+            misfit = refutes(found, rules)
             carries = found.held_out_times <= rules.scatter_carries * found.times
             if misfit and carries and self.members and found.against == "repeats" and self._only_scatter():
                 self.scattered = True
@@ -363,23 +403,36 @@ class Confirmed:
             return remaining(self.prepared, self.fitted)[:, :width]
         return self.refit.residual[:, :width]
 
-    def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...]]:
-        """The members under the name of each class that goes first, with what cannot be told from each."""
+    def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...], tuple[list[Rival], ...]]:
+        """The members under the name of each class that goes first, with what cannot be told from each, and what could
+        not if they were all there is."""
         if self.named is None:
-            return (), ()
+            return (), (), ()
         members = renamed_under_one_set(self.namer, self.named)
         whole = [*members, *self.named.outside]
-        return members, tuple(rivals(self.namer, whole, member) for member in members)
+        alike = tuple(rivals(self.namer, whole, member) for member in members)
+        judge = self._with_room(whole)
+        if judge is self.namer:
+            return members, alike, alike
+        return members, tuple(rivals(self.namer, whole, member, (judge,)) for member in members), alike
 
-    def _held_out(self, folds: Folds) -> HeldOut:
-        """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one."""
+    def _with_room(self, members: Sequence[int]) -> Namer:
+        """The namer with as much room for causes too small to be named as intervals have."""
+        rules = self.rules.fitting
+        return self.namer.with_room(members, least=rules.least_unnamed if len(members) >= rules.many_findings else 0.0)
+
+    def _held_out(self, folds: Folds, small: Array | None = None) -> HeldOut:
+        """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one; small causes (N, C,
+        K) too, each of a size of the noise's deviation."""
         terms = self.refit.terms
         forms = [self.prepared.columns[m] for m in self.outside]
-        parts = [self.prepared.beside, *(term.columns for term in terms), *forms]
+        further = [] if small is None else [small]
+        parts = [self.prepared.beside, *(term.columns for term in terms), *forms, *further]
         tethers = [
             None,
             *(tether(term, self.fitted.unit, rules=self.rules.fitting) for term in terms),
             *(None for _ in forms),
+            *(np.ones(part.shape[2]) for part in further),
         ]
         return HeldOut(self.observed, parts, folds, tethers, nuisances=1)
 

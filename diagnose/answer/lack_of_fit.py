@@ -19,6 +19,7 @@ from scipy.signal import lfilter
 from scipy.stats import f as f_distribution
 
 from diagnose.fitting.held_out import HeldOut
+from diagnose.fitting.small_causes import SmallCauses
 from diagnose.residual.observed import Observed, poses, rms_length
 from diagnose.residual.robust_scale import resolution
 from diagnose.result import LackOfFit
@@ -97,13 +98,23 @@ def lack_of_fit(parts: Split, parameters: float) -> Ratio:
 
 
 def refuted_by(
-    observed: Observed, left: Array, held_out: HeldOut, parameters: int, *, seed: int, rules: AnswerRules
+    observed: Observed,
+    left: Array,
+    held_out: HeldOut,
+    parameters: int,
+    *,
+    seed: int,
+    rules: AnswerRules,
+    small: SmallCauses | None = None,
 ) -> LackOfFit | None:
     """Whether readings of one pose refute what a fit of so many parameters leaves of the tip (N, D), m; None where too
     few were repeated or come back to.
 
-    `held_out` are the same fit's parts of the workspace held out.
+    `held_out` are the same fit's parts of the workspace held out. `small` are causes too small to be named, for which
+    there is room: what is left is seen through them, and they are fitted to what is not held out.
     """
+    if small is not None:
+        left = left - small.beyond_noise[:, : left.shape[1]]
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
     memory = memory_at_most(left, visit, rules=rules)
     repeats = split(left, visit, memory)
@@ -133,6 +144,8 @@ def refuted_by(
         steps = np.sqrt(np.concatenate([[0.0], observed.wanders]))[:, None, None]
         walk = np.cumsum(steps * rng.standard_normal(shape), axis=0)
         noise[:, : left.shape[1]] += observed.scale[: left.shape[1], None] * walk
+    if small is not None:
+        noise += small.drawn(rng, rules.held_out_draws)
     drawn = held_out.rms_of(noise)
     return LackOfFit(
         ratio=ratio.value,
@@ -143,6 +156,12 @@ def refuted_by(
         held_out_times=held_out.rms() / float(np.median(drawn)),
         held_out_p=float(np.mean(drawn >= held_out.rms())),
     )
+
+
+def refutes(found: LackOfFit, rules: AnswerRules) -> bool:
+    """Whether readings of one pose refute a fit, or those held out do."""
+    misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
+    return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond)
 
 
 def _rounding(observed: Observed, width: int) -> Array:

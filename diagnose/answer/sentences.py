@@ -20,6 +20,7 @@ from diagnose.result import (
     LackOfFit,
     Mislabelled,
     OfRecording,
+    SmallBeside,
     Unknown,
 )
 from diagnose.rules.answer_rules import AnswerRules
@@ -165,11 +166,13 @@ def verdict_sentence(
     causes: Sequence[tuple[str, float]] = (),
     *,
     scatter: float | None = None,
+    small: SmallBeside | None = None,
     rules: FittingRules = RULES.fitting,
 ) -> str:
     """The plain answer. `rms` (m) are those of the mismatch and of what remains, `scatter` how many times the noise
-    floor scatter is that nothing explains (None: it is not more), `causes` the kinds of physics found and the RMS
-    length (m) of what each moves beyond the nuisances, the largest first."""
+    floor scatter is that nothing explains (None: it is not more), `small` what causes too small to be named make of
+    what remains, `causes` the kinds of physics found and the RMS length (m) of what each moves beyond the nuisances,
+    the largest first."""
     rms_before, rms_after = rms
     if not findings and unknown is None:
         above = scatter is not None or rms_before > rules.far_above * (noise_floor or np.inf)
@@ -189,6 +192,8 @@ def verdict_sentence(
     share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
     after = _remains(rms_after, noise_floor, rules)
     if unknown is None:
+        if small is not None:
+            after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
         text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({mm(rms_before)} RMS); {after}."
         doubtful = [f for f in findings if f.alternatives] if len(findings) <= _MANY_FINDINGS else []
         if doubtful:
@@ -253,6 +258,18 @@ def refutation(found: LackOfFit) -> str:
         f"by is left (F = {found.ratio:.2g}, p = {found.p_value:.2g}), {found.held_out_times:.1f} times what noise "
         "alone leaves where readings were held out. What is named describes part of it, and may stand for something "
         "else."
+    )
+
+
+def of_small_causes(found: SmallBeside, alone: LackOfFit) -> str:
+    """What causes too small to be named make of what is left, where readings of one pose refute the names alone."""
+    held = found.lack_of_fit.held_out_times
+    return (
+        f"What is left, {alone.times:.2f} times what readings of one pose differ by (p = {alone.p_value:.2g}), fits "
+        f"causes of the library that are too small to be told one by one, {mm(found.moved)} RMS together: with room "
+        f"for them it is no more than noise (p = {found.lack_of_fit.p_value:.2g}), and readings held out are foretold "
+        f"as well as such causes allow ({held:.2f} times what they and noise leave). arm.yaml holds what is named "
+        "alone. More readings would name the largest of them."
     )
 
 

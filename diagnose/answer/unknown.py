@@ -263,12 +263,13 @@ def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) ->
 
 def _inputs(namer: Namer, at: Recording | None = None) -> Array:
     """What a smooth model goes by at the readings `at`, by default those searched: coordinates, and what varied of
-    time, temperature and payload in what was searched."""
+    time, temperature, payload and the sides that joints came from in what was searched."""
     searched = namer.prepared.observed.recording
     recording = searched if at is None else at
 
     def further(of: Recording) -> tuple[Array | None, ...]:
-        return of.time, of.temperature, of.payload_mass
+        sides = () if of.sides is None else of.sides.T
+        return of.time, of.temperature, of.payload_mass, *sides
 
     columns = [
         values[:, None]

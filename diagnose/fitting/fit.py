@@ -222,13 +222,15 @@ def typical(candidate: Candidate, sizes: Array, *, rules: FittingRules = RULES.f
 
 
 def solved(design: Array, target: Array) -> Array:
-    """Least squares by the normal equations of scaled columns; directions below 1e-6 of the largest stay at zero."""
+    """Least squares by the normal equations of scaled columns, of one target (n,) or several (n, k); directions below
+    1e-6 of the largest stay at zero."""
     size = np.linalg.norm(design, axis=0)
-    scaled = design / np.where(size > 0.0, size, 1.0)
+    size = np.where(size > 0.0, size, 1.0)
+    scaled = design / size
     inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12, hermitian=True)
     first = inverse @ (scaled.T @ target)
     first += inverse @ (scaled.T @ (target - scaled @ first))  # refined once
-    return first / np.where(size > 0.0, size, 1.0)
+    return (first.T / size).T
 
 
 def normal_solution(gram: Array, against: Array) -> Array:

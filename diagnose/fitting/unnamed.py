@@ -66,12 +66,8 @@ def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int],
     """What the remainder of a fit of some groups leaves room for; `rivals` are declared to be other names for them, and
     are no causes beside them. `rows` says where the observations stand among those that are fitted."""
     pool, rules = prepared.pool, prepared.observed.rules.fitting
-    taken = {pool.groups[m].candidate.family for m in (*members, *rivals)}
-    others = [k for k, g in enumerate(pool.groups) if not g.candidate.outside and g.candidate.family not in taken]
-    variants = Counter(pool.groups[k].candidate.family for k in others)
-    ranks = [pool.groups[k].rank for k in others]
-    each = [1.0 / np.sqrt(r * variants[pool.groups[k].candidate.family]) for k, r in zip(others, ranks, strict=True)]
-    weight, at, own = np.repeat(each, ranks), pool.columns(others), pool.columns(members)
+    at, weight, _ = others_of(prepared, members, rivals)
+    own = pool.columns(members)
     mixed = pool.gram[np.ix_(at, own)] * weight[:, None]
     inverse = np.linalg.pinv(pool.gram[np.ix_(own, own)], rcond=_TINY, hermitian=True)
     told = pool.basis.T @ prepared.vector
@@ -84,6 +80,20 @@ def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int],
     left, freedom, count = left - within, freedom - repeated, len(prepared.vector)
     ratio, variance = variances(gram, along, left, freedom, count, rules.largest_unnamed, rules.nothing_unnamed)
     return Unnamed(pool.basis, at, weight, float(np.sqrt(ratio * variance)), variance, rows)
+
+
+def others_of(
+    prepared: Prepared, members: Sequence[int], rivals: Collection[int]
+) -> tuple[NDArray[np.int64], Array, tuple[int, ...]]:
+    """Which columns of a pool's basis (M,) are of other families of the library, the weight (M,) of each with which all
+    families move as much, and the groups."""
+    pool = prepared.pool
+    taken = {pool.groups[m].candidate.family for m in (*members, *rivals)}
+    others = [k for k, g in enumerate(pool.groups) if not g.candidate.outside and g.candidate.family not in taken]
+    variants = Counter(pool.groups[k].candidate.family for k in others)
+    ranks = [pool.groups[k].rank for k in others]
+    each = [1.0 / np.sqrt(r * variants[pool.groups[k].candidate.family]) for k, r in zip(others, ranks, strict=True)]
+    return pool.columns(others), np.repeat(each, ranks), tuple(others)
 
 
 def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: int) -> tuple[float, int]:

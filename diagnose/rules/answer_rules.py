@@ -25,6 +25,12 @@ class AnswerRules:
         "repeats look up to twice too quiet.",
         PROOF,
     )
+    too_far_to_scatter: float = rule(
+        3.0,
+        "times the noise floor",
+        "More is not taken for scatter of an arm that no visit came back to: `unknown`, not `none`.",
+        "twice what arms that return badly leave on the development half of the second proof, seed 2026112501",
+    )
     enough_returns: int = rule(
         8,
         "visits",

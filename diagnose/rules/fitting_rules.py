@@ -72,7 +72,11 @@ class FittingRules:
         12.0, "twice the logarithm of a likelihood", "By so much a random walk must say more than none.", "odds"
     )
     rather_a_drift: float = rule(
-        6.0, "twice the logarithm of a likelihood", "By so much an even drift must say more than a random walk.", "odds"
+        16.0,
+        "twice the logarithm of a likelihood",
+        "By so much an even drift must say more than a random walk: of walks over 62 visits that reach half to one and "
+        "a half times the noise one in 200 looks as even, and one in 20 does at 6.",
+        "simulated",
     )
     rather_a_form: float = rule(
         12.0,
@@ -235,6 +239,14 @@ class FittingRules:
         "What each candidate that is not named moves at least on such an arm: six small causes of a third of the noise "
         "among sixty candidates. What is left says less, since names were chosen to make it small.",
         "development half of the second proof, seed 2026112402; of 236 intervals of seed 2026112403, 95 % held",
+    )
+    largest_small: float = rule(
+        0.15,
+        "times the noise's RMS",
+        "What each candidate that is not named may move of a remainder that small causes are to explain: eight of a "
+        "third of the noise among forty candidates. Of 24 unknowns of the development half's classes, which leave "
+        "1.5 times the noise and more, none comes to so little.",
+        "development half of the second proof, seed 2026112501",
     )
     nothing_unnamed: float = rule(
         0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"

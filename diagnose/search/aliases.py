@@ -44,11 +44,14 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
     return np.minimum(shared, 1.0), gains(pool, start)
 
 
-def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
-    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family."""
+def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[Namer] = ()) -> list[Rival]:
+    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family.
+
+    `judges` search the same recording with room for what is not named (see `Namer.with_room`): what cannot be told by
+    one of them cannot be told."""
     rules = namer.rules
     shared, gained = likenesses(namer, members, member)
-    own_criterion = namer.criterion_of(members)
+    judged = [(judge, judge.criterion_of(members)) for judge in (namer, *judges)]
     taken = {namer.pool.groups[m].candidate.family for m in members}
     found: dict[object, Rival] = {}
     near = (shared >= rules.alike) | (gained >= rules.rivalling * gained[member])
@@ -57,7 +60,7 @@ def rivals(namer: Namer, members: Sequence[int], member: int) -> list[Rival]:
         if family in taken:
             continue
         trial = [number if m == member else m for m in members]
-        worse = namer.criterion_of(trial) - own_criterion
+        worse = min(judge.criterion_of(trial) - own for judge, own in judged)
         if worse <= (rules.refuted if shared[number] >= rules.alike else rules.confident) and namer.possible(trial):
             rival = Rival(number, float(shared[number]), worse)
             if family not in found or found[family].worse > worse:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from diagnose.fitting.fit import fit, impossible
 from diagnose.fitting.prepare import Prepared, limits
 from diagnose.fitting.refit import refined_shapes
+from diagnose.fitting.small_causes import with_room
 from diagnose.patterns.forces import pull_found
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.patterns.pool import Pool, with_group
@@ -62,6 +63,12 @@ class Namer:
         other.prepared, other._best_of_library = prepared, None
         other.visits, other.library, other.criterion = prepared.visits, prepared.library(), prepared.criterion
         return other
+
+    def with_room(self, members: Sequence[int], *, least: float = 0.0) -> Namer:
+        """A namer that judges with room for causes too small to be named beside some groups, where what these leave
+        speaks for such causes, or for causes of `least` times the noise's RMS anyhow."""
+        prepared = with_room(self.prepared, members, least=least)
+        return self if prepared is self.prepared else self.with_prepared(prepared)
 
     def refined(self, members: Sequence[int]) -> tuple[int, ...]:
         """The groups with their shapes moved off the grid to where they fit best; new groups where that helps.
@@ -299,12 +306,14 @@ def _against_forms(
     if members:
         namer.seek_pull(members)
     everything = np.ones(len(namer.library), dtype=bool)
-    own = namer.criterion_of(members)
     rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
     best = min(rivals, key=lambda subset: subset.criterion, default=None)
+    # What small causes of the library do beside one or two names, forms describe as well, and are no better for it.
+    judged = namer.with_room(members) if 0 < len(members) <= namer.rules.sparing else namer
+    own = judged.criterion_of(members)
     if (
         best is not None
-        and best.criterion < own - margin_of_forms(namer.rules, len(members))
+        and judged.criterion_of(best.members) < own - margin_of_forms(namer.rules, len(members))
         and not _near_enough(namer, members, best)
     ):
         outside = tuple(m for m in best.members if not namer.library[m])
@@ -315,10 +324,10 @@ def _against_forms(
     if tested.p_value <= namer.rules.false_alarm and tested.best >= 0:
         without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
         whole = float(namer.prepared.vector @ namer.prepared.vector)
-        needed = namer.criterion_of(members) - (namer.rules.beside if members else 0.0)
+        needed = own - (namer.rules.beside if members else 0.0)
         material = without - beside > namer.rules.material**2 * (whole - beside)
         wider = [*members, tested.best]
-        if material and namer.criterion_of(wider) < needed and namer.possible(wider):
+        if material and judged.criterion_of(wider) < needed and namer.possible(wider):
             return _still_there(namer, members, (tested.best,))
     return members, (), p_values
 

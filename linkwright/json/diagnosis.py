@@ -23,6 +23,7 @@ from diagnose.result import (
     Mislabelled,
     OfRecording,
     RejectedForm,
+    SmallBeside,
     Unknown,
 )
 from diagnose.several.recordings import Several
@@ -85,6 +86,16 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "recording": finding.recording or None,
         "together": [[effect, list(at)] for effect, at in finding.together],
     }
+
+
+def _lack_of_fit_p(diagnosis: Diagnosis) -> float | None:
+    """What the verdict rests on: where small causes explain what is left, the p-value with room for them."""
+    found = diagnosis.lack_of_fit if diagnosis.small is None else diagnosis.small.lack_of_fit
+    return None if found is None else found.p_value
+
+
+def _small_causes(found: SmallBeside) -> dict[str, Any]:
+    return {**fields(found, "moved_mm"), "lack_of_fit": _lack_of_fit(found.lack_of_fit)}
 
 
 def _lack_of_fit(found: LackOfFit) -> dict[str, Any]:
@@ -194,8 +205,9 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "answer": answer(diagnosis),
         "to_do": list(to_do(diagnosis)),
         **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
-        "lack_of_fit_p": None if diagnosis.lack_of_fit is None else diagnosis.lack_of_fit.p_value,
+        "lack_of_fit_p": _lack_of_fit_p(diagnosis),
         "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
+        "small_causes": None if diagnosis.small is None else _small_causes(diagnosis.small),
         "scatter_over_floor": diagnosis.scatter,
         "labels": None if diagnosis.labels is None else _labels(diagnosis.labels),
         "describes_part": diagnosis.describes_part,

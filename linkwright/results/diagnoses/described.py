@@ -141,6 +141,10 @@ def _facts(diagnosis: Diagnosis) -> Facts:
         facts.append(Fact("scatter", Value(f"{figure(diagnosis.scatter, 2)} times the noise floor"), said))
     if diagnosis.lack_of_fit is not None:
         facts.append(Fact("lack of fit", *_lack_of_fit(diagnosis.lack_of_fit)))
+    if diagnosis.small is not None:
+        chance, left = _lack_of_fit(diagnosis.small.lack_of_fit)
+        said = f"what they move the tip by together; lack of fit with room for them {chance.text}: {left}"
+        facts.append(Fact("causes too small to be named", length(diagnosis.small.moved, 3), said))
     if diagnosis.written is not None and diagnosis.findings:
         promised = f"read back and applied to this recording; the fit promises {mm(diagnosis.written.promised, 3)}"
         facts.append(Fact("the written arm.yaml", length(diagnosis.written.rms, 3), promised))
