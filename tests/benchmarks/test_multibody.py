@@ -28,7 +28,7 @@ from benchmarks.multibody.doses import change
 from benchmarks.multibody.engine import NotSettledError, jacobians, loads, machine, place, settle
 from benchmarks.multibody.files import table_of, truth_of, write_case
 from benchmarks.multibody.instrument import MISLABELLED, STILL, draw_mount, oracle_rms
-from benchmarks.multibody.page import FIRST_SEED, HEADING, kept_section, section, write_section
+from benchmarks.multibody.page import HEADING, TRIALS, kept_section, section, write_section
 from benchmarks.multibody.score import score
 from benchmarks.multibody.session import Plan, draw_session, played
 from benchmarks.multibody.sizes import impossible
@@ -524,13 +524,16 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
     assert "no proof any more" not in section(score(truths, answers, "disclosed"))
 
 
-def test_the_page_of_a_later_trial_tells_of_the_first():
+def test_the_page_of_a_later_trial_tells_of_those_before():
     truths = [truth("a", "null"), truth("b", "null")]
     answers = {each["case"]: said(each["case"], "none") for each in truths}
-    first = [each | {"seed": [FIRST_SEED, 0]} for each in truths]
-    assert "An earlier trial" in section(score(truths, answers, "sealed"))
-    assert "An earlier trial" not in section(score(first, answers, "sealed"))
-    assert "An earlier trial" not in section(score(truths, answers, "disclosed"))
+    first, second = TRIALS
+    for seed, told in ((first, ()), (second, ("A first trial",)), (second + 1, ("A first trial", "A second trial"))):
+        page = section(score([each | {"seed": [seed, 0]} for each in truths], answers, "sealed"))
+        assert [each for each in ("A first trial", "A second trial") if each in page] == list(told)
+        assert ("No unknown class of any trial" in page) is bool(told)
+    later = [each | {"seed": [second + 1, 0]} for each in truths]
+    assert "A first trial" not in section(score(later, answers, "disclosed"))
 
 
 def test_the_page_keeps_its_other_parts_and_the_section_is_replaced(tmp_path):
