@@ -248,6 +248,13 @@ class FittingRules:
         "1.5 times the noise and more, none comes to so little.",
         "development half of the second proof, seed 2026112501",
     )
+    room_for_small: int = rule(
+        2000,
+        "readings",
+        "Up to so many, names are judged with room for such causes.",
+        TIME,
+        rows="More readings tell small causes one by one, so that there is less and less to make room for.",
+    )
     nothing_unnamed: float = rule(
         0.5, "chance", "Beforehand, that nothing but what is named is there.", "neither more likely than the other"
     )

@@ -28,7 +28,7 @@ NO_RULES = {
     "fitting/held_out.py": {"_TOLD"},
     "fitting/origins.py": {"_HALVINGS", "_TUKEY"},
     "fitting/left_at_nought.py": {"_ALIKE"},  # what rounding leaves
-    "fitting/small_causes.py": {"_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
+    "fitting/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
     "fitting/unnamed.py": {"_STEPS", "_TINY"},
     "fitting/refit.py": {
         "_NEWTON",

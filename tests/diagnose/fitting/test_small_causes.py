@@ -6,7 +6,7 @@ import pytest
 from diagnose.answer.lack_of_fit import refuted_by, refutes
 from diagnose.fitting.fit import fit, remaining
 from diagnose.fitting.held_out import HeldOut, hardest, splits
-from diagnose.fitting.small_causes import noise_of_visits, small_causes, with_room
+from diagnose.fitting.small_causes import _directions, noise_of_visits, small_causes, with_room
 from diagnose.fitting.unnamed import others_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.rules.rules import RULES
@@ -136,6 +136,18 @@ def test_what_no_entry_of_the_library_does_stays_beyond_noise(null, size, least)
         causes = small_causes(prepared, [member], (), noise_of_visits(prepared))
         told += refuted(prepared, [member], causes)
     assert told >= least * trials
+
+
+def test_directions_are_those_of_the_singular_values():
+    """By products where there are more observations than patterns, two of which are one here."""
+    rng = np.random.default_rng(6)
+    tall = rng.standard_normal((60, 12))
+    tall[:, 5] = 2.0 * tall[:, 3]
+    u, s, vt = _directions(tall)
+    assert len(s) == 11
+    np.testing.assert_allclose(u.T @ u, np.eye(11), atol=1e-9)
+    np.testing.assert_allclose((u * s) @ vt, tall, atol=1e-9)
+    np.testing.assert_allclose(np.sort(s), np.sort(np.linalg.svd(tall, compute_uv=False))[1:], rtol=1e-9)
 
 
 def test_too_few_repeats_tell_no_noise():
