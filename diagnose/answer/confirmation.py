@@ -14,8 +14,8 @@ from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from diagnose.fitting.prepare import Prepared, packed_up, set_up
 from diagnose.fitting.refit import Refit, impossible_term, refit, tether
-from diagnose.fitting.small_causes import SmallCauses, small_causes
-from diagnose.fitting.unnamed import Unnamed, unnamed
+from diagnose.fitting.room.small_causes import SmallCauses, small_causes
+from diagnose.fitting.room.unnamed import Unnamed, unnamed
 from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording

@@ -19,7 +19,7 @@ from scipy.signal import lfilter
 from scipy.stats import f as f_distribution
 
 from diagnose.fitting.held_out import HeldOut
-from diagnose.fitting.small_causes import SmallCauses
+from diagnose.fitting.room.small_causes import SmallCauses
 from diagnose.residual.observed import Observed, poses, rms_length
 from diagnose.residual.robust_scale import resolution
 from diagnose.result import LackOfFit

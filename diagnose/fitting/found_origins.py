@@ -20,7 +20,7 @@ from sections.numeric import Array
 from .fit import solved, t_quantile
 from .prepare import Prepared
 from .refit import Refit
-from .unnamed import Unnamed
+from .room.unnamed import Unnamed
 
 _TOLD = 1e-9
 """Directions whose columns are less than this of the largest are not told at all."""

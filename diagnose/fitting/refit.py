@@ -32,10 +32,11 @@ from diagnose.rules.rules import RULES
 from sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
-from .left_at_nought import left_at_nought
 from .prepare import Prepared, held_within
+from .room.left_at_nought import left_at_nought
+from .room.taken_up import taken_up
+from .room.unnamed import Unnamed
 from .shared_weights import factors
-from .taken_up import taken_up
 from .terms import DIFFERENCE, Term, linear, term_at
 from .thresholds import between_loads, least_of
 from .under_weights import (
@@ -48,7 +49,6 @@ from .under_weights import (
     steps_of,
     under_one_set_of_weights,
 )
-from .unnamed import Unnamed
 
 _SWEEPS = 2
 _SCAN = 14

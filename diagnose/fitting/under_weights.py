@@ -30,9 +30,9 @@ from sections.numeric import Array
 
 from .fit import solved, t_quantile
 from .prepare import Prepared
+from .room.unnamed import Unnamed
 from .shared_weights import Steps, factors, steps
 from .terms import Term
-from .unnamed import Unnamed
 
 SAG, CHANGE = "sag", "sag_change"
 """The parameters that stand for a compliance under weights that nobody knows: the most that something sags over a

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from diagnose.fitting.fit import fit, impossible
 from diagnose.fitting.prepare import Prepared, limits
 from diagnose.fitting.refit import refined_shapes
-from diagnose.fitting.small_causes import with_room
+from diagnose.fitting.room.small_causes import with_room
 from diagnose.patterns.forces import pull_found
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.patterns.pool import Pool, with_group

@@ -27,9 +27,9 @@ NO_RULES = {
     "fitting/found_origins.py": {"_NEAR", "_TOLD"},
     "fitting/held_out.py": {"_TOLD"},
     "fitting/origins.py": {"_HALVINGS", "_TUKEY"},
-    "fitting/left_at_nought.py": {"_ALIKE"},  # what rounding leaves
-    "fitting/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
-    "fitting/unnamed.py": {"_STEPS", "_TINY"},
+    "fitting/room/left_at_nought.py": {"_ALIKE"},  # what rounding leaves
+    "fitting/room/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
+    "fitting/room/unnamed.py": {"_STEPS", "_TINY"},
     "fitting/refit.py": {
         "_NEWTON",
         "_REACH",
@@ -41,7 +41,7 @@ NO_RULES = {
         "_TINY",
         "_TOGETHER",
     },
-    "fitting/taken_up.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
+    "fitting/room/taken_up.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
     "fitting/terms.py": {"DIFFERENCE"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH"},  # how a staircase is searched, as in refit.py
     "instruments/checks.py": {"_SCALES"},

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from diagnose.fitting.fit import fit
-from diagnose.fitting.left_at_nought import left_at_nought
 from diagnose.fitting.prepare import Prepared
 from diagnose.fitting.refit import refit
+from diagnose.fitting.room.left_at_nought import left_at_nought
 from diagnose.result import FittedParameter
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within

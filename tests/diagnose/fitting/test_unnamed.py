@@ -6,7 +6,7 @@ from scipy.stats import multivariate_normal
 
 from diagnose.fitting.fit import fit
 from diagnose.fitting.refit import refit
-from diagnose.fitting.unnamed import unnamed, variances
+from diagnose.fitting.room.unnamed import unnamed, variances
 from diagnose.rules.rules import RULES
 from diagnose.search.subsets import gains, products
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual

@@ -14,12 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from arm.effects import EFFECTS, Parameter
+from diagnose.fitting.prepare import Prepared
+from diagnose.fitting.terms import Term
 from diagnose.patterns.library import columns_of
 from diagnose.patterns.pool import orthonormal
 from sections.numeric import Array
-
-from .prepare import Prepared
-from .terms import Term
 
 _ALIKE = 1e-9
 """Of a pattern's length, what rounding leaves beside another that is the same."""

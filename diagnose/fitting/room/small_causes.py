@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnose.fitting.fit import fit, solved
+from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.pool import orthonormal
 from sections.numeric import Array
 
-from .fit import fit, solved
-from .prepare import Prepared
 from .unnamed import others_of
 
 _SEEN = 1e-3

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.effects import EFFECTS
+from diagnose.fitting.prepare import Prepared
+from diagnose.fitting.terms import Term
 from diagnose.patterns.library import Candidate, columns_of, parameter_of
-
-from .prepare import Prepared
-from .terms import Term
 
 _ALIKE = 1e-6
 """Patterns that differ by a smaller share are one."""
