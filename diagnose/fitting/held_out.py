@@ -24,8 +24,8 @@ _TOLD = 1e-12
 def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     """The ways to hold rows out that this recording allows, each a fold number for every reading.
 
-    `pose blocks` (all readings of a pose stay together, neighbours in the workspace too), `random rows`, `time blocks`
-    and `payloads` where there are any.
+    `pose blocks` (all readings of a pose stay together, neighbours in the workspace too; each pose by itself where they
+    are few), `random rows`, `time blocks` and `payloads` where there are any.
     """
     count, parts = observed.rows, observed.rules.fitting.folds
     found: dict[str, Folds] = {}
@@ -50,8 +50,14 @@ def hardest(made: Mapping[str, Split]) -> Split:
 
 def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
     """The part of the workspace in which each reading lies (N,), numbered: poses gathered by where the tip stands, four
-    parts for each that is held out at a time where there are poses enough."""
+    parts for each that is held out at a time where there are poses enough.
+
+    Where there are fewer than two poses a part, each is a part: gathered, half of them may go at once, and what is left
+    tells nothing.
+    """
     pose, parts = poses(observed), observed.rules.fitting.folds
+    if _few(observed):
+        return pose
     first = np.array([np.flatnonzero(pose == number)[0] for number in range(pose.max() + 1)])
     tip = tip_of(observed)[first]
     if observed.recording.touches is not None:
@@ -69,8 +75,15 @@ def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
 
 
 def _pose_blocks(observed: Observed) -> Folds:
-    """Poses gathered into folds by where the tip stands, so that a fold is made of parts of the workspace."""
-    return parts_of_workspace(observed) % observed.rules.fitting.folds
+    """Poses gathered into folds by where the tip stands, so that a fold is made of parts of the workspace; of few
+    poses a fold each."""
+    part = parts_of_workspace(observed)
+    return part if _few(observed) else part % observed.rules.fitting.folds
+
+
+def _few(observed: Observed) -> bool:
+    """Whether there are fewer than two poses a part held out."""
+    return int(poses(observed).max()) + 1 < 2 * observed.rules.fitting.folds
 
 
 class HeldOut:

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from diagnose.fitting.held_out import HeldOut, parts_of_workspace, residual_held_out, rms_held_out, splits
-from diagnose.residual.observed import poses
+from diagnose.recording import Recording
+from diagnose.residual.observed import observe, poses
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
+from tests.diagnose.recorded import planar_arm, planar_tip
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +102,18 @@ def test_what_is_held_out_is_made_of_parts_of_the_workspace(null):
     assert len(np.unique(part)) > len(np.unique(fold))
     assert all(len(np.unique(fold[part == k])) == 1 for k in np.unique(part))
     assert all(len(np.unique(part[poses(null.observed) == k])) == 1 for k in np.unique(poses(null.observed)))
+
+
+def test_of_few_poses_each_is_left_out_by_itself():
+    """Gathered into five parts, three of seven poses that lie close together went at once, and what was left of a plan
+    told a compliance no more."""
+    rng = np.random.default_rng(6)
+    visited = np.concatenate([rng.uniform(0.3, 0.32, (3, 3)), rng.uniform(0.6, 1.5, (4, 3)) * [[1], [-1], [1], [-1]]])
+    q = np.repeat(visited, 3, axis=0)
+    observed = observe(planar_arm(), Recording("seven poses", q, planar_tip(q), np.arange(1, len(q) + 1)))
+    folds = splits(observed, 1)["pose blocks"]
+    assert np.bincount(folds).tolist() == [3] * 7
+    assert (folds == poses(observed)).all()
 
 
 def test_what_one_fold_alone_tells_of_the_readings_is_its_own(null):
