@@ -22,6 +22,7 @@ from diagnose.fitting.held_out import HeldOut
 from diagnose.fitting.room.small_causes import SmallCauses
 from diagnose.residual.observed import Observed, poses, rms_length
 from diagnose.residual.robust_scale import resolution
+from diagnose.residual.wander import walks
 from diagnose.result import LackOfFit
 from diagnose.rules.answer_rules import AnswerRules
 from sections.numeric import Array
@@ -141,9 +142,9 @@ def refuted_by(
     noise[:, : left.shape[1]] = reading[:, None] * remembering(rng, shape, memory)
     noise[:, : left.shape[1]] += (apart[:, None] * rng.standard_normal((visit[-1] + 1, *shape[1:])))[visit]
     if observed.wander > 0.0:
-        steps = np.sqrt(np.concatenate([[0.0], observed.wanders]))[:, None, None]
-        walk = np.cumsum(steps * rng.standard_normal(shape), axis=0)
-        noise[:, : left.shape[1]] += observed.scale[: left.shape[1], None] * walk
+        loud = 1.0 if observed.loud is None or observed.which is None else observed.loud[observed.which][:, None, None]
+        walk = walks(observed.wanders, rng.standard_normal(shape))
+        noise[:, : left.shape[1]] += observed.scale[: left.shape[1], None] * loud * walk
     if small is not None:
         noise += small.drawn(rng, rules.held_out_draws)
     drawn = held_out.rms_of(noise)

@@ -25,7 +25,7 @@ from diagnose.residual.free_origins import of_observed, origin_columns
 from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, poses, rms_length
 from diagnose.residual.orientation import tool_turns
 from diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
-from diagnose.residual.wander import clock, remembered, still, wander_in
+from diagnose.residual.wander import clock, remembered, still, wander_in, without
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from diagnose.search.subsets import Criterion, criterion_for, gains, products
@@ -291,10 +291,13 @@ def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None,
     a step, a trend or a period does; None where nothing wanders, and where time and pose go together: what goes with
     the arm's path goes with time as well. There, how many neighbouring visits share what may be either."""
     rules, width = observed.rules.fitting, observed.components
+    which, loud_with = observed.which, observed.loud_with
+    kinds = 1 if loud_with is None else 1 + int(loud_with.max())
+    recordings = 1 if which is None else 1 + int(which.max())
     _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
     visit = visit.reshape(-1)
-    if len(first) < rules.least_pairs or observed.loud_with is not None:
-        return None, 1  # several instruments wander each in its own way
+    if len(first) < rules.least_pairs or kinds > recordings:
+        return None, 1  # several kinds of numbers wander each in its own way
     told_by = told_apart(observed.recording, observed.arm, poses(observed), first, rules=rules)
     judged_by = told_by or Told(np.arange(len(first)), None)
     count = np.bincount(visit)
@@ -304,10 +307,18 @@ def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None,
 
     time = means(clock(observed.recording)[:, None])[judged_by.visit, 0]
     rough = _rough_model(set_up(observed, patterns), ("force_in_time",))
-    beside = (rough.left + rough.in_time) / observed.scale
-    values = judged_by.of(means(beside[:, :width]))
-    found = wander_in(values, time, rules=rules)
-    told = still(judged_by.of(means((rough.left / observed.scale)[:, :width]))).likelihood - rough.price
+    def judged(columns: Array) -> Array:
+        tip = observed.scaled(columns)[:, :width]
+        if tip.size == 0:
+            return np.zeros((len(judged_by.visit), *tip.shape[1:]))
+        flat = judged_by.of(means(tip.reshape(len(tip), -1)))
+        return flat.reshape(len(flat), *tip.shape[1:])
+
+    beside, left = judged(rough.beside), judged(rough.left)
+    whole = left + judged(rough.in_time)
+    found = wander_in(whole, time, None if which is None else which[first][judged_by.visit], beside, rules=rules)
+    told = still(left, beside).likelihood - rough.price
+    values = without(whole, beside)
     rather = rules.rather_a_drift if rough.drifts else rules.rather_a_form
     excused = told > found.likelihood + rather and not (told_by is None and rough.wanders)
     if found.rate <= 0.0 or excused:
@@ -366,11 +377,12 @@ def _with_time_alone(candidate: Candidate) -> bool:
 
 @dataclass(frozen=True)
 class _Rough:
-    """A rough model: what it leaves (N, C), m and rad, what of that goes with time alone and was taken off (N, C), and
-    the price of the patterns that did."""
+    """A rough model: what it leaves (N, C), m and rad, what went with time alone and was taken off (N, C), and the
+    price of the patterns that did; the nuisances `beside` (N, C, b), which take up some of either."""
 
     left: Array
     in_time: Array
+    beside: Array
     price: float
     drifts: bool
     """Whether that is an even drift alone, which the library has."""
@@ -411,7 +423,8 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     stacked = np.concatenate(columns, axis=2)
     design, target = observed.scaled(stacked), observed.scaled(observed.residual)
     if design.shape[2] == 0:
-        return _Rough(observed.residual, np.zeros(observed.residual.shape), 0.0, drifts=False, wanders=False)
+        nothing = np.zeros(observed.residual.shape)
+        return _Rough(observed.residual, nothing, prepared.beside, 0.0, drifts=False, wanders=False)
     weight = np.ones(len(target))
     values = np.zeros(design.shape[2])
     for _ in range(6):
@@ -433,7 +446,8 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
             price += float(criterion.price[member])
             kinds.add(pool.groups[member].candidate.effect)
     drifts, wanders = bool(kinds) and kinds <= EFFECTS.keys(), bool(kinds) and kinds <= _WANDERS
-    return _Rough(observed.residual - stacked @ values, in_time, price, drifts=drifts, wanders=wanders)
+    left = observed.residual - stacked @ values
+    return _Rough(left, in_time, prepared.beside, price, drifts=drifts, wanders=wanders)
 
 
 def loudness(left: Array, observed: Observed) -> Array | None:

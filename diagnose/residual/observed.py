@@ -39,7 +39,7 @@ from .alignment import Alignment, aligned
 from .orientation import has_orientation, turn_left
 from .recorded_conditions import conditions_of
 from .torque import DriveTorque, drive_torques, under_measured
-from .wander import clock, without_wander
+from .wander import clock, growth, without_wander
 
 Array = NDArray[np.float64]
 
@@ -211,13 +211,17 @@ class Observed:
 
     @property
     def wanders(self) -> Array:
-        """By how much the variance of what wanders grows from each reading to the next (N - 1,), of `scale` squared."""
-        return self.wander * np.maximum(np.diff(clock(self.recording)), 0.0)
+        """By how much the variance of what wanders grows from each reading to the next (N - 1,), of `scale` squared;
+        infinite where another recording begins."""
+        return growth(clock(self.recording), self.wander, self.which)
 
     def still(self, left: Array) -> Array:
         """What is left of the tip (N, D), m, without what wanders: each reading less what those before foretell."""
+        if self.wander <= 0.0:
+            return left
         scale = self.scale[: self.components]
-        return left if self.wander <= 0.0 else without_wander(left / scale, self.wanders) * scale
+        loud = 1.0 if self.loud is None or self.which is None else self.loud[self.which][:, None]
+        return without_wander(left / (scale * loud), self.wanders) * scale * loud
 
     @property
     def softening(self) -> tuple[EffectEntry, ...]:

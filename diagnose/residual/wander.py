@@ -8,8 +8,10 @@ next ones alone, so that their covariance is tridiagonal and whitening costs no 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solve_banded
 
 from diagnose.recording import Recording
@@ -24,14 +26,34 @@ def clock(recording: Recording) -> Array:
     return recording.row.astype(np.float64)
 
 
+def growth(time: Array, rate: float, which: NDArray[np.int64] | None) -> Array:
+    """By how much the variance of a random walk grows from each reading at a time (N,) to the next, (N - 1,). Infinite
+    where another recording begins (`which` (N,) numbers them): the instrument was set up anew, and so begins the walk.
+    """
+    grows = rate * np.maximum(np.diff(time), 0.0)
+    return grows if which is None else np.where(np.diff(which) != 0, np.inf, grows)
+
+
 def without_wander(values: Array, grows: Array) -> Array:
     """Values (N, ...) of unit scatter and a random walk whose variance grows by `grows` (N - 1,) from one to the next,
-    as independent ones of unit variance. The walk begins at nought."""
+    as independent ones of unit variance. The walk begins at nought, and again after what is infinite."""
+    if values.size == 0:
+        return values
     factor = cholesky_banded(_band(grows), lower=True)
     flat = values.reshape(len(values), -1)
     # The factor is lower bidiagonal; `solve_banded` wants the diagonal first.
-    found = solve_banded((1, 0), factor, _differences(flat))
+    found = solve_banded((1, 0), factor, _differences(flat, np.isinf(grows)))
     return found.reshape(values.shape)
+
+
+def walks(grows: Array, drawn: Array) -> Array:
+    """Random walks (N, ...) whose variance grows by `grows` (N - 1,), of steps of unit variance (N, ...): at nought
+    first, and again after what is infinite."""
+    begins = np.concatenate([[0], 1 + np.flatnonzero(np.isinf(grows)), [len(drawn)]])
+    steps = np.sqrt(np.concatenate([[0.0], np.where(np.isinf(grows), 0.0, grows)]))
+    moved = steps.reshape(-1, *(1,) * (drawn.ndim - 1)) * drawn
+    parts = [np.cumsum(moved[begin:end], axis=0) for begin, end in pairwise(begins.tolist())]
+    return np.concatenate(parts)
 
 
 @dataclass(frozen=True)
@@ -44,21 +66,35 @@ class Wander:
     likelihood: float
 
 
-def still(values: Array) -> Wander:
-    """Values (V, D) in which nothing wanders."""
-    return _walk(values, 0.0, np.zeros(len(values) - 1))
+def still(values: Array, beside: Array) -> Wander:
+    """Values (V, D) in which nothing wanders, nuisances (V, D, b) fitted."""
+    return _walk(values, np.zeros(len(values) - 1), 0.0, beside)
 
 
-def wander_in(values: Array, time: Array, *, rules: FittingRules) -> Wander:
-    """The random walk below values (V, D) at some times (V,) that is likeliest; none where it is not beyond doubt."""
-    steps = np.maximum(np.diff(time), 0.0)
-    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    none = still(values)
+def wander_in(
+    values: Array, time: Array, which: NDArray[np.int64] | None, beside: Array, *, rules: FittingRules
+) -> Wander:
+    """The random walk below values (V, D) at some times (V,) that is likeliest, begun anew in each recording (V,); none
+    where it is not beyond doubt. Nuisances (V, D, b) are fitted as the walk has them: what is slow in it they take for
+    their own by plain least squares."""
+    steps = growth(time, 1.0, which)
+    within = steps[(steps > 0.0) & np.isfinite(steps)]
+    usual = float(np.median(within)) if len(within) else 0.0
+    none = still(values, beside)
     if usual <= 0.0 or len(values) < rules.least_pairs:
         return none
     tried = np.geomspace(rules.least_wander, rules.most_wander, rules.wanders_tried) ** 2 / usual
-    best = max((_walk(values, rate, steps) for rate in tried.tolist()), key=lambda each: each.likelihood)
+    walks_tried = (_walk(values, growth(time, rate, which), rate, beside) for rate in tried.tolist())
+    best = max(walks_tried, key=lambda each: each.likelihood)
     return best if best.likelihood > none.likelihood + rules.wander_beyond else none
+
+
+def without(values: Array, beside: Array) -> Array:
+    """What nuisances (V, D, b) leave of values (V, D), by least squares."""
+    if beside.size == 0:
+        return values
+    design = beside.reshape(-1, beside.shape[2])
+    return values - beside @ np.linalg.lstsq(design, values.reshape(-1), rcond=1e-9)[0]
 
 
 def remembered(values: Array) -> int:
@@ -75,9 +111,9 @@ def remembered(values: Array) -> int:
     return int(np.ceil(time))
 
 
-def _walk(values: Array, rate: float, steps: Array) -> Wander:
-    factor = cholesky_banded(_band(rate * steps), lower=True)
-    left = solve_banded((1, 0), factor, _differences(values))
+def _walk(values: Array, grows: Array, rate: float, beside: Array) -> Wander:
+    factor = cholesky_banded(_band(grows), lower=True)
+    left = without(without_wander(values, grows), without_wander(beside, grows))
     variance = max(float(np.mean(left**2)), 1e-300)
     determinant = 2.0 * values.shape[1] * float(np.sum(np.log(factor[0])))
     return Wander(rate, float(np.sqrt(variance)), -values.size * float(np.log(variance)) - determinant)
@@ -85,11 +121,15 @@ def _walk(values: Array, rate: float, steps: Array) -> Wander:
 
 def _band(grows: Array) -> Array:
     """The covariance of differences (the first value stands for itself), lower band form (2, N)."""
+    begins = np.isinf(grows)
     band = np.zeros((2, len(grows) + 1))
-    band[0, 0], band[0, 1:] = 1.0, 2.0 + grows
-    band[1, :-1] = -1.0
+    band[0, 0], band[0, 1:] = 1.0, np.where(begins, 1.0, 2.0 + grows)
+    band[1, :-1] = np.where(begins, 0.0, -1.0)
     return band
 
 
-def _differences(flat: Array) -> Array:
-    return np.diff(flat, axis=0, prepend=np.zeros((1, flat.shape[1])))
+def _differences(flat: Array, begins: NDArray[np.bool_]) -> Array:
+    """What values (N, D) differ by from those before; the first, and what begins anew (N - 1,), as it is."""
+    found = flat.copy()
+    found[1:][~begins] -= flat[:-1][~begins]
+    return found

@@ -1,12 +1,15 @@
 """A tracker that wanders is no physics, and what goes with time otherwise is found as before."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
 from diagnose.residual.told_apart import rather_with_time
-from diagnose.residual.wander import remembered, wander_in, without_wander
+from diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
 from diagnose.rules.rules import RULES
+from diagnose.several.recordings import together
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 
 
@@ -21,14 +24,50 @@ def test_whitening_is_that_of_the_whole_covariance():
     assert without_wander(values, grows) == pytest.approx(dense, abs=1e-12)
 
 
+def test_each_recording_has_a_walk_of_its_own():
+    """The covariance of two recordings is that of each, and nought between them; walks that are drawn have it."""
+    rng = np.random.default_rng(11)
+    time = np.cumsum(rng.uniform(1.0, 9.0, 12))
+    which = np.repeat([0, 1], [7, 5])
+    grows = growth(time, 0.04, which)
+    since = time - np.where(which == 0, time[0], time[7])
+    walked = 0.04 * np.minimum.outer(since, since) * (which[:, None] == which)
+    values = rng.standard_normal((12, 2))
+    dense = np.linalg.solve(np.linalg.cholesky(np.eye(12) + walked), values)
+    assert without_wander(values, grows) == pytest.approx(dense, abs=1e-12)
+    drawn = walks(grows, rng.standard_normal((12, 40000)))
+    assert drawn @ drawn.T / 40000 == pytest.approx(walked, abs=0.05 * walked.max())
+
+
+def found_in(values, time, which=None, beside=None):
+    beside = np.zeros((*values.shape, 0)) if beside is None else beside
+    return wander_in(values, time, which, beside, rules=RULES.fitting).rate
+
+
 def test_a_walk_is_found_as_fast_as_it_is_and_none_in_white_noise():
     rng = np.random.default_rng(2)
     white = rng.standard_normal((20, 300, 2))
     time = 5.0 * np.arange(300)
-    assert [wander_in(each, time, rules=RULES.fitting).rate for each in white] == [0.0] * 20
-    walks = white + np.cumsum(0.2 * rng.standard_normal(white.shape), axis=1)
-    rates = np.array([wander_in(each, time, rules=RULES.fitting).rate for each in walks])
+    assert [found_in(each, time) for each in white] == [0.0] * 20
+    walked = white + np.cumsum(0.2 * rng.standard_normal(white.shape), axis=1)
+    rates = np.array([found_in(each, time) for each in walked])
     assert np.sqrt(5.0 * np.median(rates)) == pytest.approx(0.2, rel=0.35)  # the grid's step
+
+
+def test_what_nuisances_take_up_is_neither_a_walk_nor_hides_one():
+    """An instrument a hundred scatters away, another way in each of two recordings: where the frames are fitted the
+    same walk is found as without, and none in noise."""
+    rng = np.random.default_rng(12)
+    time, which = 5.0 * np.arange(300), np.repeat([0, 1], 150)
+    beside = np.zeros((300, 2, 4))
+    for one in (0, 1):
+        beside[which == one, :, 2 * one : 2 * one + 2] = np.eye(2)
+    away = beside @ np.array([100.0, -40.0, 30.0, 250.0])
+    white = rng.standard_normal((20, 300, 2))
+    assert [found_in(each + away, time, which, beside) for each in white] == [0.0] * 20
+    walked = white + walks(growth(time, 0.008, which), rng.standard_normal((300, 20, 2))).transpose(1, 0, 2)
+    rates = np.array([found_in(each + away, time, which, beside) for each in walked])
+    assert np.sqrt(5.0 * np.median(rates)) == pytest.approx(0.2, rel=0.35)
 
 
 def read(seed, moved, softer=0.0):
@@ -48,6 +87,15 @@ def test_a_tracker_that_wanders_is_no_physics(seed):
     found = diagnose(file(), read(seed, walk))
     assert found.verdict == "none"
     assert any(note.startswith("The instrument wanders") for note in found.notes)
+
+
+def test_a_tracker_that_was_mounted_anew_wanders_on():
+    """Two recordings with frames of their own: each walk was taken for physics, as only that of one was looked for."""
+    for seed in (0, 2, 4):
+        parts = [replace(read(k, walk), frame="free") for k in (seed, seed + 1)]
+        found = diagnose(file(), together(parts, file()))
+        assert found.verdict == "none"
+        assert any(note.startswith("The instrument wanders") for note in found.notes)
 
 
 def test_a_drive_is_found_beside_a_tracker_that_wanders():
