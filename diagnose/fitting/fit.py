@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
+from scipy.linalg import eigh
 
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import file_compliance
@@ -235,7 +236,8 @@ def solved(design: Array, target: Array) -> Array:
 
 def normal_solution(gram: Array, against: Array) -> Array:
     """The solution of normal equations, whose directions below 1e-12 of the largest stay at zero."""
-    values, vectors = np.linalg.eigh(gram)
+    # Not numpy's: divide and conquer does not always converge where many eigenvalues are nearly one.
+    values, vectors = eigh(gram, driver="evr")
     good = values > 1e-12 * values[-1]
     return (vectors[:, good] / values[good]) @ (vectors[:, good].T @ against)
 

@@ -38,7 +38,7 @@ from .room.taken_up import taken_up
 from .room.unnamed import Unnamed
 from .shared_weights import factors
 from .terms import DIFFERENCE, Term, linear, term_at
-from .thresholds import between_loads, least_of
+from .thresholds import between_loads, least_of, no_worse_than
 from .under_weights import (
     entries_of,
     hold_of,
@@ -567,6 +567,9 @@ def _profile(
     best = shapes[name]
     scan = _scan(prepared, terms, place, float(np.sqrt(variance)))
     limit = scan(shapes) * (1.0 + factor**2 / max(freedom, 1))
+    candidate = terms[place].candidate
+    if parameter_of(EFFECTS[candidate.effect], name).threshold:
+        return no_worse_than(limit, partial(scan.at, shapes, name), prepared.observed, candidate, best)
     ends: list[float] = []
     for direction in (-1.0, 1.0):
         inside, end = 0.0, float("inf")

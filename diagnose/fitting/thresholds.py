@@ -23,6 +23,10 @@ _ALIKE = 1e-4
 """Loads that are nearer to each other in proportion are one: both readings of a visit, at the shape just fitted."""
 _AT_ONCE = 24
 """Steps looked at in a turn."""
+_LOOKED_AT = 60
+"""Steps looked at for those that fit nearly as well."""
+_FURTHEST = float(np.log(30.0))
+"""How far from the best they are sought, in the logarithm."""
 _REACH = 1.2
 """How far a threshold is sought about a value of the grid, in its logarithm: to the next and further."""
 
@@ -30,6 +34,12 @@ _REACH = 1.2
 def between_loads(observed: Observed, candidate: Candidate, within: tuple[float, float]) -> Array:
     """The logarithms, between two ends, of one load (N*m or N) for each step: in the middle between two neighbours of
     those that the drives at a candidate's places bore, and beyond the least and the greatest within."""
+    apart = _edges(observed, candidate, within)
+    return 0.5 * (apart[1:] + apart[:-1])
+
+
+def _edges(observed: Observed, candidate: Candidate, within: tuple[float, float]) -> Array:
+    """Two ends, and the logarithms of the loads (N*m or N) that were borne between them, each once."""
     joints = [observed.state.joints[index] for index in candidate.at] if candidate.at else observed.state.joints
     borne = [np.abs(np.broadcast_to(joint.drive_load, (observed.rows,))) for joint in joints]
     loads = np.unique(np.concatenate(borne))
@@ -37,8 +47,35 @@ def between_loads(observed: Observed, candidate: Candidate, within: tuple[float,
     with np.errstate(divide="ignore"):
         logarithms = np.log(loads)
     inside = logarithms[(logarithms > low) & (logarithms < high)]
-    apart = np.concatenate([[low], inside[np.diff(inside, prepend=-np.inf) > _ALIKE], [high]])
-    return 0.5 * (apart[1:] + apart[:-1])
+    return np.concatenate([[low], inside[np.diff(inside, prepend=-np.inf) > _ALIKE], [high]])
+
+
+def no_worse_than(
+    limit: float, left: Callable[[float], float], observed: Observed, candidate: Candidate, at: float
+) -> tuple[float, float]:
+    """Between which thresholds (N*m or N) all lie that leave no more than a limit, about the one `at` that leaves
+    least: from the load that ends the lowest such step to that which ends the highest, other steps that leave more
+    between them or not (a change point's likelihood has many peaks: D. V. Hinkley, Biometrika 57 (1970) 1,
+    doi:10.1093/biomet/57.1.1). Nought and infinity where nothing beyond leaves more."""
+    middle = float(np.log(at))
+    edges = _edges(observed, candidate, (middle - _FURTHEST, middle + _FURTHEST))
+    steps = 0.5 * (edges[1:] + edges[:-1])
+    best = int(np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(steps) - 1))
+    looked = np.unique(np.linspace(0, len(steps) - 1, min(_LOOKED_AT, len(steps))).round().astype(int))
+    inside = [int(index) for index in looked if index != best and left(float(steps[index])) <= limit]
+
+    def last_inside(within: int, outward: int) -> int:
+        """The last step within the limit on the way from one that is to the next, outward, that was looked at."""
+        beyond = [int(index) for index in looked if (index - within) * outward > 0]
+        far = min(beyond, key=lambda index: abs(index - within)) if beyond else within
+        while abs(far - within) > 1:
+            between = (far + within) // 2
+            within, far = (between, far) if left(float(steps[between])) <= limit else (within, between)
+        return within
+
+    low, high = last_inside(min([best, *inside]), -1), last_inside(max([best, *inside]), 1)
+    least = 0.0 if low == 0 else float(np.exp(edges[low]))
+    return least, float("inf") if high == len(steps) - 1 else float(np.exp(edges[high + 1]))
 
 
 def least_of(left: Callable[[float], float], steps: Array) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from arm.chain.chain import Arm, EffectEntry, FloatVector
 from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from arm.effects.elastic.cantilever import leaning
 from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
 from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
@@ -226,7 +227,9 @@ class Observed:
     @property
     def softening(self) -> tuple[EffectEntry, ...]:
         """The flexibility beyond the arm file's, through which loads act in `signature` (see `softened`)."""
-        return self.state.arm.effects[len(self.arm.effects) :]
+        further = self.state.arm.effects[len(self.arm.effects) :]
+        leans = leaning(further)
+        return tuple(entry for entry in further if entry not in leans)
 
     def softened(self, entries: Sequence[EffectEntry]) -> Observed:
         """The same with loads acting through these entries of flexibility too; the residual stays against the file."""
@@ -439,8 +442,9 @@ def _placed(
     """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
     measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
     the instrument sees, where that is not the tip's place."""
+    # What is added to the arm hangs as plumb was found to be.
     nominal = solve(
-        replace(arm, effects=(*arm.effects, *softening)),
+        replace(arm, effects=(*arm.effects, *softening, *leaning(about))),
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
         conditions=conditions_of(recording, arm, rules=rules),
@@ -497,7 +501,10 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     arm, asked = observed.arm, observed.asked
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
-    with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
+    known = (*arm.effects, *observed.softening)
+    nominal = replace(observed.nominal, arm=replace(observed.nominal.arm, effects=known))
+    leant = replace(nominal, arm=replace(nominal.arm, effects=(*known, *leaning(about))))
+    with_them, without = shape_of(leant, whole, asked), shape_of(nominal, own, asked)
     first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]

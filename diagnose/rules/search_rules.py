@@ -52,16 +52,17 @@ class SearchRules:
     material: float = rule(
         0.15,
         "share of the mismatch (RMS)",
-        "A smaller remainder is a blemish of the model found, not another cause.",
+        "A smaller remainder is a blemish of the model found, not another cause; names that miss no more of what a "
+        "form explains are not given up for it.",
         PROOF,
     )
     many: int = rule(
         3000,
         "observations",
-        "With so many the least blemish is beyond chance: the share that counts as a blemish rises to `material` with "
-        "the square of their number, and what one more finding must be worth falls from `worth` in proportion.",
+        "With so many the least blemish is beyond chance: what one more finding must be worth falls from `worth` in "
+        "proportion to their number.",
         PROOF,
-        rows="Both change evenly with the number of observations; none by itself decides.",
+        rows="It changes evenly with the number of observations; none by itself decides.",
     )
     worth: float = rule(
         0.01, "share of what is left", "One more finding beyond three must take off as much (sum of squares).", PROOF

@@ -345,22 +345,18 @@ def worth_of_one_more(rules: SearchRules, count: int) -> float:
     return max(rules.worth_of_many, rules.worth * min(1.0, rules.many / max(count, 1)))
 
 
-def blemish(rules: SearchRules, count: int) -> float:
-    """The share of the mismatch (RMS) that named physics may miss of what a form explains, by so many observations."""
-    return rules.material * min(1.0, count / rules.many) ** 2
-
-
 def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
     """Whether named physics explains so nearly what a form does that the form is no better answer.
 
-    With thousands of readings the least blemish is beyond chance, and a smooth field can always be found that describes
-    it; with few, whatever is beyond chance is large.
+    What a name misses of a form, readings of one pose and those held out still judge: they refute the name as the whole
+    answer, or show it to be causes too small to be named. A form in its place would say less than is known: five
+    kilograms too many were `a constant force`, since the base stood a degree out of plumb besides.
     """
     if not members:
         return False
     whole = float(namer.prepared.vector @ namer.prepared.vector)
     missed = fit(namer.prepared, members).rss - best.rss
-    return missed < blemish(namer.rules, namer.criterion.count) ** 2 * (whole - best.rss)
+    return missed < namer.rules.material**2 * (whole - best.rss)
 
 
 def _still_there(

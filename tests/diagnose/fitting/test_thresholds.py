@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -11,8 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from diagnose.diagnosis import diagnose
-from diagnose.fitting.thresholds import least_of
+from diagnose.fitting.thresholds import least_of, no_worse_than
+from diagnose.patterns.library import Candidate
 from diagnose.reading.read import read_recording
+from diagnose.recording import Recording
+from diagnose.residual.observed import observe
 from sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, sagging_tip, table, written
@@ -76,3 +80,26 @@ def test_of_many_the_least_of_a_valley_is_found_with_few_looks(count: int, where
 
     assert least_of(left, np.arange(count, dtype=float)) == (least, 0.0)
     assert len(looked) <= 100
+
+
+def test_an_interval_reaches_from_the_lowest_step_that_fits_as_well_to_the_highest() -> None:
+    """What steps between them leave does not matter; its ends are loads that were borne, or none."""
+    stood, sides, payload, load = loaded(40, 6)
+    borne = np.unique(np.round(np.abs(load), 12))
+    tip = sagging_tip(stood, 1.0 / np.array(COMPLIANCE), payload)
+    arm = replace(arm_of_drives(), gravity=(0.0, -9.81, 0.0))
+    recording = Recording("r.csv", stood, tip, np.arange(1, len(stood) + 1), sides=sides, payload_mass=payload)
+    observed = observe(arm, recording)
+    seats = Candidate("backlash", (2,), ("total",), MappingProxyType({"held_below": 1.0}))
+    loads = np.unique(np.abs(observed.state.joints[2].drive_load))
+    assert loads == pytest.approx(borne, rel=0.02)  # an arm that sags bears its loads elsewhere
+    fits = {8, 20, 21, 27}  # steps numbered by the load that ends them
+
+    def left(logarithm: float) -> float:
+        return 1.0 if int(np.searchsorted(loads, np.exp(logarithm))) in fits else 2.0
+
+    at = float(np.sqrt(loads[19] * loads[20]))
+    low, high = no_worse_than(1.5, left, observed, seats, at)
+    assert (low, high) == (pytest.approx(loads[7]), pytest.approx(loads[27]))
+    fits |= set(range(len(loads) + 1))
+    assert no_worse_than(1.5, left, observed, seats, at) == (0.0, float("inf"))
