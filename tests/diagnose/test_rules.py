@@ -43,7 +43,7 @@ NO_RULES = {
     },
     "fitting/room/taken_up.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
     "fitting/terms.py": {"DIFFERENCE"},
-    "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH"},  # how a staircase is searched, as in refit.py
+    "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
     "instruments/checks.py": {"_SCALES"},
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
     "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, TILT_X, TILT_Y, BAR, CAMERA, COUNT"},
