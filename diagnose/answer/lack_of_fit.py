@@ -142,9 +142,8 @@ def refuted_by(
     noise[:, : left.shape[1]] = reading[:, None] * remembering(rng, shape, memory)
     noise[:, : left.shape[1]] += (apart[:, None] * rng.standard_normal((visit[-1] + 1, *shape[1:])))[visit]
     if observed.wander > 0.0:
-        loud = 1.0 if observed.loud is None or observed.which is None else observed.loud[observed.which][:, None, None]
         walk = walks(observed.wanders, rng.standard_normal(shape))
-        noise[:, : left.shape[1]] += observed.scale[: left.shape[1], None] * loud * walk
+        noise[:, : left.shape[1]] += (observed.scale[: left.shape[1]] * observed.loudness[:, None])[..., None] * walk
     if small is not None:
         noise += small.drawn(rng, rules.held_out_draws)
     drawn = held_out.rms_of(noise)

@@ -307,6 +307,7 @@ def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None,
 
     time = means(clock(observed.recording)[:, None])[judged_by.visit, 0]
     rough = _rough_model(set_up(observed, patterns), ("force_in_time",))
+
     def judged(columns: Array) -> Array:
         tip = observed.scaled(columns)[:, :width]
         if tip.size == 0:

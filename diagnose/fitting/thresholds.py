@@ -56,7 +56,8 @@ def no_worse_than(
     """Between which thresholds (N*m or N) all lie that leave no more than a limit, about the one `at` that leaves
     least: from the load that ends the lowest such step to that which ends the highest, other steps that leave more
     between them or not (a change point's likelihood has many peaks: D. V. Hinkley, Biometrika 57 (1970) 1,
-    doi:10.1093/biomet/57.1.1). Nought and infinity where nothing beyond leaves more."""
+    doi:10.1093/biomet/57.1.1). Of more than sixty steps as many are looked at, evenly, and those about the ends: a
+    narrow peak far off may be missed. Nought and infinity where nothing beyond leaves more."""
     middle = float(np.log(at))
     edges = _edges(observed, candidate, (middle - _FURTHEST, middle + _FURTHEST))
     steps = 0.5 * (edges[1:] + edges[:-1])

@@ -20,7 +20,6 @@ from arm.chain.chain import Arm, EffectEntry, FloatVector
 from arm.chain.statics import PoseState, solve
 from arm.effects import EFFECTS, Settings
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
-from arm.effects.elastic.cantilever import leaning
 from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
 from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
@@ -198,10 +197,13 @@ class Observed:
 
     def evened(self, columns: Array) -> Array:
         """Columns (N, ...) over how loud each reading's recording is."""
+        return columns if self.loud is None else columns / self.loudness.reshape(-1, *(1,) * (columns.ndim - 1))
+
+    @property
+    def loudness(self) -> Array:
+        """How loud each reading's instrument is (N,), one where all are alike."""
         group = self.loud_with
-        if group is None or self.loud is None:
-            return columns
-        return columns / self.loud[group].reshape(-1, *(1,) * (columns.ndim - 1))
+        return np.ones(self.rows) if group is None or self.loud is None else self.loud[group]
 
     def without_memory(self, columns: Array, correlation: float | None = None) -> Array:
         """Columns (N, ...) less what each reading shares with the one before in its recording."""
@@ -220,16 +222,13 @@ class Observed:
         """What is left of the tip (N, D), m, without what wanders: each reading less what those before foretell."""
         if self.wander <= 0.0:
             return left
-        scale = self.scale[: self.components]
-        loud = 1.0 if self.loud is None or self.which is None else self.loud[self.which][:, None]
-        return without_wander(left / (scale * loud), self.wanders) * scale * loud
+        scale = self.scale[: self.components] * self.loudness[:, None]
+        return without_wander(left / scale, self.wanders) * scale
 
     @property
     def softening(self) -> tuple[EffectEntry, ...]:
         """The flexibility beyond the arm file's, through which loads act in `signature` (see `softened`)."""
-        further = self.state.arm.effects[len(self.arm.effects) :]
-        leans = leaning(further)
-        return tuple(entry for entry in further if entry not in leans)
+        return self.state.arm.effects[len(self.arm.effects) :]
 
     def softened(self, entries: Sequence[EffectEntry]) -> Observed:
         """The same with loads acting through these entries of flexibility too; the residual stays against the file."""
@@ -442,9 +441,8 @@ def _placed(
     """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
     measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
     the instrument sees, where that is not the tip's place."""
-    # What is added to the arm hangs as plumb was found to be.
     nominal = solve(
-        replace(arm, effects=(*arm.effects, *softening, *leaning(about))),
+        replace(arm, effects=(*arm.effects, *softening)),
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
         conditions=conditions_of(recording, arm, rules=rules),
@@ -501,10 +499,7 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     arm, asked = observed.arm, observed.asked
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
-    known = (*arm.effects, *observed.softening)
-    nominal = replace(observed.nominal, arm=replace(observed.nominal.arm, effects=known))
-    leant = replace(nominal, arm=replace(nominal.arm, effects=(*known, *leaning(about))))
-    with_them, without = shape_of(leant, whole, asked), shape_of(nominal, own, asked)
+    with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
     first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]

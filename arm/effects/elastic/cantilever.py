@@ -8,14 +8,14 @@ take part.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from types import MappingProxyType
 
 from arm.chain.beam import Beam
-from arm.chain.chain import EffectEntry, LoadCase
+from arm.chain.chain import LoadCase
 from arm.chain.statics import PoseState, solve, unladen
-from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, is_zero
+from arm.chain.vectors import ZERO, Scalar, Vector
 from arm.effects.effect import Settings, Twist
 from arm.effects.loads.unknown_weight import without_unit_weights
 from arm.effects.registry import EFFECTS
@@ -49,8 +49,7 @@ def under_other_loads(
     masses spread along the links in place of their own (kg), and first moments about the links' joints beyond those of
     these masses (kg*m), which load what is below the link.
 
-    With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named. They
-    hang as plumb is: a base that is known to be tilted pulls at what is added too.
+    With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
     arm, case, beams = state.arm, state.load, [link.beam for link in state.links]
     arm = replace(arm, joints=tuple(replace(joint, counterbalance=None) for joint in arm.joints))
@@ -58,9 +57,7 @@ def under_other_loads(
         arm = without_unit_weights(arm)
     carried = state.payload_mass if payload_mass is None else payload_mass
     pushed = state.tip_force if tip_force is None else tip_force
-    pull = state.gravity if gravity is None else gravity
     if weightless:
-        pull = _as_plumb_is(state) if gravity is None else pull
         case = LoadCase()
         carried = 0.0 if payload_mass is None else payload_mass
         pushed = ZERO if tip_force is None else tip_force
@@ -80,7 +77,7 @@ def under_other_loads(
         [joint.coordinate for joint in state.joints],
         beams,
         case,
-        gravity=pull,
+        gravity=state.gravity if gravity is None else gravity,
         conditions=state.conditions,
         payload_mass=carried,
         tip_force=pushed,
@@ -95,22 +92,3 @@ def _weighing(beam: Beam, mass: Scalar) -> Beam:
     if isinstance(beam.length, float) and beam.length == 0.0:
         return replace(beam, mass_per_length=0.0, lumped_mass=mass, lumped_at=0.0)
     return replace(beam, mass_per_length=mass / beam.length, lumped_mass=0.0, housed=0.0)
-
-
-def leaning(effects: Iterable[EffectEntry]) -> tuple[EffectEntry, ...]:
-    """Those of an arm's effects that turn it against the plumb line."""
-    return tuple(entry for entry in effects if not is_zero(_against_plumb(entry)))
-
-
-def _against_plumb(entry: EffectEntry) -> Vector:
-    return EFFECTS[entry.effect].against_plumb(Settings((), MappingProxyType(dict(entry.parameters))))
-
-
-def _as_plumb_is(state: PoseState) -> Vector:
-    """Gravity (m/s^2) in the base as the arm's effects have it turned."""
-    gravity = state.gravity
-    for entry in leaning(state.arm.effects):
-        about_x, about_y, about_z = _against_plumb(entry)
-        turned: Vector = (0.0, 0.0, about_z) if state.planar else (about_x, about_y, about_z)
-        gravity = add(gravity, cross(gravity, turned))
-    return gravity
