@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Zones
+from arm.chain.chain import Arm, EffectEntry, Zones
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Scalar, Vector, scale
 
@@ -138,6 +138,11 @@ class Settings:
 
     at: tuple[int, ...] = ()
     values: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def of(cls, entry: EffectEntry) -> Settings:
+        """Those of an entry of an arm's `effects`."""
+        return cls(tuple(number - 1 for number in entry.at), MappingProxyType(dict(entry.parameters)))
 
     def acts_at(self, index: int) -> bool:
         """Whether the effect acts at joint or link `index` (from 0)."""

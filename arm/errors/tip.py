@@ -75,10 +75,8 @@ def active_effects(arm: Arm) -> tuple[ActiveEffect, ...]:
         for effect in EFFECTS.values()
         if effect.automatic and effect.id not in arm.leave_out
     ]
-    for entry in arm.effects:
-        settings = Settings(tuple(number - 1 for number in entry.at), entry.parameters)
-        active.append(ActiveEffect(EFFECTS[entry.effect], settings))
-    return tuple(active)
+    added = (ActiveEffect(EFFECTS[entry.effect], Settings.of(entry)) for entry in arm.effects)
+    return (*active, *added)
 
 
 def carried_to_tip(state: PoseState, twists: Iterable[Twist]) -> Vector:

@@ -22,6 +22,7 @@ from arm.effects import EFFECTS, Settings
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
 from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
 from arm.effects.geometry.link_length import LINK_LENGTH
+from arm.effects.loads.base_tilt import weights_added
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
@@ -228,12 +229,11 @@ class Observed:
     @property
     def softening(self) -> tuple[EffectEntry, ...]:
         """The flexibility beyond the arm file's, through which loads act in `signature` (see `softened`)."""
-        return self.state.arm.effects[len(self.arm.effects) :]
+        return _softening(self.state, self.arm)
 
     def softened(self, entries: Sequence[EffectEntry]) -> Observed:
         """The same with loads acting through these entries of flexibility too; the residual stays against the file."""
-        arm = replace(self.state.arm, effects=(*self.arm.effects, *entries))
-        return replace(self, state=replace(self.state, arm=arm))
+        return replace(self, state=_with_effects(self.state, self.arm, entries, self.about))
 
     @property
     def arm_given(self) -> Arm:
@@ -442,13 +442,14 @@ def _placed(
     measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
     the instrument sees, where that is not the tip's place."""
     nominal = solve(
-        replace(arm, effects=(*arm.effects, *softening)),
+        arm,
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
         conditions=conditions_of(recording, arm, rules=rules),
         payload_mass=recording.payload_mass,
         tip_force=None if recording.force is None else _columns(recording.force),
     )
+    nominal = _with_effects(nominal, arm, softening, about)
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
     shape = shape_of(nominal, whole, asked)
@@ -471,6 +472,20 @@ def _placed(
     alignment = aligned(recording, shape.state, tips[:, :width], rules=rules)
     placed = replace(alignment, residual=alignment.residual + first[:, :width])
     return nominal, shape.state, modelled, placed, turn, None
+
+
+def _with_effects(
+    state: PoseState, arm: Arm, softening: Sequence[EffectEntry], about: Sequence[EffectEntry]
+) -> PoseState:
+    """The state of an arm through whose `softening` loads act too; the weights `about` hang from where plumb is."""
+    effects = (*arm.effects, *softening, *weights_added(about))
+    return replace(state, arm=replace(state.arm, effects=effects))
+
+
+def _softening(state: PoseState, arm: Arm) -> tuple[EffectEntry, ...]:
+    """The flexibility of a state beyond that of the arm."""
+    beyond = state.arm.effects[len(arm.effects) :]
+    return tuple(entry for entry in beyond if entry not in weights_added(beyond))
 
 
 def _to_first_order(
@@ -499,7 +514,10 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     arm, asked = observed.arm, observed.asked
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
-    with_them, without = (shape_of(observed.nominal, effects, asked) for effects in (whole, own))
+    with_them, without = (
+        shape_of(_with_effects(observed.nominal, arm, _softening(observed.nominal, arm), weights), effects, asked)
+        for effects, weights in ((whole, about), (own, ()))
+    )
     first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]

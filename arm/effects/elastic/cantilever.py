@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from types import MappingProxyType
 
 from arm.chain.beam import Beam
 from arm.chain.chain import LoadCase
@@ -30,8 +29,7 @@ def elastic_twists(state: PoseState) -> Iterator[Twist]:
             yield from effect.twists(state, Settings())
         for entry in arm.effects:
             if entry.effect == effect.id:
-                at = tuple(number - 1 for number in entry.at)
-                yield from effect.twists(state, Settings(at, MappingProxyType(dict(entry.parameters))))
+                yield from effect.twists(state, Settings.of(entry))
 
 
 def under_other_loads(

@@ -1,16 +1,24 @@
 """The base does not stand plumb: gravity comes from another side, and what bends gives another way.
 
-The measuring frame is taken to stand with the base; where it does not, its own turn is a `frame_misalignment`.
+Masses added by the arm's other effects are pulled at from that side too. The measuring frame is taken to stand with the
+base; where it does not, its own turn is a `frame_misalignment`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
+from arm.chain.chain import EffectEntry
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Vector, cross, is_zero
 from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+
+from .link_mass import LINK_MASS
+from .payload import PAYLOAD
+
+_WEIGHTS = {effect.id: effect for effect in (PAYLOAD, LINK_MASS)}
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -18,8 +26,16 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     tilt: Vector = (0.0, 0.0, about_z) if state.planar else (about_x, about_y, about_z)
     # A base turned by `tilt` sees gravity turned back by it.
     change = cross(state.gravity, tilt)
-    if not is_zero(change):
-        yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
+    if is_zero(change):
+        return
+    yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
+    for entry in weights_added(state.arm.effects):
+        yield from _WEIGHTS[entry.effect].twists(replace(state, gravity=change), Settings.of(entry))
+
+
+def weights_added(effects: Iterable[EffectEntry]) -> tuple[EffectEntry, ...]:
+    """Those of an arm's effects that are masses beyond the file's."""
+    return tuple(entry for entry in effects if entry.effect in _WEIGHTS)
 
 
 def _turned(settings: Settings) -> Vector:

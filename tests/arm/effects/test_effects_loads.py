@@ -179,6 +179,31 @@ def test_a_tilted_base_is_the_frame_under_turned_gravity(chain: RandomChain) -> 
         assert found == pytest.approx(expected, rel=1e-3, abs=1e-4 * max(np.abs(expected).max(), 1e-9))
 
 
+@pytest.mark.parametrize("chain", chains())
+def test_a_leaning_base_is_pulled_at_by_what_is_added_too(chain: RandomChain) -> None:
+    """The frame with a heavier payload and a denser link under turned gravity, less the frame as it was."""
+    tilt = (0.0, 0.0, 0.03) if one_pose(chain).planar else (0.02, -0.01, 0.03)
+    lean = {f"about_{axis}": turn for axis, turn in zip("xyz", tilt, strict=True)}
+    arm, beams, q = chain_arm(chain, shear=True)
+    payload, on_link = EffectEntry("payload", (), {"mass": 1.7}), EffectEntry("link_mass", (2,), {"mass": 2.0})
+    state = solve(replace(arm, effects=(EffectEntry("base_tilt", (), lean), payload, on_link)), q, beams)
+    x, y, z = np.array(chain.gravity) + np.cross(chain.gravity, tilt)
+    link = chain.links[1]
+    denser = replace(link, density=link.density + 2.0 / (link.area * link.length))
+    heavier = replace(
+        chain,
+        gravity=(float(x), float(y), float(z)),
+        payload_mass=chain.payload_mass + 1.7,
+        links=(chain.links[0], denser, *chain.links[2:]),
+    )
+    expected = tip_motion(heavier)[0] - tip_motion(chain)[0]
+    added = moved(state, "payload", {"mass": 1.7}) + moved(state, "link_mass", {"mass": 2.0}, (1,))
+    found = added + moved(state, "base_tilt", lean)
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
+    alone = added + moved(one_pose(chain), "base_tilt", lean)
+    assert np.abs(alone - expected).max() > 1e-3 * np.abs(expected).max()
+
+
 def test_a_planar_arm_feels_no_tilt_out_of_its_plane() -> None:
     assert np.all(moved(planar().state, "base_tilt", {"about_x": 0.1, "about_y": 0.1}) == 0.0)
 
