@@ -39,6 +39,8 @@ PAIRS = (
     ("link_length", "instrument_scale"),
 )
 REMOUNTS = 0.35
+_DRAWS = 600
+"""How often a case is drawn anew: rare needs (sides, payloads, a link that bends) come together in few sessions."""
 ALIKE = 0.95
 """A cosine between two causes of one case above which nobody could name both."""
 
@@ -116,9 +118,9 @@ class NoCaseError(ValueError):
 
 def make_case(name: str, seed: tuple[int, ...], half: str, kind: str, number: int, remounts: float = REMOUNTS) -> Case:
     """The case of a seed; `remounts` is the share of cases with a free frame whose tracker is set up anew half-way.
-    Raises NoCaseError where sixty draws fail."""
+    Raises NoCaseError where none of many draws comes out."""
     rng = np.random.default_rng(seed)
-    for _ in range(60):
+    for _ in range(_DRAWS):
         try:
             scene = _scene(kind, number, remounts, rng)
             wrong = _wrong(kind, number, half, scene, rng)
@@ -126,7 +128,7 @@ def make_case(name: str, seed: tuple[int, ...], half: str, kind: str, number: in
                 return _measured(name, seed, half, kind, scene, wrong, rng)
         except NotSettledError:
             continue
-    raise NoCaseError(f"case {name}: no {kind} came out in sixty draws")
+    raise NoCaseError(f"case {name}: no {kind} came out in {_DRAWS} draws")
 
 
 def _scene(kind: str, number: int, remounts: float, rng: np.random.Generator) -> Scene:
