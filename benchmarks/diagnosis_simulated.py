@@ -26,7 +26,7 @@ from diagnose.answer.detectable import detectable
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.result import Detectable, Diagnosis
 from diagnose.rules.rules import RULES
 from diagnose.search.naming import Namer

@@ -18,9 +18,10 @@ from diagnose.mistakes.zeros import refuse_another_zero
 from diagnose.patterns.library import Candidate
 from diagnose.residual.free_origins import turned_by, with_origins_of
 from diagnose.residual.noise import NoiseFloor, noise_floor
-from diagnose.residual.observed import observe, one_condition, visits
+from diagnose.residual.observe import observe
 from diagnose.residual.orientation import with_sound_orientation
 from diagnose.residual.unweighed import weighed_by_torque
+from diagnose.residual.visits import one_condition, visits
 from diagnose.rules.rules import Rules
 from diagnose.search.coupling import coupled, through_what_is_named
 from diagnose.search.labels import mislabelled

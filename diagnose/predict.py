@@ -9,7 +9,8 @@ import numpy as np
 
 from arm.chain.chain import Arm, LoadCase
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import rms_length
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
 

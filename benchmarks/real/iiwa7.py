@@ -18,7 +18,8 @@ from benchmarks.real.written import written
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import nuisances
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed
 from diagnose.result import Diagnosis
 
 RUNS = {0.0: "run1_0kg.csv", 1.25: "run2_1.25kg.csv", 2.5: "run3_2.5kg.csv"}

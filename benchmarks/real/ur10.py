@@ -30,7 +30,8 @@ from diagnose.diagnosis import diagnose
 from diagnose.options import Options
 from diagnose.predict import Prediction, predict
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed
 from diagnose.result import Diagnosis
 
 CELL = 15.0

@@ -20,7 +20,9 @@ from diagnose.fitting.held_out import hardest, splits
 from diagnose.fitting.torque_weights import with_weights
 from diagnose.mistakes.row_lists import rows_text
 from diagnose.recording import Recording, RejectedRow
-from diagnose.residual.observed import beyond_first_order, one_condition, rms_length
+from diagnose.residual.observe import beyond_first_order
+from diagnose.residual.observed import rms_length
+from diagnose.residual.visits import one_condition
 from diagnose.result import (
     Alternative,
     Detectable,

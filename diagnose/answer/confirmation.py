@@ -20,7 +20,9 @@ from diagnose.options import Options, Progress
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording
 from diagnose.residual.noise import NoiseFloor
-from diagnose.residual.observed import Observed, kept, looks_quieter, observed_about, rms_length
+from diagnose.residual.observe import observed_about
+from diagnose.residual.observed import Observed, kept, rms_length
+from diagnose.residual.visits import looks_quieter
 from diagnose.result import LackOfFit, SmallBeside
 from diagnose.rules.rules import Rules
 from diagnose.search.aliases import Rival, rivals

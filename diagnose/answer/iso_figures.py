@@ -19,7 +19,7 @@ from scipy.spatial import KDTree
 from arm.chain.chain import Arm
 from arm.chain.jacobian import motion_directions
 from diagnose.recording import Recording
-from diagnose.residual.observed import blocks_of, same_pose
+from diagnose.residual.visits import blocks_of, same_pose
 from diagnose.result import Covered
 from diagnose.rules.answer_rules import AnswerRules
 from diagnose.rules.rules import RULES, Rules

@@ -20,8 +20,9 @@ from scipy.stats import f as f_distribution
 
 from diagnose.fitting.held_out import HeldOut
 from diagnose.fitting.room.small_causes import SmallCauses
-from diagnose.residual.observed import Observed, poses, rms_length
+from diagnose.residual.observed import Observed, rms_length
 from diagnose.residual.robust_scale import resolution
+from diagnose.residual.visits import poses
 from diagnose.residual.wander import walks
 from diagnose.result import LackOfFit
 from diagnose.rules.answer_rules import AnswerRules

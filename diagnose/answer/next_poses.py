@@ -18,7 +18,8 @@ from diagnose.fitting.prepare import nuisances
 from diagnose.instruments.instrument import POINT
 from diagnose.patterns.library import columns_of
 from diagnose.recording import Recording, since_the_reading_before
-from diagnose.residual.observed import Observed, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed
 from diagnose.result import NextPose
 from diagnose.search.aliases import Rival
 from diagnose.search.naming import Namer

@@ -14,7 +14,8 @@ from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.forms import SENTENCES
 from diagnose.patterns.library import Candidate
 from diagnose.recording import Recording
-from diagnose.residual.observed import looks_quieter, rms_length
+from diagnose.residual.observed import rms_length
+from diagnose.residual.visits import looks_quieter
 from diagnose.result import Dependence, Form, RejectedForm, Unknown
 from diagnose.rules.answer_rules import AnswerRules
 from diagnose.search.naming import Namer

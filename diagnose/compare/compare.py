@@ -23,7 +23,9 @@ from diagnose.fitting.fit import t_quantile
 from diagnose.fitting.prepare import nuisances
 from diagnose.patterns.library import Candidate, columns_of, kind_of
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, blocks_of, observe, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed, rms_length
+from diagnose.residual.visits import blocks_of
 from diagnose.result import Covered, Diagnosis, Finding, FittedParameter
 from diagnose.rules.rules import RULES, Rules
 from sections.numeric import Array

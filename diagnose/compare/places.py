@@ -11,7 +11,8 @@ from arm.chain.chain import Arm
 from arm.chain.kinematics import tip_position
 from diagnose.answer.iso_figures import clusters
 from diagnose.recording import Recording
-from diagnose.residual.observed import rms_length, same_pose
+from diagnose.residual.observed import rms_length
+from diagnose.residual.visits import same_pose
 from diagnose.result import Diagnosis
 from diagnose.rules.compare_rules import CompareRules
 from diagnose.rules.rules import RULES, Rules

@@ -19,7 +19,8 @@ from diagnose.patterns.flexibility import entry
 from diagnose.patterns.library import columns_of
 from diagnose.patterns.packed import packed
 from diagnose.patterns.pool import orthonormal
-from diagnose.residual.observed import Observed, observed_about
+from diagnose.residual.observe import observed_about
+from diagnose.residual.observed import Observed
 from sections.numeric import Array
 
 from .corrected_arm import as_entry

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnose.patterns.basis import tip_of
-from diagnose.residual.observed import Observed, poses, rms_length
+from diagnose.residual.observed import Observed, rms_length
+from diagnose.residual.visits import poses
 from sections.numeric import Array
 
 from .fit import normal_solution

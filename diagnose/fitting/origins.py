@@ -20,7 +20,8 @@ from arm.chain.chain import Arm
 from arm.chain.kinematics import place
 from diagnose.recording import Recording
 from diagnose.residual.free_origins import moved, of_observed, origin_columns, turned_whole, with_origin
-from diagnose.residual.observed import Observed, observe, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed, rms_length
 from diagnose.residual.placement import rigid
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES, Rules

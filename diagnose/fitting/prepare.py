@@ -22,9 +22,11 @@ from diagnose.patterns.packed import Columns, Packed, packed
 from diagnose.patterns.pool import Pool, exchanged, make_pool
 from diagnose.recording import RejectedRow
 from diagnose.residual.free_origins import of_observed, origin_columns
-from diagnose.residual.observed import Observed, blocks_of, looks_quieter, observe, poses, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed, rms_length
 from diagnose.residual.orientation import tool_turns
 from diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
+from diagnose.residual.visits import blocks_of, looks_quieter, poses
 from diagnose.residual.wander import clock, remembered, still, wander_in, without
 from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES

@@ -8,10 +8,10 @@ from arm.chain.chain import Arm
 from arm.chain.statics import solve
 from arm.errors.model import beams_of
 from diagnose.recording import Recording
-from diagnose.residual.observed import visits
 from diagnose.residual.recorded_conditions import conditions_of
 from diagnose.residual.torque import DriveTorque, Factor, drive_torques
 from diagnose.residual.unweighed import against_any_masses, unweighed
+from diagnose.residual.visits import visits
 from diagnose.rules.residual_rules import ResidualRules
 from units.quantities import InputError
 

@@ -17,7 +17,8 @@ from diagnose.fitting.fit import fit, remaining
 from diagnose.fitting.prepare import Prepared, prepare
 from diagnose.options import Options
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import rms_length
 from units.quantities import InputError
 
 from .contradictions import shown_length

@@ -14,7 +14,8 @@ from scipy.optimize import minimize
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 from arm.errors.recorded import turned_levels
 from arm.errors.tip import carried_to_tip, rotation_at_tip
-from diagnose.residual.observed import Observed, blocks_of
+from diagnose.residual.observed import Observed
+from diagnose.residual.visits import blocks_of
 from diagnose.rules.pattern_rules import PatternRules
 from diagnose.search.subsets import gains, products
 from sections.numeric import Array

@@ -13,7 +13,8 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.effects.geometry.tool_offset import TOOL_OFFSET
-from diagnose.residual.observed import Observed, blocks_of
+from diagnose.residual.observed import Observed
+from diagnose.residual.visits import blocks_of
 from diagnose.rules.pattern_rules import PatternRules
 from sections.numeric import Array
 

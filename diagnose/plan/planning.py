@@ -22,7 +22,8 @@ from diagnose.options import Progress
 from diagnose.patterns.library import Candidate, candidates, columns_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed
 from diagnose.rules.rules import Rules
 from diagnose.several.recordings import Several, together
 from sections.numeric import Array

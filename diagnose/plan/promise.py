@@ -20,7 +20,8 @@ from diagnose.patterns.library import Candidate, candidates, parameter_of
 from diagnose.patterns.packed import Columns, packed
 from diagnose.patterns.pool import make_pool
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed
 from diagnose.result import Detectable
 from diagnose.rules.rules import Rules
 from diagnose.search.calibrate import given_model, one_more

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from arm.chain.chain import Arm
 from diagnose.instruments.instrument import Instrument
 from diagnose.recording import Recording, since_the_reading_before
-from diagnose.residual.observed import same_pose
+from diagnose.residual.visits import same_pose
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
 from sections.numeric import Array

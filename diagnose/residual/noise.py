@@ -28,8 +28,8 @@ from sections.numeric import Array
 from units.quantities import format_quantity
 
 from .placement import placed
-from .repeats import differences_of_revisits, without_drift
 from .robust_scale import qn, resolution
+from .visits import differences_of_revisits, without_drift
 
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]

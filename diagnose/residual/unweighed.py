@@ -26,8 +26,8 @@ from diagnose.rules.rules import RULES
 from diagnose.several.recordings import Several
 from sections.numeric import Array
 
-from .observed import visits
 from .recorded_conditions import conditions_of
+from .visits import visits
 
 Place = tuple[int, tuple[float, float, float]]
 """A link (from 0) and a point on it, from its joint: along it, along its section's height and its width, m."""

@@ -24,7 +24,9 @@ from diagnose.options import Options
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, observe, rms_length, visits
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed, rms_length
+from diagnose.residual.visits import visits
 from diagnose.result import Mislabelled
 from diagnose.rules.rules import Rules
 from sections.numeric import Array

@@ -19,7 +19,8 @@ from diagnose.fitting.corrected_arm import as_entry
 from diagnose.fitting.fit import beyond_nuisances, fit
 from diagnose.patterns.basis import tip_of
 from diagnose.patterns.library import Candidate
-from diagnose.residual.observed import Observed, beyond_first_order, rms_length
+from diagnose.residual.observe import beyond_first_order
+from diagnose.residual.observed import Observed, rms_length
 
 from .aliases import likenesses
 from .naming import Named, Namer

@@ -10,7 +10,8 @@ from diagnose.answer.sentences import label_of, mm
 from diagnose.fitting.fit import fit, remaining
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe, rms_length
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import rms_length
 from diagnose.result import OtherArms
 from diagnose.search.naming import Namer
 from diagnose.several.recordings import Several

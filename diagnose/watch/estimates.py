@@ -17,7 +17,8 @@ from diagnose.fitting.prepare import nuisances
 from diagnose.fitting.terms import Term, term_at
 from diagnose.patterns.library import Candidate, candidates, columns_of, kind_of
 from diagnose.recording import Recording
-from diagnose.residual.observed import Observed, kept, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.observed import Observed, kept
 from diagnose.result import Finding
 from diagnose.rules.rules import RULES, Rules
 from diagnose.rules.watch_rules import WatchRules

@@ -20,7 +20,7 @@ from diagnose.reading.settings import find_settings, read_settings
 from diagnose.reading.table import table_of
 from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from diagnose.recording import Recording as Found
-from diagnose.residual.observed import visits
+from diagnose.residual.visits import visits
 from diagnose.simulate import Plan
 from diagnose.simulate import Simulation as Made
 from diagnose.simulate import simulate as simulated

@@ -9,7 +9,7 @@ from benchmarks.instruments.touches import met, touched, touching
 from benchmarks.multibody.causes import Cause
 from benchmarks.multibody.session import Plan, played
 from diagnose.diagnosis import diagnose
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.patterns.library import Candidate
 from diagnose.patterns.pool import make_pool
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.simulate import Plan, simulate
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -11,7 +11,7 @@ from scipy import stats
 from diagnose.compare.compare import common_model, compare, fit_common, holm
 from diagnose.compare.places import regions, shared_poses
 from diagnose.patterns.library import Candidate
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.result import Alternative, Covered, Finding, FittedParameter
 from linkwright.output.files import json_text
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence

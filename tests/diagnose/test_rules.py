@@ -64,7 +64,7 @@ NO_RULES = {
     "reading/table.py": {"_FEWEST_COLUMNS", "_LARGEST_PARQUET", "_MOST_TITLES", "_SIDES"},
     "residual/alignment.py": {"_STEPS"},
     "residual/free_origins.py": {"_AXES"},
-    "residual/observed.py": {"_LEVEL", "_TOOL_PASSES, _TOOL_FOUND"},
+    "residual/observe.py": {"_LEVEL", "_TOOL_PASSES, _TOOL_FOUND"},
     "residual/placement.py": {"_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"_QN", "_SMALL"},
     "residual/unweighed.py": {"_ALIKE", "_NOTHING"},

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from types import MappingProxyType
 
 from arm.chain.chain import EffectEntry
 from arm.chain.statics import PoseState
@@ -18,7 +19,7 @@ from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 from .link_mass import LINK_MASS
 from .payload import PAYLOAD
 
-_WEIGHTS = {effect.id: effect for effect in (PAYLOAD, LINK_MASS)}
+_WEIGHTS = MappingProxyType({effect.id: effect for effect in (PAYLOAD, LINK_MASS)})
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

@@ -45,7 +45,7 @@ class Patterns:
 def _read(arm: Path, recording: Path, *, known: bool) -> Any:
     from arm.files.read import read_arm
     from diagnose.reading.read import read_recording
-    from diagnose.residual.observed import observe
+    from diagnose.residual.observe import observe
     from materials.catalogue import load_catalogue
 
     given = read_arm(arm, load_catalogue())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnose.diagnosis import diagnose
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 
 

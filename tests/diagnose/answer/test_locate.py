@@ -8,7 +8,7 @@ import pytest
 from diagnose.answer.locate import dependences, depends_on, direction, joint_shares
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.core_cases import noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -9,7 +9,7 @@ from diagnose.answer.next_poses import _greedy, _noncentrality, _pair, _tried, n
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.rules.rules import RULES
 from diagnose.search.aliases import Rival
 from diagnose.search.naming import Namer

@@ -10,7 +10,7 @@ from benchmarks.multibody.files import write_case
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.search.aliases import rivals
 from diagnose.search.naming import Namer
 from linkwright.json.diagnosis import diagnosis_json

@@ -12,7 +12,7 @@ from diagnose.fitting.prepare import Prepared, packed_up, set_up
 from diagnose.fitting.refit import refit
 from diagnose.patterns.library import Candidate, columns_of
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from materials.catalogue import load_catalogue
 from sections import Tube
 from tests.diagnose.recorded import planar_arm, poses, sagging_tip

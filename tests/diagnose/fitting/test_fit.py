@@ -9,7 +9,7 @@ from scipy.stats import binom
 from diagnose.fitting.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical, why_impossible
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

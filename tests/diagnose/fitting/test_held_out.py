@@ -5,7 +5,8 @@ import pytest
 
 from diagnose.fitting.held_out import HeldOut, parts_of_workspace, residual_held_out, rms_held_out, splits
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe, poses
+from diagnose.residual.observe import observe
+from diagnose.residual.visits import poses
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.recorded import planar_arm, planar_tip
 

@@ -13,7 +13,7 @@ from diagnose.fitting.refit import impossible_term, refit
 from diagnose.options import Options
 from diagnose.patterns.library import columns_of
 from diagnose.patterns.pool import make_pool
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.core_cases import (
     group_of,
     noise_of,

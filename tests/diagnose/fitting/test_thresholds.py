@@ -16,7 +16,7 @@ from diagnose.fitting.thresholds import least_of, no_worse_than
 from diagnose.patterns.library import Candidate
 from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, sagging_tip, table, written

@@ -6,7 +6,7 @@ import pytest
 from diagnose.diagnosis import diagnose
 from diagnose.instruments.instrument import Instrument
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.instruments.test_touches import OFF, SIGMA, _gone
 from tests.diagnose.recorded import planar_arm, planar_tip
 

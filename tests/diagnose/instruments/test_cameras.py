@@ -14,7 +14,7 @@ from diagnose.options import Options
 from diagnose.reading.read import read_recording
 from diagnose.reading.write import recording_text, settings_text
 from diagnose.residual.noise import noise_floor
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.several.recordings import together
 from tests.diagnose.instruments.six_joint_arm import Hand, seen_by_camera, session, six_joint_arm, transform
 from units.quantities import InputError

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from arm.chain.chain import EffectEntry
 from diagnose.diagnosis import diagnose
 from diagnose.instruments.instrument import TILT_X, TILT_Y, Instrument
-from diagnose.residual.observed import beyond_first_order, observe
+from diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import AXES, Truth, read, session, spatial_arm, torques
 
 SEAT = Rotation.from_euler("xyz", [0.02, 1.55, -0.03])

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from arm.chain.chain import EffectEntry
 from diagnose.instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
 from diagnose.instruments.view import viewed
-from diagnose.residual.observed import beyond_first_order, observe
+from diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import Truth, placed, read, session, spatial_arm, tips
 
 ANCHOR = (0.7, -0.4, 0.9)

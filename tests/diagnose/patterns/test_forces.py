@@ -9,7 +9,7 @@ from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.patterns.forces import pull_found
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of
 from tests.diagnose.recorded import planar_arm, planar_tip

@@ -5,7 +5,7 @@ import pytest
 
 from diagnose.diagnosis import diagnose
 from diagnose.patterns.library import candidates
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, read
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm

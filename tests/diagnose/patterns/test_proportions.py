@@ -7,7 +7,7 @@ from arm.chain.chain import Arm, Joint, Link
 from arm.effects import Settings
 from diagnose.diagnosis import diagnose
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 
 SIGMA = 15e-6
 COLUMN, UPPER, LOWER = 0.35, 0.42, 0.3

@@ -9,7 +9,7 @@ from arm.effects import EFFECTS
 from arm.files.read import read_arm
 from arm.files.write import arm_to_yaml
 from diagnose.patterns.library import candidates
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from tests.diagnose.instruments.spatial_arm import SIGMA, Truth, read, session, spatial_arm, tips
 from units.reading import InputError
 

@@ -7,7 +7,7 @@ import pytest
 
 from diagnose.diagnosis import diagnose
 from diagnose.reading.read import read_recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.residual.orientation import with_sound_orientation
 from diagnose.simulate import Plan, simulate
 from tests.diagnose.core_cases import with_effects

@@ -8,7 +8,8 @@ import pytest
 from arm.effects import Settings
 from diagnose.diagnosis import diagnose
 from diagnose.recording import since_the_reading_before
-from diagnose.residual.observed import looks_quieter, observe
+from diagnose.residual.observe import observe
+from diagnose.residual.visits import looks_quieter
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -10,7 +10,7 @@ from arm.effects import EFFECTS, Settings
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.search.coupling import softened, through_what_is_named
 from diagnose.search.naming import Named, Namer
 from tests.diagnose.core_cases import SIGMA, recorded, with_effects

@@ -8,7 +8,7 @@ from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.residual.noise import noise_floor
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.search.naming import Named, Namer
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 from tests.diagnose.core_cases import group_of

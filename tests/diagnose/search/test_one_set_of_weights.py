@@ -9,7 +9,7 @@ import pytest
 
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.rules.rules import RULES
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set

@@ -7,7 +7,7 @@ import pytest
 
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.search.naming import Namer, name_missing
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 

@@ -13,7 +13,7 @@ from arm.chain.conditions import Conditions
 from diagnose.diagnosis import diagnose
 from diagnose.reading.read import read_recording
 from diagnose.recording import Recording
-from diagnose.residual.observed import observe
+from diagnose.residual.observe import observe
 from diagnose.several.recordings import Several, together
 from diagnose.several.sessions import gone_on_from
 from sections.numeric import Array

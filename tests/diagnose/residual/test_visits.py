@@ -11,7 +11,7 @@ import pytest
 from arm.chain.chain import Arm
 from diagnose.recording import Recording
 from diagnose.residual.noise import noise_floor
-from diagnose.residual.repeats import differences_of_revisits, without_drift
+from diagnose.residual.visits import differences_of_revisits, without_drift
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
 ARM: Arm = planar_arm()

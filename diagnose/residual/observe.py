@@ -1,0 +1,311 @@
+"""Setting a recording against an arm's model: what the model moves in every channel, and what is left.
+
+Each recording is set in its own frame, with its own tool where that is free; several become one. What was found so
+large that first order is taken about it deforms the arm by finite motions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.chain.arrays import columns, matrices
+from arm.chain.chain import Arm, EffectEntry
+from arm.chain.statics import PoseState, solve
+from arm.errors.model import beams_of
+from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
+from arm.errors.tip import ActiveEffect, active_effects
+from diagnose.instruments.camera import is_camera
+from diagnose.instruments.level import link_of_levels, stand_of
+from diagnose.instruments.view import View, viewed
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES, Rules
+from diagnose.several.recordings import Several
+from diagnose.several.states import joined
+from diagnose.several.views import view_of_several
+
+from .alignment import Alignment, aligned
+from .observed import Observed, softening_of, tool_moved, turns_measured, with_effects
+from .orientation import has_orientation, turn_left
+from .recorded_conditions import conditions_of
+from .torque import drive_torques, under_measured
+from .visits import visits
+
+Array = NDArray[np.float64]
+
+_LEVEL = 1e-9
+_TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
+"""m; a free tool is put into the arm and sought again until it moves by less than this."""
+
+
+def observe(
+    arm: Arm,
+    recording: Recording,
+    *,
+    scale: Array | None = None,
+    correlation: float = 0.0,
+    wander: float = 0.0,
+    about: Sequence[EffectEntry] = (),
+    rules: Rules = RULES,
+    loud: Array | None = None,
+    softening: Sequence[EffectEntry] = (),
+) -> Observed:
+    """Set a recording against an arm's model.
+
+    Links of unknown mass are taken as weightless; what they weigh is then a matter of the drives' compliance (see
+    `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels; `loud` is
+    how loud each of several recordings is. `about` what else is known to be at work, still to be fitted: see
+    `Observed`. `softening` is flexibility beyond the arm file's through which loads act, in what `about` moves too.
+    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    """
+    if isinstance(recording, Several):
+        parts = [observe(arm, each, about=about, rules=rules, softening=softening) for each in recording.parts()]
+        return replace(_of_several(parts, recording, scale, correlation), loud=loud)
+    arm = arm.on(recording.branch)
+    unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
+    known = arm.with_links(
+        tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))
+    )
+    target = recording.base_target
+    asked = Asked(
+        recording.size,
+        joint_side=recording.joint_side is not None,
+        base_target=None if target is None else _mean(target),
+        command=recording.commanded is not None,
+        turn=bool(has_orientation(recording).any()) or is_camera(recording),
+        levels=link_of_levels(recording),
+    )
+    nominal, state, modelled, alignment, first, view = _placed(
+        known, recording, asked, about, rules.residual, softening
+    )
+    # What a camera sees or is sits beside the tip, at which loads act.
+    beside = is_camera(recording)
+    for _ in range(_TOOL_PASSES if recording.tool == "free" and not beside else 0):
+        # Loads and turns act at the target that was found, not where the file says that the tip is.
+        put = alignment.tool
+        known = replace(known, tool=tool_moved(arm.tool, put))
+        nominal, state, modelled, further, first, view = _placed(
+            known, recording, asked, about, rules.residual, softening
+        )
+        done = np.abs(further.tool).max() < _TOOL_FOUND
+        # What a last pass moves it by is within the nuisances; the arm has what was put into it.
+        alignment = replace(further, tool=put if done else put + further.tool)
+        if done:
+            break
+    parts = [alignment.residual]
+    if recording.joint_side is not None and modelled.joint_side is not None:
+        parts.append(recording.joint_side - recording.q - modelled.joint_side)
+    if target is not None and modelled.base is not None:
+        parts.append(target - target.mean(axis=0) - modelled.base)
+    if recording.commanded is not None and modelled.command is not None:
+        parts.append(recording.q - recording.commanded - modelled.command)
+    if view is not None and view.sight is not None:
+        if (there := has_orientation(recording)).any():
+            parts.append(view.sight.turned + np.einsum("nab,na->nb", view.sight.axes, first) * there[:, None])
+    elif modelled.turn is not None:
+        left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
+        parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
+    residual = np.concatenate(parts, axis=1)
+    block = visits(recording, arm, rules=rules.residual)
+    told = all(index == 0 and _upright(nominal) for index in unknown)
+    torques = drive_torques(known, recording, nominal, block, rules.residual) if told else ()
+    measured = any(each.instead for each in torques)
+    return Observed(
+        known,
+        unknown,
+        recording,
+        nominal,
+        under_measured(state, torques) if measured else state,
+        asked,
+        alignment,
+        residual,
+        np.ones(residual.shape[1]) if scale is None else scale,
+        block,
+        correlation,
+        tuple(about),
+        rules,
+        wander=wander,
+        view=view,
+        torques=torques,
+        by_weights=state if measured else None,
+    )
+
+
+def observed_about(
+    observed: Observed,
+    about: Sequence[EffectEntry],
+    softening: Sequence[EffectEntry],
+    recording: Recording | None = None,
+) -> Observed:
+    """The same readings, or others of the same instrument (`recording`), with first order taken about the arm as the
+    entries `about` beside its own deform it, loads acting through `softening` too; scatter, memory and loudness
+    stay."""
+    return observe(
+        observed.arm_given,
+        observed.recording if recording is None else recording,
+        scale=observed.scale,
+        correlation=observed.correlation,
+        wander=observed.wander,
+        about=about,
+        rules=observed.rules,
+        loud=observed.loud,
+        softening=softening,
+    )
+
+
+def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | None, correlation: float) -> Observed:
+    """Several recordings that were set against one model, each in its own frame and with its own tool, as one."""
+    counts = [each.rows for each in parts]
+    first = parts[0]
+    blocks = np.cumsum([0, *(int(each.block[-1]) + 1 for each in parts)])
+    said = tuple(
+        f"{name}: {text}"
+        for name, each in zip(recording.names, parts, strict=True)
+        for text in each.alignment.undetermined
+    )
+    width = first.space
+    # The arm has the file's tool: what was found of each recording's is in its own state.
+    nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, said)
+    residual = np.concatenate([each.residual for each in parts])
+    return Observed(
+        replace(first.arm, tool=first.arm_given.tool),
+        first.unknown_masses,
+        recording,
+        joined([each.nominal for each in parts], counts),
+        joined([each.state for each in parts], counts),
+        replace(
+            joined([replace(each.asked, rows=0, levels=None) for each in parts], counts),
+            rows=sum(counts),
+            levels=_levels_of_several(parts),
+        ),
+        nowhere,
+        residual,
+        np.ones(residual.shape[1]) if scale is None else scale,
+        np.concatenate([each.block + start for each, start in zip(parts, blocks[:-1], strict=True)]),
+        correlation,
+        first.about,
+        first.rules,
+        view=view_of_several([each.view for each in parts], recording.names),
+        torques=tuple(
+            replace(told, of=name) for name, each in zip(recording.names, parts, strict=True) for told in each.torques
+        ),
+        by_weights=None
+        if all(each.by_weights is None for each in parts)
+        else joined([each.by_weights or each.state for each in parts], counts),
+    )
+
+
+def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
+    """On which link a level stands at each reading of several recordings (N,), -1 where there is none."""
+    if all(each.asked.levels is None for each in parts):
+        return None
+    none = [np.full(each.rows, -1) if each.asked.levels is None else each.asked.levels for each in parts]
+    return np.concatenate(none).astype(np.int64)
+
+
+def _placed(
+    arm: Arm,
+    recording: Recording,
+    asked: Asked,
+    about: Sequence[EffectEntry],
+    rules: ResidualRules,
+    softening: Sequence[EffectEntry],
+) -> tuple[PoseState, PoseState, Channels, Alignment, Array, View | None]:
+    """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
+    measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
+    the instrument sees, where that is not the tip's place."""
+    nominal = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm, rules=rules),
+        payload_mass=recording.payload_mass,
+        tip_force=None if recording.force is None else _columns(recording.force),
+    )
+    nominal = with_effects(nominal, arm, softening, about)
+    own = active_effects(arm)
+    whole = (*own, *_entries(arm, about))
+    shape = shape_of(nominal, whole, asked)
+    modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
+    first, turn, level = _to_first_order(shape.state, arm, about, asked)
+    # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
+    tips = columns(nominal.tip(), recording.size) + shape.tip
+    if recording.slots is not None:
+        directions = matrices(shape.state.frames.orientation, recording.size)
+        if is_camera(recording):
+            straight = matrices(nominal.frames.orientation, recording.size)
+            directions, level = Rotation.from_rotvec(shape.turn).as_matrix() @ straight, turn
+        stand = stand_of(recording, arm)
+        stands = None if stand is None else stand.turned(levels_of(shape, whole, asked))
+        view = viewed(recording, tips, directions, stands, flat=arm.planar(), rules=rules)
+        residual = view.residual + view.of_tip(first, level)
+        placed = Alignment(view.rotation, view.translation, view.tool, residual, view.undetermined)
+        return nominal, shape.state, modelled, placed, turn, view
+    width = recording.tip.shape[1]
+    alignment = aligned(recording, shape.state, tips[:, :width], rules=rules)
+    placed = replace(alignment, residual=alignment.residual + first[:, :width])
+    return nominal, shape.state, modelled, placed, turn, None
+
+
+def _to_first_order(
+    state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked
+) -> tuple[Array, Array, Array]:
+    """What entries beside the arm's own move and turn the tip by to first order about `state`, and turn what levels
+    stand on; (N, 3) m and rad."""
+    found = [seen(state, each.effect, each.settings, asked) for each in _entries(arm, about)]
+    nothing = np.zeros((asked.rows, 3))
+    return (
+        sum((each.tip for each in found), nothing),
+        sum((each.turn for each in found if each.turn is not None), nothing),
+        sum((each.level for each in found if each.level is not None), nothing),
+    )
+
+
+def _entries(arm: Arm, about: Sequence[EffectEntry]) -> tuple[ActiveEffect, ...]:
+    """Entries beside the arm's own, as effects at work."""
+    return active_effects(replace(arm, effects=(*arm.effects, *about)))[len(active_effects(arm)) :]
+
+
+def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Array:
+    """What entries beside the arm's own move the tip by beyond first order about the state observed, (N, D), m."""
+    if not about:
+        return np.zeros((observed.rows, observed.components))
+    arm, asked = observed.arm, observed.asked
+    own = active_effects(arm)
+    whole = (*own, *_entries(arm, about))
+    with_them, without = (
+        shape_of(with_effects(observed.nominal, arm, softening_of(observed.nominal, arm), weights), effects, asked)
+        for effects, weights in ((whole, about), (own, ()))
+    )
+    first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
+    if observed.view is None:
+        return (with_them.tip - without.tip - first)[:, : observed.components]
+    turned = [None, None]
+    if observed.sight is not None:
+        turned, level = [with_them.turn, without.turn], turn
+    if asked.levels is not None:
+        turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
+    beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
+    return beyond - observed.view.of_tip(first, level)
+
+
+def _upright(state: PoseState) -> bool:
+    """Whether nothing that the first link weighs loads its drive."""
+    joint, pull = state.joints[0], np.array(state.arm.gravity, dtype=float)
+    axis = columns(joint.axis, 1)[0]
+    across = np.cross(axis, pull) if joint.revolute else axis * float(axis @ pull)
+    return float(np.linalg.norm(across)) <= _LEVEL * float(np.linalg.norm(pull))
+
+
+def _mean(points: Array) -> tuple[float, float, float]:
+    middle = points.mean(axis=0)
+    return (float(middle[0]), float(middle[1]), float(middle[2]))
+
+
+def _columns(array: Array) -> tuple[Array, Array, Array]:
+    return (array[:, 0], array[:, 1], array[:, 2])

@@ -1,0 +1,130 @@
+"""Which readings belong together: visits, poses, and repeats that are no plain ones.
+
+Repeats are the noise where nothing but noise can have happened between them. In a stay of hours the arm warms: then
+only neighbours are repeats, and what lies between them is drift. Where a pose is only ever come back to (the cycles of
+ISO 9283), visits next to each other in time are the nearest to repeats that there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+
+from arm.chain.chain import Arm
+from diagnose.recording import Recording
+from diagnose.rules.residual_rules import ResidualRules
+from diagnose.rules.rules import RULES
+
+from .observed import Observed
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+def visits(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> NDArray[np.int64]:
+    """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
+    same = same_pose(arm, rules)
+    new = (np.abs(np.diff(recording.q, axis=0)) > same).any(axis=1)
+    for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
+        if held is not None:
+            changed = np.diff(held, axis=0) != 0.0
+            new |= changed if changed.ndim == 1 else changed.any(axis=1)
+    block = np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+    return block if recording.time is None else _long_stays_cut(block, rules.short_stay)
+
+
+def same_pose(arm: Arm, rules: ResidualRules) -> Array:
+    """How close coordinates (n,) of one pose lie, rad and m."""
+    return np.array([rules.same_coordinate(joint.revolute) for joint in arm.joints])
+
+
+def _long_stays_cut(block: NDArray[np.int64], short: int) -> NDArray[np.int64]:
+    """Visits with long stays as several of a few readings each: meanwhile arms warm and frames drift."""
+    count = np.bincount(block)
+    within = np.arange(len(block)) - np.repeat(np.cumsum(count) - count, count)
+    part = np.where(count[block] >= 2 * short, within // short, 0)
+    new = (np.diff(block) != 0) | (np.diff(part) != 0)
+    return np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+
+
+def looks_quieter(observed: Observed) -> float:
+    """How many times quieter readings of one visit look than they are, since each shares noise with the one before."""
+    rho = observed.correlation
+    if rho <= 0.0:
+        return 1.0
+    shared, pairs = 0.0, 0.0
+    for rows in blocks_of(observed.block):
+        lags = np.arange(1, len(rows))
+        # Each visit counts by its degrees of freedom; its readings differ by what they do not share on average.
+        each = 2.0 * float(np.sum((len(rows) - lags) * rho**lags)) / max(len(rows) * (len(rows) - 1), 1)
+        shared += (len(rows) - 1) * each
+        pairs += len(rows) - 1
+    return 1.0 / np.sqrt(1.0 - shared / pairs) if pairs > 0.0 else 1.0
+
+
+def poses(observed: Observed) -> NDArray[np.int64]:
+    """Which pose (from 0) each reading belongs to, however often and under whatever load it was visited."""
+    same = same_pose(observed.arm, observed.rules.residual)
+    rounded = np.round(observed.recording.q / (observed.rules.residual.one_pose * same)).astype(np.int64)
+    return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+
+def one_condition(observed: Observed) -> bool:
+    """Whether all readings are of one pose, payload, side, force and temperature, however often it was read."""
+    recording = observed.recording
+    near = observed.rules.residual.one_pose * same_pose(observed.arm, observed.rules.residual)
+    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    still = bool((np.ptp(recording.q, axis=0) <= near).all())
+    warmed = [each for each in (recording.temperature, recording.link_temperature) if each is not None]
+    still &= all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_temperature for each in warmed)
+    return still and all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_load for each in held)
+
+
+def blocks_of(block: NDArray[np.int64]) -> Sequence[NDArray[np.int64]]:
+    """The row numbers of each visit."""
+    order = np.argsort(block, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(block[order])) + 1)
+
+
+def without_drift(
+    residual: Array, groups: Sequence[Rows], *, rules: ResidualRules = RULES.residual
+) -> tuple[Rows, ...]:
+    """Groups of repeats (indices of `residual`, (N, D) m), long ones that drift cut into short runs.
+
+    Whether they drift tells the scatter of the runs' means against that within runs (F test over all components).
+    """
+    found: list[Rows] = []
+    for group in groups:
+        drifts = len(group) >= rules.long_stay and _drifts(residual[group], rules)
+        found += _runs(group, rules.neighbours) if drifts else [group]
+    return tuple(found)
+
+
+def _runs(group: Rows, together: int) -> list[Rows]:
+    return np.array_split(group, len(group) // together)
+
+
+def _drifts(values: Array, rules: ResidualRules) -> bool:
+    runs = [values[run] for run in _runs(np.arange(len(values)), rules.neighbours)]
+    within = sum(float(np.sum((run - run.mean(axis=0)) ** 2)) for run in runs)
+    middle = values.mean(axis=0)
+    between = sum(len(run) * float(np.sum((run.mean(axis=0) - middle) ** 2)) for run in runs)
+    width = values.shape[1]
+    of_within, of_between = width * (len(values) - len(runs)), width * (len(runs) - 1)
+    if within <= 0.0:
+        return between > 0.0
+    ratio = between / of_between / (within / of_within)
+    return float(f_distribution.sf(ratio, of_between, of_within)) < rules.drift_false_alarm
+
+
+def differences_of_revisits(residual: Array, visits: Sequence[Rows]) -> Array:
+    """Differences (m, D), m, of readings at one pose and condition that follow each other in time, each with the
+    variance of one reading; `visits` are the readings of each pose and condition in the order of time.
+
+    Slow drift is nearly out of them (J. von Neumann, Ann. Math. Statist. 12 (1941) 367, doi:10.1214/aoms/1177731677).
+    """
+    found = [np.diff(residual[rows], axis=0) / np.sqrt(2.0) for rows in visits if len(rows) > 1]
+    return np.concatenate(found) if found else np.zeros((0, residual.shape[1]))
