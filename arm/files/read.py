@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -20,6 +21,9 @@ from .chain_entries import joined, not_negative, product_of_exponentials, read_e
 from .following import tied
 from .origin import TURNS, read_vector
 from .prices import read_machining
+
+_AS_WRITTEN = 1e-11
+"""How far a quantity that was written and read may be from what it was, of it (`format_quantity`: 1e-12)."""
 
 
 def read_arm(path: Path | str, catalogue: Catalogue | None = None, *, tip: str | None = None) -> Arm:
@@ -156,8 +160,8 @@ def read_effects(
             for parameter in EFFECTS[name].parameters:
                 if entry.has(parameter.name):
                     kind = kind_at(parameter, slides=slides)
-                    value = values[parameter.name] = entry.quantity(parameter.name, kind)
-                    _check_parameter(entry, parameter, kind, value)
+                    value = entry.quantity(parameter.name, kind)
+                    values[parameter.name] = _within_limits(entry, parameter, kind, value)
                     if kind != kind_at(parameter, slides=True) and _mixed(EFFECTS[name], at, joints):
                         message = f"names slides too, whose {parameter.name} has another unit; write an entry for each"
                         raise entry.error("at", message)
@@ -180,14 +184,17 @@ def _check_places(entry: Mapping, effect: Effect, at: tuple[int, ...], joints: t
             raise entry.error("at", f"{effect.id} acts on {effect.only} only, which joint {number} is not among")
 
 
-def _check_parameter(entry: Mapping, parameter: Parameter, kind: str, value: float) -> None:
+def _within_limits(entry: Mapping, parameter: Parameter, kind: str, value: float) -> float:
+    """A parameter's value, at its limit where it is that as another unit writes it (0.15 rad as 8.59436692696 deg)."""
     given = shown(entry.content[parameter.name])
     if value < 0.0 <= parameter.lower or value == 0.0 < parameter.lower:
         bound = "must be positive" if parameter.lower > 0.0 else "cannot be negative"
         raise entry.error(parameter.name, f"{bound}, not {given}")
-    if not parameter.lower <= value <= parameter.upper:
+    at_limit = min(max(value, parameter.lower), parameter.upper)
+    if not math.isclose(at_limit, value, rel_tol=_AS_WRITTEN):
         low, high = (format_quantity(bound, kind) for bound in (parameter.lower, parameter.upper))
         raise entry.error(parameter.name, f"must lie between {low} and {high}, not {given}")
+    return at_limit
 
 
 def _mixed(effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> bool:

@@ -112,6 +112,10 @@ def refit(
         )
         residual, rss, freedom = _left(prepared, terms)
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
+    within = [_within_bounds(prepared, *each) for each in zip(terms, spread.errors, strict=True)]
+    if any(one is not other for one, other in zip(within, terms, strict=True)):
+        terms = within
+        residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(
         _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
         for place in range(len(terms))
@@ -140,6 +144,20 @@ def _never_below_nought(prepared: Prepared, term: Term) -> Term:
     kept = [k for k, name in enumerate(candidate.sizes) if name not in below]
     less = replace(candidate, sizes=tuple(candidate.sizes[k] for k in kept))
     return _term(prepared, less, term.sizes[kept], term.columns[:, :, kept])
+
+
+def _within_bounds(prepared: Prepared, term: Term, errors: Array) -> Term:
+    """The term with sizes that lie beyond their bounds by no more than they are unsure of at the bound, where physics
+    ends and a file with them is read; what lies further out cannot be (see `impossible_term`)."""
+    candidate = term.candidate
+    if term.shared or candidate.outside or len(term.sizes) != len(candidate.sizes):
+        return term
+    unsure = prepared.observed.rules.fitting.beyond_bounds * errors
+    ends = np.array([bounds(candidate, name, prepared) for name in candidate.sizes])
+    inside = np.clip(term.sizes, ends[:, 0], ends[:, 1])
+    near = (np.abs(inside - term.sizes) <= unsure) & np.isfinite(inside)
+    sizes = np.where(near, inside, term.sizes)
+    return term if (sizes == term.sizes).all() else _term(prepared, candidate, sizes, term.columns)
 
 
 def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:

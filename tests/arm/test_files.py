@@ -11,12 +11,13 @@ import yaml
 
 from arm.chain.chain import Arm
 from arm.chain.kinematics import tip_position
+from arm.effects.loads.base_tilt import BASE_TILT
 from arm.errors.model import PropertyNeeded, beams_of
 from arm.evaluation import evaluate
 from arm.files.read import read_arm
 from arm.files.write import arm_to_yaml, write_arm
 from tests.arm.builders import CIRCLE, PAPER_MATERIAL, arm_of, rod_lines
-from units.quantities import InputError
+from units.quantities import InputError, format_quantity
 
 FULL_FILE = """
 name: everything
@@ -148,6 +149,20 @@ def test_stock_sizes_are_named_and_written_as_named(tmp_path: Path) -> None:
     assert section.properties(0.3).area == pytest.approx(7.64e-4, rel=0.01)
     assert section.properties(0.3).second_moment_y == pytest.approx(80.1e-8, rel=0.01)
     assert "IPE 80" in arm_to_yaml(arm)
+
+
+@pytest.mark.parametrize("unit", ["rad", "mrad", "deg", "arcmin"])
+def test_a_size_at_its_limit_is_read_back_from_any_unit(unit: str, tmp_path: Path) -> None:
+    """0.15 rad are 8.59436692696 deg as they are written, which is more than 0.15 rad by a rounding."""
+    text = rod_lines([400, 420]) + "effects:\n  - {effect: base_tilt, about_x: %s, about_z: %s}\n"
+    about_x, _, about_z = BASE_TILT.parameters
+    low, high = (format_quantity(limit, "angle", unit) for limit in (about_x.lower, about_z.upper))
+    (entry,) = round_trip(arm_of(text % (low, high), tmp_path), tmp_path).effects
+    assert entry.parameters == pytest.approx({"about_x": about_x.lower, "about_z": about_z.upper}, rel=1e-11)
+    assert entry.parameters["about_x"] >= about_x.lower
+    assert entry.parameters["about_z"] <= about_z.upper
+    with pytest.raises(InputError, match="must lie between"):
+        arm_of(text % (low, format_quantity(about_z.upper * (1.0 + 1e-6), "angle", unit)), tmp_path)
 
 
 def test_defaults_are_those_of_the_documentation(tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def _turned(settings: Settings) -> Vector:
 
 
 def _turn(axis: str) -> Parameter:
-    return size(f"about_{axis}", "angle", -0.2, 0.2, (0.1e-3, 30e-3)).means(
+    return size(f"about_{axis}", "angle", -0.15, 0.15, (0.1e-3, 30e-3)).means(
         f"turn of the base about {axis} against the plumb line" + ("" if axis == "z" else " (nothing in a planar arm)"),
         "machines levelled by a spirit level: 0.1 mrad; carts and gantries: tens of mrad",
     )

@@ -1,8 +1,13 @@
 """A payload off by kilograms on a base that leans: by plain sums, nothing of the product."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from arm.effects.loads.base_tilt import BASE_TILT
+from arm.files.read import read_arm
+from arm.files.write import write_arm
 from diagnose.diagnosis import diagnose
 from sections.numeric import Array
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, poses, recording
@@ -39,3 +44,20 @@ def test_the_base_leans_as_far_as_it_does_beside_a_payload_that_is_wrong(seed: i
         # Of 95 %: three standard errors.
         assert size.value == pytest.approx(true, abs=0.75 * (upper - lower))
         assert upper - lower < 0.6 * true
+
+
+def test_a_base_that_seems_to_lean_further_than_any_does_is_at_its_bound(tmp_path: Path) -> None:
+    """The tilt comes out a little beyond 0.15 rad: it is said at that, and the arm file is read again. The tool's tilt
+    is first order: what weight a lean takes off the arm's own -y (1.1 %) is put back."""
+    lean = BASE_TILT.parameters[2].upper + 0.5e-3
+    q = np.repeat(poses(1, 40), 3, axis=0)
+    tip = leaning_tips(q, float(np.arctan(lean)), MASS / float(np.cos(np.arctan(lean))))
+    found = diagnose(file(), recording(q, tip + noise(1, len(q))))
+    assert [each.effect for each in found.findings] == ["base_tilt"]
+    size = found.findings[0].parameters[0]
+    assert size.at_bound
+    assert size.value == BASE_TILT.parameters[2].upper
+    assert size.interval[0] < lean < size.interval[1]
+    write_arm(found.corrected, tmp_path / "arm.yaml")
+    (entry,) = read_arm(tmp_path / "arm.yaml").effects
+    assert entry.parameters["about_z"] == pytest.approx(size.value, rel=1e-11)
