@@ -30,7 +30,8 @@ from diagnose.search.naming import Named, Namer, weighed_again
 from diagnose.search.one_set_of_weights import renamed_under_one_set
 from sections.numeric import Array
 
-from .lack_of_fit import refuted_by, refutes
+from .guard.lack_of_fit import refuted_by, refutes
+from .guard.scatter import follows
 from .sentences import label_of
 from .together import only_with
 from .unknown import predictable
@@ -324,6 +325,9 @@ class Confirmed:
         rules = self.rules.answer
         if found is None or alone or not refutes(found, rules) or self._leaves_most(rms_length(self._after())):
             return None
+        # What small causes leave is as large where it was not fitted; names that make far more of it do not carry over.
+        if found.held_out_times > rules.scatter_carries * found.times:
+            return None
         prepared = self._with_what_is_left()
         fitted = fit(prepared, self.found)
         rivals = [rival.member for others in self.alike for rival in others]
@@ -376,6 +380,8 @@ class Confirmed:
         local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
         if local or beyond > rules.scatter_left * whole:
             return False
+        if self._visits_follow() < rules.scatter_follows:
+            return False
         return self._predictable() * left**2 <= rules.scatter_predicts * beyond
 
     def _predictable(self) -> float:
@@ -384,6 +390,13 @@ class Confirmed:
             folds = hardest(splits(self.search.observed, self.options.seed))
             self._predicted = predictable(self.namer, self.found, folds)
         return self._predicted
+
+    def _visits_follow(self) -> float:
+        """The p-value that what is left beside the findings is by chance as much like the visit before."""
+        forms = [self.prepared.columns[m] for m in self.outside]
+        columns = [self.prepared.beside, *(term.columns for term in self.refit.terms), *forms]
+        left, fitted = self.observed.still(self._after()), np.concatenate(columns, axis=2)
+        return follows(self.observed, left, fitted, seed=self.options.seed, rules=self.rules.answer)
 
     def _scatter(self) -> float | None:
         """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the

@@ -119,9 +119,17 @@ class AnswerRules:
     scatter_carries: float = rule(
         1.35,
         "times what is left",
-        "Scatter is as large on readings that were not fitted; where far more is left of those, the names do not carry "
-        "over, and no arm that returns badly excuses them.",
+        "What scatters, and what small causes leave, is as large on readings that were not fitted; where far more is "
+        "left of those, the names do not carry over, and neither excuses them.",
         PROOF,
+    )
+    scatter_follows: float = rule(
+        0.02,
+        "p-value",
+        "Below it what is left of a visit is like that of the visit before: what is left beside names is no scatter of "
+        "an arm that returns badly.",
+        "twice what a base that settles and joints that remember their loads leave on the development half of the "
+        "second proof, seed 2026112802; arms that return badly there have 0.2 and more",
     )
     scatter_predicts: float = rule(
         0.5,

@@ -23,6 +23,7 @@ DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
 # what floats can hold the powers of.
 NO_RULES = {
     "answer/gaussian_process.py": {"_STEPS"},
+    "answer/guard/scatter.py": {"_AT_ONCE"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
     "fitting/found_origins.py": {"_NEAR", "_TOLD"},
     "fitting/held_out.py": {"_TOLD"},

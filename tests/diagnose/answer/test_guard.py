@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from diagnose.answer.lack_of_fit import lack_of_fit, memory_at_most, remembering, split
+from diagnose.answer.guard.lack_of_fit import lack_of_fit, memory_at_most, remembering, split
 from diagnose.diagnosis import diagnose
 from diagnose.options import Options
 from diagnose.recording import Recording

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.lack_of_fit import refuted_by, refutes
+from diagnose.answer.guard.lack_of_fit import refuted_by, refutes
 from diagnose.fitting.fit import fit, remaining
 from diagnose.fitting.held_out import HeldOut, hardest, splits
 from diagnose.fitting.room.small_causes import _directions, noise_of_visits, small_causes, with_room

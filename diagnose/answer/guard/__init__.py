@@ -1,0 +1,1 @@
+"""Guards on what was named: what readings of one pose, and visits that scatter, say against it."""
