@@ -152,11 +152,10 @@ def _within_bounds(prepared: Prepared, term: Term, errors: Array) -> Term:
     candidate = term.candidate
     if term.shared or candidate.outside or len(term.sizes) != len(candidate.sizes):
         return term
-    unsure = prepared.observed.rules.fitting.beyond_bounds * errors
-    ends = np.array([bounds(candidate, name, prepared) for name in candidate.sizes])
-    inside = np.clip(term.sizes, ends[:, 0], ends[:, 1])
-    near = (np.abs(inside - term.sizes) <= unsure) & np.isfinite(inside)
-    sizes = np.where(near, inside, term.sizes)
+    low, high = np.array([bounds(candidate, name, prepared) for name in candidate.sizes]).T
+    unsure = np.minimum(prepared.observed.rules.fitting.beyond_bounds * errors, high - low)
+    inside = np.clip(term.sizes, low, high)
+    sizes = np.where(np.abs(inside - term.sizes) <= unsure, inside, term.sizes)
     return term if (sizes == term.sizes).all() else _term(prepared, candidate, sizes, term.columns)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from arm.chain.chain import Arm
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
 from diagnose.recording import Recording
-from diagnose.residual.recorded_conditions import conditions_of
+from diagnose.residual.observe import undeformed
 from diagnose.residual.torque import DriveTorque, Factor, drive_torques
 from diagnose.residual.unweighed import against_any_masses, unweighed
 from diagnose.residual.visits import visits
@@ -26,14 +24,7 @@ def refuse_torques_of_another_sign(
     if unweighed(arm):
         _refuse(recording, [each.joint for each in against_any_masses(arm, recording, rules=rules)], headers)
         return
-    state = solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        conditions=conditions_of(recording, arm, rules=rules),
-        payload_mass=recording.payload_mass,
-        tip_force=None if recording.force is None else tuple(recording.force.T),
-    )
+    state = undeformed(arm, recording, rules)
     told = drive_torques(arm, recording, state, visits(recording, arm, rules=rules), rules)
     _refuse(recording, [each.joint for each in told if _is_against(each, rules)], headers)
 

@@ -208,6 +208,18 @@ def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
     return np.concatenate(none).astype(np.int64)
 
 
+def undeformed(arm: Arm, recording: Recording, rules: ResidualRules) -> PoseState:
+    """The arm at the readings of a recording, under what it bears there, where nothing gives."""
+    return solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm, rules=rules),
+        payload_mass=recording.payload_mass,
+        tip_force=None if recording.force is None else _columns(recording.force),
+    )
+
+
 def _placed(
     arm: Arm,
     recording: Recording,
@@ -219,15 +231,7 @@ def _placed(
     """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
     measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
     the instrument sees, where that is not the tip's place."""
-    nominal = solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        conditions=conditions_of(recording, arm, rules=rules),
-        payload_mass=recording.payload_mass,
-        tip_force=None if recording.force is None else _columns(recording.force),
-    )
-    nominal = with_effects(nominal, arm, softening, about)
+    nominal = with_effects(undeformed(arm, recording, rules), arm, softening, about)
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
     shape = shape_of(nominal, whole, asked)

@@ -128,8 +128,7 @@ class AnswerRules:
         "p-value",
         "Below it what is left of a visit is like that of the visit before: what is left beside names is no scatter of "
         "an arm that returns badly.",
-        "twice what a base that settles and joints that remember their loads leave on the development half of the "
-        "second proof, seed 2026112802; arms that return badly there have 0.2 and more",
+        "judged on the development half of the second proof, seeds 2026112801 and 2026112802",
     )
     scatter_predicts: float = rule(
         0.5,
