@@ -151,6 +151,10 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         ("large causes named, by arm", by((t["arm"], _right(a, e)) for t, a, e in loud)),
         ("large causes named, by recording", by((_recording(t), _right(a, e)) for t, a, e in loud)),
         ("large causes named or listed as part of an unknown", by((t["kind"], _listed(a, e)) for t, a, e in loud)),
+        (
+            "large causes named, or said to be in a size of what is named",
+            by((t["kind"], _right(a, e) or _in_a_size(a, e)) for t, a, e in loud),
+        ),
         ("95 % intervals that hold the truth, by parameter", by(covered)),
         ("small causes named (0.1 to 0.5)", by((e["effect"], _right(a, e)) for _, a, e in small)),
         ("unknown classes called unknown", by((t["unknown"]["class"], a.verdict == "unknown") for t, a in unknowns)),
@@ -217,6 +221,15 @@ def _recording(t: Truth) -> str:
 def _right(a: Answer, true: Mapping[str, Any]) -> bool:
     """Whether a cause is named, or declared an alternative to a name."""
     return a.verdict in NAMES and any(in_class(entry, true) for entry in a.entries)
+
+
+def _in_a_size(a: Answer, true: Mapping[str, Any]) -> bool:
+    """Whether a size of what is named at its place is said to hold a part of a cause: nothing recorded parts them."""
+    return a.verdict in NAMES and any(
+        is_it(str(size.get("may_hold")), entry.get("at"), true)
+        for entry in a.entries
+        for size in (entry.get("parameters") or {}).values()
+    )
 
 
 def _listed(a: Answer, true: Mapping[str, Any]) -> bool:

@@ -63,6 +63,11 @@ from .torques import weights_by_torque
 from .unknown import describe, largest_first, rejected_forms
 from .unseen import unseen
 
+_COME_BACK = (
+    "come back to some poses three times or more, with others between: what is off there again is no scatter of an arm "
+    "that returns badly"
+)
+
 
 class Conclusion(Confirmed):
     """Turns what was confirmed into a result; each method is one part of it."""
@@ -82,6 +87,8 @@ class Conclusion(Confirmed):
             folds = hardest(splits(self.search.observed, self.options.seed))
             there = self.observed.recording
             unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m, there)
+            if self.may_scatter:
+                unknown = replace(unknown, decide=_COME_BACK)
         findings = self._findings()
         apart = differences(self.prepared, self.refit, self.outside, self.p_values)
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
@@ -415,6 +422,10 @@ class Conclusion(Confirmed):
                 f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
                 "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
                 "by how much that is off; put such a zero, length or tool into the arm file itself."
+            )
+        if self.may_scatter:
+            found.append(
+                "No pose was come back to: what is left may also be that the arm does not return more exactly."
             )
         if self._scatter() is not None:
             found.append(

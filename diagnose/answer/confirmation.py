@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from diagnose.fitting.about_itself import fitted_about_itself
 from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
@@ -76,7 +77,7 @@ class Confirmed:
             self.refit = refit(self.prepared, self.members, self.outside, self.fitted, room)
             self._test_what_is_left()
         self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
-        self.scattered = False
+        self.scattered = self.may_scatter = False
         self._predicted: float | None = None
         self.lack_of_fit = self._lack_of_fit()
         self.small = self._small_causes()
@@ -282,7 +283,10 @@ class Confirmed:
         if self.noise.degrees_of_freedom < rules.enough_repeats or left <= limit:
             return False
         if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= rules.enough_returns:
-            lasting = self.noise.drift_m**2 < (1.0 - rules.lasting) * (left**2 - floor**2)
+            # As large as scatter may be that came out so small by chance.
+            freedom = width * self.noise.drift_degrees_of_freedom
+            scatter = self.noise.drift_m**2 * freedom / float(chi2.ppf(rules.lasting_chance, freedom))
+            lasting = scatter < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
             local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
@@ -292,7 +296,8 @@ class Confirmed:
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.members and self._only_scatter())
             # So much is no scatter unless it is seen to scatter, and no pose was come back to.
-            lasting = lasting or (not self.members and left > rules.too_far_to_scatter * floor)
+            self.may_scatter = not (lasting or self.members) and left > rules.too_far_to_scatter * floor
+            lasting = lasting or self.may_scatter
         self.scattered = not lasting
         return lasting
 
@@ -378,7 +383,8 @@ class Confirmed:
         nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
         beyond, whole = left**2 - quiet**2, rms_length(nothing) ** 2 - quiet**2
         local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
-        if local or beyond > rules.scatter_left * whole:
+        most = rules.scatter_beside if left <= rules.too_far_to_scatter * quiet else rules.scatter_left
+        if local or beyond > most * whole:
             return False
         if self._visits_follow() < rules.scatter_follows:
             return False

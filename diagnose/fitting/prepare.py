@@ -48,9 +48,10 @@ _IN_TIME = frozenset(
         "load_step_in_time",
         "stiffness_step_in_time",
         "joint_periodic_in_time",
+        "temperature",
     }
 )
-"""Forms that go with time alone."""
+"""Forms that go with time alone, or with the temperature alone, whose course is smooth as a walk's is."""
 _WANDERS = frozenset({"smooth_in_time", "trend_in_time"})
 """Those of them that a random walk may look like anywhere."""
 

@@ -26,10 +26,11 @@ class AnswerRules:
         PROOF,
     )
     too_far_to_scatter: float = rule(
-        3.0,
+        2.2,
         "times the noise floor",
         "More is not taken for scatter of an arm that no visit came back to: `unknown`, not `none`.",
-        "twice what arms that return badly leave on the development half of the second proof, seed 2026112501",
+        "a tenth more than the most that arms which return badly leave on the development half of the second proof, "
+        "seeds 2026112801 to 2026112803",
     )
     enough_returns: int = rule(
         8,
@@ -43,6 +44,12 @@ class AnswerRules:
         "share of the remainder",
         "As much must be there again, or predict itself elsewhere, for it to be the model's fault.",
         PROOF,
+    )
+    lasting_chance: float = rule(
+        0.05,
+        "p-value",
+        "Scatter between visits of one pose may have come out so small by chance, for it to be the whole remainder.",
+        "odds",
     )
     most_left: float = rule(
         0.5,
@@ -115,6 +122,13 @@ class AnswerRules:
         "Findings that leave less (sum of squares beyond the noise), and nothing that predicts itself, stand beside "
         "an arm that returns badly; where they leave more, readings of a visit refute them.",
         JUDGED,
+    )
+    scatter_beside: float = rule(
+        0.1,
+        "share of the mismatch",
+        "The same where what is left is no more than `too_far_to_scatter`: as far as that arms do return badly.",
+        "the most that let no unknown of the development half of the second proof pass for a name, of those that leave "
+        "so little, seeds 2026112801 to 2026112803",
     )
     scatter_carries: float = rule(
         1.35,

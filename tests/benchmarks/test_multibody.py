@@ -488,6 +488,19 @@ def test_scores_by_hand():
     assert "**MISSED** 50.0 % (1/2" in text
 
 
+def test_what_a_size_is_said_to_hold_is_no_name_and_has_a_table_of_its_own():
+    truths = [truth("a", "pair", true("backlash", [1]), true("friction_windup", [1]))]
+    truths += [truth("b", "pair", true("backlash", [2]), true("friction_windup", [1]))]
+    windup = {"windup_1": {"value": 0.2, "unit": "mrad", "may_hold": "backlash"}}
+    per_load = {"windup_per_load_1": {"value": 5e-6, "unit": "rad/(N*m)", "may_hold": None}}
+    answers = {case: said(case, "named", entry("friction_windup", [1], windup | per_load)) for case in "ab"}
+    found = score(truths, answers, "disclosed")
+    named = next(t.reached for t in found.targets if t.what == "large causes named, from 0.9 on")
+    held = dict(found.tables)["large causes named, or said to be in a size of what is named"][0][1]
+    assert (named.count, named.total) == (2, 4)
+    assert (held.count, held.total) == (3, 4)  # b's is of another joint
+
+
 def test_impossible_sizes_are_those_that_no_machine_has():
     file = truth("a", "null")["file"]
 
@@ -527,12 +540,13 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
 def test_the_page_of_a_later_trial_tells_of_those_before():
     truths = [truth("a", "null"), truth("b", "null")]
     answers = {each["case"]: said(each["case"], "none") for each in truths}
-    first, second = TRIALS
-    for seed, told in ((first, ()), (second, ("A first trial",)), (second + 1, ("A first trial", "A second trial"))):
+    names = ("A first trial", "A second trial", "A third trial")
+    last = max(TRIALS) + 1
+    for told, seed in enumerate([*TRIALS, last]):
         page = section(score([each | {"seed": [seed, 0]} for each in truths], answers, "sealed"))
-        assert [each for each in ("A first trial", "A second trial") if each in page] == list(told)
+        assert [each for each in names if each in page] == list(names[:told])
         assert ("No unknown class of any trial" in page) is bool(told)
-    later = [each | {"seed": [second + 1, 0]} for each in truths]
+    later = [each | {"seed": [last, 0]} for each in truths]
     assert "A first trial" not in section(score(later, answers, "disclosed"))
 
 

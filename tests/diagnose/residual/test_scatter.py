@@ -26,9 +26,10 @@ def returning(recording, arm, rng, scatter):
     return replace(recording, tip=tip)
 
 
-@pytest.mark.parametrize("visits", [1, 3])
-def test_an_arm_that_does_not_return_lacks_no_physics(visits):
-    """Readings of one visit agree within the noise, visits do not: seen again (three visits to each pose) or not."""
+@pytest.mark.parametrize(("visits", "scatter"), [(1, 40e-6), (3, 60e-6)])
+def test_an_arm_that_does_not_return_lacks_no_physics(visits, scatter):
+    """Readings of one visit agree within the noise, visits do not: seen again (three visits to each pose), or not and
+    by less than twice the noise."""
     arm = made_arm()
     plan = {"poses": 60 // visits, "repeats": 3, "payloads": (), "sides": "one", "temperature": None}
     once = [recorded(arm, **{**plan, "seed": 5}) for _ in range(visits)]
@@ -45,8 +46,8 @@ def test_an_arm_that_does_not_return_lacks_no_physics(visits):
         time=20.0 * np.arange(sum(each.size for each in parts)),
         sigma=None,
     )
-    found = diagnose(arm, returning(whole, arm, rng, 60e-6))
-    assert found.rms_before > 2.0 * found.noise_floor
+    found = diagnose(arm, returning(whole, arm, rng, scatter))
+    assert found.rms_before > (2.0 if visits > 1 else 1.5) * found.noise_floor
     assert found.verdict == "none"
     assert any("does not return" in note for note in found.notes)
 

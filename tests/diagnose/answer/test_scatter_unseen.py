@@ -1,0 +1,42 @@
+"""A sound arm that returns badly, by plain sums of cosines: what visits scatter by, with poses come back to or not."""
+
+import numpy as np
+import pytest
+
+from diagnose.diagnosis import diagnose
+from tests.diagnose.by_cosines import SIGMA, file, noise, poses, recording, tips
+
+
+def found_of(seed: int, scatter: float, *, again: int = 1):
+    """30 poses, each visited `again` times and read three times a visit; visits stand off by `scatter` times the noise,
+    in either direction of the plane."""
+    q = np.tile(poses(seed, 30), (again, 1))
+    off = scatter * SIGMA * np.random.default_rng(seed + 7).standard_normal((len(q), 2))
+    q, off = np.repeat(q, 3, axis=0), np.repeat(off, 3, axis=0)
+    return diagnose(file(), recording(q, tips(q) + off + noise(seed, len(q))))
+
+
+@pytest.mark.parametrize("seed", range(2, 5))
+def test_a_little_scatter_is_no_fault_of_the_model(seed):
+    found = found_of(seed, 1.3)
+    assert found.verdict == "none"
+    assert found.scatter == pytest.approx(np.hypot(1.0, 1.3), rel=0.2)
+
+
+@pytest.mark.parametrize("seed", range(2, 5))
+def test_much_is_unknown_where_no_pose_was_come_back_to(seed):
+    """Nobody can say there whether it is scatter or the model: that is said, and what would tell."""
+    found = found_of(seed, 3.0)
+    assert found.verdict == "unknown"
+    assert found.unknown is not None
+    assert found.unknown.decide.startswith("come back to some poses three times or more")
+    assert any(note.startswith("No pose was come back to") for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(2, 5))
+def test_the_same_is_scatter_where_poses_were_come_back_to(seed):
+    found = found_of(seed, 3.0, again=2)
+    assert found.verdict == "none"
+    assert found.scatter is not None
+    assert found.scatter > 2.0
+    assert not any(note.startswith("No pose was come back to") for note in found.notes)
