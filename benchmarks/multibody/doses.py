@@ -118,7 +118,8 @@ def library_spans(stage: Stage) -> list[list[Array]]:
     spans.append([c * np.tile(time, axes) for c in _columns(stage, list(body.base))])
     spans.append([flat(stage.tips.reading, planar)])
     if not planar:
-        spans += [_columns(stage, list(body.tilt[i])) for i in range(1, body.arm.count)]
+        # Askew and aside: an axis that is off has both (Mooring, Roth & Driels, 1991).
+        spans += [_columns(stage, [*body.tilt[i], *body.seat[i]]) for i in range(1, body.arm.count)]
     for effect, at, values in _loads(stage):
         cause = Cause(effect, at, values, ())
         spans.append([flat(change(stage, cause.write), planar)])

@@ -158,6 +158,7 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         ("95 % intervals that hold the truth, by parameter", by(covered)),
         ("small causes named (0.1 to 0.5)", by((e["effect"], _right(a, e)) for _, a, e in small)),
         ("unknown classes called unknown", by((t["unknown"]["class"], a.verdict == "unknown") for t, a in unknowns)),
+        ("unknown classes given a name", by((t["unknown"]["class"], a.verdict in NAMES) for t, a in unknowns)),
         ("false alarms on nulls, by vice", by((t["vice"], a.verdict in ALARMS) for t, a in nulls)),
         (
             "of these, said to be of time, where the tracker wanders",

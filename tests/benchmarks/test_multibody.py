@@ -24,7 +24,7 @@ from benchmarks.multibody.arms import draw_arm
 from benchmarks.multibody.cases import kind_of, make_case
 from benchmarks.multibody.causes import KINDS, Cause, Stage, draw_cause, possible
 from benchmarks.multibody.commands import main
-from benchmarks.multibody.doses import change
+from benchmarks.multibody.doses import basis, change, geometry_columns, library_spans, sized
 from benchmarks.multibody.engine import NotSettledError, jacobians, loads, machine, place, settle
 from benchmarks.multibody.files import table_of, truth_of, write_case
 from benchmarks.multibody.instrument import MISLABELLED, STILL, draw_mount, oracle_rms
@@ -32,7 +32,7 @@ from benchmarks.multibody.page import HEADING, TRIALS, kept_section, section, wr
 from benchmarks.multibody.score import score
 from benchmarks.multibody.session import Plan, draw_session, played
 from benchmarks.multibody.sizes import impossible
-from benchmarks.multibody.unknowns.split import CLASSES, DEVELOPMENT, PROOF, classes_of, drawn_split
+from benchmarks.multibody.unknowns.split import CLASSES, DEVELOPMENT, PROOF, WITHDRAWN, classes_of, drawn_split
 
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "multibody"
 PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
@@ -279,7 +279,25 @@ def test_unknown_classes_are_split_by_class_as_recorded():
     assert len(set(names)) == len(names) >= 24
     assert drawn_split() == (DEVELOPMENT, PROOF)
     assert not set(DEVELOPMENT) & set(PROOF)
-    assert {each.name for each in (*classes_of("development"), *classes_of("proof"))} == set(names)
+    drawn = [each.name for each in (*classes_of("development"), *classes_of("proof"))]
+    assert sorted((*drawn, *WITHDRAWN)) == sorted(names)
+
+
+@pytest.mark.parametrize("family", ["spatial_3r", "spatial_6r", "seven_axes"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_is_withdrawn_is_the_next_axis_askew_and_aside(family, seed):
+    """A tilt that turns with its axis stays with the link behind it; one that turns twice as fast does not."""
+    stage, _ = stage_of(family, "full", seed=seed)
+    body, rng = stage.machine, np.random.default_rng(seed)
+    withdrawn = next(each for each in CLASSES if each.name in WITHDRAWN).draw(stage, rng)
+    (joint,) = withdrawn.joints
+    moved = change(stage, lambda plan: withdrawn.act(plan, 1.0)).reshape(-1)
+    columns = [*body.tilt[joint], *body.seat[joint]]  # of the joint after it, counted from nought
+    askew = np.stack([rest.jacobian[:, columns] for rest in stage.tips.rests], axis=1).reshape(-1, len(columns))
+    left = moved - askew @ np.linalg.lstsq(askew, moved, rcond=None)[0]
+    assert np.linalg.norm(left) < 2e-3 * np.linalg.norm(moved)
+    spans, geometry = library_spans(stage), basis(geometry_columns(stage))
+    assert sized(withdrawn, stage, 3e-5, spans, geometry) is None
 
 
 def test_no_unknown_class_has_a_template_in_what_is_judged():
@@ -529,11 +547,17 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
         truth("a", "unknown", unknown=there),
         truth("b", "unknown", unknown=there | {"class": "gas_spring"}),
         truth("c", "unknown", unknown=there | {"class": "product_of_joints"}),
+        truth("d", "unknown", unknown=there | {"class": WITHDRAWN[0]}),
     ]
     answers = {"a": said("a", "unknown"), "b": said("b", "none"), "c": said("c", "unknown")}
-    words = " ".join(section(score(truths, answers, "sealed")).split())
+    words = " ".join(section(score(truths[:3], answers, "sealed")).split())
     assert "`product_of_joints`, is no proof any more" in words
-    assert "Of the other 2 classes 1 of 2 cases are called unknown." in words
+    assert "is not unknown" not in words
+    assert "Of the other 2 classes 1 of 2 cases are called unknown and 0 are given a name" in words
+    answers["d"] = said("d", "named", entry("axis_misalignment", [3]))
+    words = " ".join(section(score(truths, answers, "sealed")).split())
+    assert f"Another, `{WITHDRAWN[0]}`, is not unknown" in words
+    assert "Of the other 2 classes 1 of 2 cases are called unknown and 0 are given a name" in words
     assert "no proof any more" not in section(score(truths, answers, "disclosed"))
 
 

@@ -63,7 +63,12 @@ PROOF: tuple[str, ...] = (
 )
 
 
+WITHDRAWN: tuple[str, ...] = ("wobbling_axis",)
+"""Drawn no more, as they are not unknown: an axis whose tilt turns with it is the next one askew and aside, to first
+order exactly. It counted as unknown in four draws, since the usual causes were given tilts of axes without shifts."""
+
+
 def classes_of(half: str) -> tuple[UnknownClass, ...]:
-    """The unknown classes of the half `development` or `proof`."""
+    """The unknown classes of the half `development` or `proof` that are drawn."""
     names = {"development": DEVELOPMENT, "proof": PROOF}[half]
-    return tuple(each for each in CLASSES if each.name in names)
+    return tuple(each for each in CLASSES if each.name in names and each.name not in WITHDRAWN)
