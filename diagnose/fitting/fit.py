@@ -167,7 +167,20 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
     if candidate.of_drives or left_of_a_drive(candidate, name):
         # Added to what the arm file gives the drive, the whole may not become negative: none turns against its load.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
-    return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), parameter.upper
+    upper = min(parameter.upper, _most_expansion(candidate, name, prepared.observed))
+    return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), upper
+
+
+def _most_expansion(candidate: Candidate, name: str, observed: Observed) -> float:
+    """The most that links may expand by (1/K) whose material says by how much they do; infinite where one does not, and
+    for sizes that are no expansion."""
+    effect = EFFECTS[candidate.effect]
+    parameter = parameter_of(effect, name)
+    if parameter.kind != "thermal_expansion" or effect.place != "link" or not candidate.at:
+        return np.inf
+    declared = [observed.state.links[index].beam.thermal_expansion for index in candidate.at]
+    most = max(np.inf if each is None else float(np.max(each)) for each in declared)
+    return max(observed.rules.fitting.expands * most, 2.0 * max(parameter.typical))
 
 
 def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> float:

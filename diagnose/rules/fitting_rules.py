@@ -207,6 +207,13 @@ class FittingRules:
         "More extra mass at the tip than this, no arm lifts: the lightest for what they carry lift their own.",
         "A. Albu-Schaeffer et al., Industrial Robot 34 (2007) 376: a load-to-weight ratio of 1:1",
     )
+    expands: float = rule(
+        3.0,
+        "times what the arm file declares",
+        "No link expands by more, nor by more than twice the most that is usual, where its material declares by how "
+        "much it does: what seems to is another length.",
+        "judged: steel taken for what was aluminium is off by 2",
+    )
     largest_unnamed: float = rule(
         0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF
     )

@@ -10,6 +10,7 @@ from diagnose.fitting.fit import bounds, displacement, fit, impossible, remainin
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.residual.observe import observe
+from materials.catalogue import load_catalogue
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -79,6 +80,28 @@ def test_sizes_beyond_their_bounds_are_impossible(null):
             residual = noise_of(null, rng) + null.columns[member][:, :, 0] * size
             trial = with_residual(null, residual)
             assert (impossible(trial, fit(trial, [member])) is None) is works
+
+
+def test_a_link_expands_by_little_more_than_its_material_does():
+    """Of aluminium by 69 um/(m*K) at most, of steel by 48; where the file is silent, by what anything does."""
+    catalogue, arm = load_catalogue(user=False), made_arm()
+    aluminium = catalogue.find("aluminium-6061-t6")
+    silent = {name: value for name, value in aluminium.properties.items() if name != "thermal_expansion"}
+    for material, most in (
+        (aluminium, 3.0 * 23e-6),
+        (catalogue.find("steel-s355"), 2.0 * 24e-6),
+        (replace(aluminium, properties=silent), 3e-4),
+    ):
+        links = tuple(replace(link, material=material) for link in arm.links)
+        prepared = prepare(observe(replace(arm, links=links), recorded(arm)), Options())
+        member = group_of(prepared, "thermal_expansion", (1,), lag=0.0)
+        candidate = prepared.pool.groups[member].candidate
+        assert bounds(candidate, "expansion", prepared)[1] == pytest.approx(most)
+        for size, possible in ((0.9 * most, True), (1.6 * most, False)):
+            trial = with_residual(
+                prepared, 0.01 * prepared.observed.residual + prepared.columns[member][:, :, 0] * size
+            )
+            assert (impossible(trial, fit(trial, [member])) is None) is possible
 
 
 def test_usual_sizes(null):
