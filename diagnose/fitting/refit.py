@@ -114,7 +114,9 @@ def refit(
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     within = [_within_bounds(prepared, *each) for each in zip(terms, spread.errors, strict=True)]
     if any(one is not other for one, other in zip(within, terms, strict=True)):
-        terms = within
+        # What made up for the rest of a size that stands at its bound now is fitted anew beside it.
+        held = [one.sizes != other.sizes for one, other in zip(within, terms, strict=True)]
+        prepared, terms = _solved(given, within, fitted.unit, held)
         residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(
         _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
@@ -269,9 +271,11 @@ def _entry(term: Term) -> EffectEntry | None:
     return entry(term.candidate, term.sizes.tolist())
 
 
-def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepared, list[Term]]:
-    """Gauss-Newton over all sizes, with steps halved as long as they make things worse; the recording with the
-    flexibility found in it beside the terms."""
+def _solved(
+    prepared: Prepared, terms: list[Term], unit: float, held: Sequence[NDArray[np.bool_]] | None = None
+) -> tuple[Prepared, list[Term]]:
+    """Gauss-Newton over all sizes but those `held` (d,) of each term, with steps halved as long as they make things
+    worse; the recording with the flexibility found in it beside the terms."""
     prepared, terms = _coupled(prepared, terms)
     value = _to_be_least(prepared, terms, unit)
     for _ in range(_TOGETHER if any(term.shared for term in terms) else _NEWTON):
@@ -279,6 +283,8 @@ def _solved(prepared: Prepared, terms: list[Term], unit: float) -> tuple[Prepare
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
+        for span, still in zip(spans, held or [], strict=False):
+            design[:, span.start + np.flatnonzero(still)] = 0.0
         together = steps_of(terms, spans, design.shape[1])
         if together is not None:
             held, asked = together.held(hold_of(prepared, terms, unit))

@@ -176,3 +176,25 @@ def test_a_shape_that_the_data_do_not_bound_says_so():
     member = group_of(null, "thermal_expansion", (0, 1, 2), lag=1800.0)
     low, high = parameter(refitted(null, [member]), "lag").interval
     assert low == 0.0 or high == np.inf
+
+
+def test_beside_a_size_at_its_bound_the_others_are_fitted_anew():
+    """A drive that came out a little stiffer than rigid, by noise, stands at rigid; the next one, which had made up for
+    that, is where least squares put it beside a rigid drive."""
+    null = prepared_null()
+    members = [group_of(null, "joint_compliance", (place,)) for place in (1, 2)]
+    one, other = (null.columns[m][:, :, 0] for m in members)
+    rigid = -1.0 / 60e3
+    error = float(fit(with_residual(null, noise_of(null, np.random.default_rng(4))), members).errors[0][0])
+    residual = noise_of(null, np.random.default_rng(4)) + one * (rigid - 1.5 * error) + other * 4e-6
+    trial = with_residual(null, residual)
+    free, found = fit(trial, members), refitted(trial, members)
+    assert float(free.sizes[0][0]) < rigid
+    assert parameter(found, "compliance").value == pytest.approx(rigid)
+    assert parameter(found, "compliance").at_bound
+    white = null.observed.whitened
+    design = np.concatenate([white(null.beside), white(null.columns[members[1]])], axis=1)
+    wanted = np.linalg.lstsq(design, white(residual - rigid * one), rcond=None)[0][-1]
+    apart = abs(float(free.sizes[1][0]) - wanted)
+    assert apart > 0.2 * float(free.errors[1][0])
+    assert parameter(found, "compliance", 1).value == pytest.approx(wanted, abs=0.1 * apart)
