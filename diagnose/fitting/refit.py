@@ -115,8 +115,8 @@ def refit(
     within = [_within_bounds(prepared, *each) for each in zip(terms, spread.errors, strict=True)]
     if any(one is not other for one, other in zip(within, terms, strict=True)):
         # What made up for the rest of a size that stands at its bound now is fitted anew beside it.
-        held = [one.sizes != other.sizes for one, other in zip(within, terms, strict=True)]
-        prepared, terms = _solved(given, within, fitted.unit, held)
+        still = [one.sizes != other.sizes for one, other in zip(within, terms, strict=True)]
+        prepared, terms = _solved(given, within, fitted.unit, still)
         residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(
         _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
@@ -272,10 +272,10 @@ def _entry(term: Term) -> EffectEntry | None:
 
 
 def _solved(
-    prepared: Prepared, terms: list[Term], unit: float, held: Sequence[NDArray[np.bool_]] | None = None
+    prepared: Prepared, terms: list[Term], unit: float, still: Sequence[NDArray[np.bool_]] = ()
 ) -> tuple[Prepared, list[Term]]:
-    """Gauss-Newton over all sizes but those `held` (d,) of each term, with steps halved as long as they make things
-    worse; the recording with the flexibility found in it beside the terms."""
+    """Gauss-Newton over all sizes but those of each term that stand `still` (d,), with steps halved as long as they
+    make things worse; the recording with the flexibility found in it beside the terms."""
     prepared, terms = _coupled(prepared, terms)
     value = _to_be_least(prepared, terms, unit)
     for _ in range(_TOGETHER if any(term.shared for term in terms) else _NEWTON):
@@ -283,8 +283,8 @@ def _solved(
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
-        for span, still in zip(spans, held or [], strict=False):
-            design[:, span.start + np.flatnonzero(still)] = 0.0
+        stand = [k for span, each in zip(spans, still, strict=False) for k in np.arange(span.start, span.stop)[each]]
+        design[:, stand] = 0.0
         together = steps_of(terms, spans, design.shape[1])
         if together is not None:
             held, asked = together.held(hold_of(prepared, terms, unit))
@@ -292,6 +292,7 @@ def _solved(
         step, before = solved(design, white), value
         for share in _SHARES:
             moved = share * step if together is None else together.taken(step, share)
+            moved[stand] = 0.0
             new = [
                 replace(_term(prepared, term.candidate, term.sizes + moved[span], term.columns), weights=term.weights)
                 for term, span in zip(terms, spans, strict=True)
