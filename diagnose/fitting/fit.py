@@ -208,10 +208,13 @@ def _whole_mass(observed: Observed) -> float:
 
 
 def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:
-    """What the arm file gives of a size already, the least over the candidate's places; infinite where nobody knows."""
-    effect, arm = EFFECTS[candidate.effect], observed.arm_given
+    """What the arm file gives of a size already, the least over the candidate's places; infinite where nobody knows.
+    Where payloads were recorded, the least of them is at the tip, and not the file's."""
+    effect, arm, carried = EFFECTS[candidate.effect], observed.arm_given, observed.recording.payload_mass
     if effect.declared is None or name != effect.sizes[0].name:
         return np.inf
+    if carried is not None:
+        arm = replace(arm, payload=replace(arm.payload, mass=float(np.min(carried))))
     beams = [link.beam for link in observed.state.links]
     entries = [each for each in arm.effects if each.effect == effect.id]
 

@@ -9,6 +9,7 @@ uncertainty in it, for a shape the values at which the likelihood, sizes fitted 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -518,7 +519,7 @@ def _parameters(
                 kind,
                 value,
                 interval,
-                not low < value < high,
+                not low < value < high or math.isclose(value, low) or math.isclose(value, high),
                 "" if also is None else also.effect,
                 None if also is None else (min(interval[0], ends[0]), max(interval[1], ends[1])),
             )

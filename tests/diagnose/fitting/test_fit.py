@@ -1,5 +1,6 @@
 """Linear fits of findings: sizes, their intervals, and what is physically impossible."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -80,6 +81,16 @@ def test_sizes_beyond_their_bounds_are_impossible(null):
             residual = noise_of(null, rng) + null.columns[member][:, :, 0] * size
             trial = with_residual(null, residual)
             assert (impossible(trial, fit(trial, [member])) is None) is works
+
+
+def test_no_less_hangs_at_the_tip_than_was_recorded():
+    """A file's payload of 2 kg is not there in readings without any: only the last link could be lighter."""
+    arm = made_arm()
+    for payloads, most in (((0.0, 5.0), 0.0), ((3.0, 5.0), 3.0)):
+        prepared = prepare(observe(arm, recorded(arm, payloads=payloads)), Options())
+        candidate = prepared.pool.groups[group_of(prepared, "payload")].candidate
+        link = math.pi * (0.04**2 - 0.036**2) * 0.3 * 2700.0  # a tube of aluminium
+        assert bounds(candidate, "mass", prepared)[0] == pytest.approx(-most - link)
 
 
 def test_a_link_expands_by_little_more_than_its_material_does():
