@@ -29,8 +29,8 @@ class AnswerRules:
         2.2,
         "times the noise floor",
         "More is not taken for scatter of an arm that no visit came back to: `unknown`, not `none`.",
-        "a tenth more than the most that arms which return badly leave on the development half of the second proof, "
-        "seeds 2026112801 to 2026112803",
+        "judged on the development half of the second proof, seeds 2026112801 to 2026112803: arms that return badly "
+        "and are rightly named leave 1.95 at most",
     )
     enough_returns: int = rule(
         8,
@@ -127,8 +127,7 @@ class AnswerRules:
         0.1,
         "share of the mismatch",
         "The same where what is left is no more than `too_far_to_scatter`: as far as that arms do return badly.",
-        "the most that let no unknown of the development half of the second proof pass for a name, of those that leave "
-        "so little, seeds 2026112801 to 2026112803",
+        "judged on the development half of the second proof, seeds 2026112801 to 2026112803",
     )
     scatter_carries: float = rule(
         1.35,

@@ -106,6 +106,29 @@ def test_a_drive_is_found_beside_a_tracker_that_wanders():
     assert found.unknown is None
 
 
+def _warming(seed, warm, moved):
+    q = np.repeat(poses(seed, 50), 2, axis=0)
+    tip = tips(q) + moved(np.random.default_rng(seed + 50)) + noise(seed, len(q))
+    return diagnose(file(), recording(q, tip, temperature=293.15 + warm))
+
+
+def test_a_walk_is_not_what_a_hall_that_warms_evenly_does():
+    """Whatever goes with a smooth temperature goes with time: a walk was `something that follows the temperature`."""
+    warm = 6.0 * (1.0 - np.exp(-np.arange(100) / 50.0))
+    found = _warming(3, warm, lambda rng: np.cumsum(0.35 * SIGMA * rng.standard_normal((100, 2)), axis=0))
+    assert found.verdict == "none"
+    assert any(note.startswith("The instrument wanders") for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_what_does_follow_the_temperature_is_no_walk(seed):
+    warm = 6.0 * np.sin(np.linspace(0.0, 2.0 * np.pi, 100))
+    found = _warming(seed, warm, lambda _: SIGMA * np.outer(warm, [1.0, -0.5]))
+    assert found.unknown is not None
+    assert found.unknown.depends_on == ("temperature_degC", "time")
+    assert found.unknown.shape == "something that follows the temperature"
+
+
 def test_what_else_goes_with_time_is_no_walk():
     """A frame that drifts evenly, and something that slipped."""
     along = np.array([1.0, 0.5])
