@@ -82,7 +82,8 @@ def _application(desk: Desk) -> FastAPI:
     app = FastAPI(lifespan=until_the_end, openapi_url=None, docs_url=None, redoc_url=None)
     add_files(app, desk.shelf)
     add_pages(desk)
-    ui.run_with(app, title="Linkwright", dark=None, show_welcome_message=False, reconnect_timeout=10.0)
+    # A page that was silent for less than this (a busy machine, a laptop's lid) goes on where it was; else it is empty.
+    ui.run_with(app, title="Linkwright", dark=None, show_welcome_message=False, reconnect_timeout=60.0)
     return app
 
 
