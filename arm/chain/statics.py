@@ -65,7 +65,8 @@ class LinkState:
 class JointState:
     """A joint at a pose: its axis, what it carries (force N, moment N*m) and the load on its drive.
 
-    `drive_load` is the torque about the axis (N*m), or the force along it (N) for a slide.
+    `drive_load` is the torque about the axis (N*m), or the force along it (N) for a slide. `whole_load` is 1 where
+    these loads hold what the arm's effects add to its file too (measured ones do), else 0.
     """
 
     revolute: bool
@@ -80,6 +81,7 @@ class JointState:
     coordinate: Scalar
     spans: int
     zones: Zones = ()
+    whole_load: Scalar = 0.0
 
 
 @dataclass(frozen=True)

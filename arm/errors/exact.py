@@ -26,6 +26,7 @@ from arm.chain.vectors import Rotation as Rows
 from arm.chain.vectors import Scalar, Vector
 from arm.effects import Twist
 from arm.effects.effect import NO_LOAD
+from arm.effects.loads.added_weights import bearing, borne_wholly
 from sections.numeric import Array
 
 from .tip import ActiveEffect, on_the_way
@@ -167,7 +168,8 @@ class _Chain:
         """The state whose loads seat play: on the shape, but for joints that nothing loads at the undeformed pose."""
         if self.play_stays:
             return self.state
-        pairs = zip(self.state.joints, now.joints, strict=True)
+        now = borne_wholly(now)
+        pairs = zip(bearing(self.state).joints, now.joints, strict=True)
         return replace(now, joints=tuple(self._loaded_by_more_than_a_hair(*pair) for pair in pairs))
 
     def _loaded_by_more_than_a_hair(self, undeformed: JointState, there: JointState) -> JointState:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from arm.effects import EFFECTS
+from arm.effects.loads.added_weights import bearing
 from diagnose.patterns.library import Candidate, columns_of, parameter_of
 from diagnose.patterns.pool import orthonormal
 from diagnose.residual.observed import Observed
@@ -40,7 +41,8 @@ def between_loads(observed: Observed, candidate: Candidate, within: tuple[float,
 
 def _edges(observed: Observed, candidate: Candidate, within: tuple[float, float]) -> Array:
     """Two ends, and the logarithms of the loads (N*m or N) that were borne between them, each once."""
-    joints = [observed.state.joints[index] for index in candidate.at] if candidate.at else observed.state.joints
+    joints = bearing(observed.state).joints
+    joints = [joints[index] for index in candidate.at] if candidate.at else joints
     borne = [np.abs(np.broadcast_to(joint.drive_load, (observed.rows,))) for joint in joints]
     loads = np.unique(np.concatenate(borne))
     low, high = within

@@ -16,6 +16,7 @@ import numpy as np
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
 from arm.effects.effect import Condition
+from arm.effects.loads.added_weights import bearing
 from arm.files.read import acts_on_slides
 from diagnose.residual.observed import Observed
 from diagnose.several.recordings import Several
@@ -260,5 +261,6 @@ def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:
 
 def _load_scale(observed: Observed, at: tuple[int, ...]) -> float:
     """The greatest load (N*m, N) on the drives at these places; one where they carry none."""
-    joints = [observed.state.joints[index] for index in at] if at else list(observed.state.joints)
+    joints = bearing(observed.state).joints
+    joints = [joints[index] for index in at] if at else list(joints)
     return max(float(np.max(np.abs(joint.drive_load))) for joint in joints) or 1.0

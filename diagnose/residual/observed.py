@@ -20,7 +20,7 @@ from arm.effects import EFFECTS, Settings
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
 from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
 from arm.effects.geometry.link_length import LINK_LENGTH
-from arm.effects.loads.base_tilt import weights_added
+from arm.effects.loads.added_weights import weights_added
 from arm.errors.recorded import Asked, Channels, seen
 from diagnose.instruments.camera import Sight
 from diagnose.instruments.view import View

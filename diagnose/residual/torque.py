@@ -248,6 +248,7 @@ def under_measured(state: PoseState, torques: Sequence[DriveTorque]) -> PoseStat
     """The state with the loads that were measured on the drives whose compliance is judged by them."""
     held = {each.joint: each.held for each in torques if each.instead}
     joints = tuple(
-        replace(joint, drive_load=held[index]) if index in held else joint for index, joint in enumerate(state.joints)
+        replace(joint, drive_load=held[index], whole_load=1.0) if index in held else joint
+        for index, joint in enumerate(state.joints)
     )
     return replace(state, joints=joints)

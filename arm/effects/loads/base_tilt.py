@@ -6,20 +6,15 @@ base; where it does not, its own turn is a `frame_misalignment`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from types import MappingProxyType
 
-from arm.chain.chain import EffectEntry
 from arm.chain.statics import PoseState
 from arm.chain.vectors import ZERO, Vector, cross, is_zero
 from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
-from .link_mass import LINK_MASS
-from .payload import PAYLOAD
-
-_WEIGHTS = MappingProxyType({effect.id: effect for effect in (PAYLOAD, LINK_MASS)})
+from .added_weights import moved_by_weights, weights_added
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -31,12 +26,9 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         return
     yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
     for entry in weights_added(state.arm.effects):
-        yield from _WEIGHTS[entry.effect].twists(replace(state, gravity=change), Settings.of(entry))
-
-
-def weights_added(effects: Iterable[EffectEntry]) -> tuple[EffectEntry, ...]:
-    """Those of an arm's effects that are masses beyond the file's."""
-    return tuple(entry for entry in effects if entry.effect in _WEIGHTS)
+        alone = moved_by_weights(replace(state, gravity=change), entry)
+        if alone is not None:
+            yield from elastic_twists(alone)
 
 
 def _turned(settings: Settings) -> Vector:

@@ -20,14 +20,22 @@ from arm.effects.effect import Effect, Settings, Sum, Twist, given, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def link_masses_alone(state: PoseState, settings: Settings) -> PoseState | None:
+    """The same pose under those masses alone; None where there are none."""
     added = [
         _added(link.beam, settings.values) if settings.acts_at(index) else (0.0, 0.0)
         for index, link in enumerate(state.links)
     ]
     masses, moments = tuple(mass for mass, _ in added), tuple(moment for _, moment in added)
-    if not all(isinstance(value, float) and value == 0.0 for value in (*masses, *moments)):
-        yield from elastic_twists(under_other_loads(state, link_masses=masses, link_moments=moments, weightless=True))
+    if all(isinstance(value, float) and value == 0.0 for value in (*masses, *moments)):
+        return None
+    return under_other_loads(state, link_masses=masses, link_moments=moments, weightless=True)
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    alone = link_masses_alone(state, settings)
+    if alone is not None:
+        yield from elastic_twists(alone)
 
 
 def _added(beam: Beam, values: Mapping[str, float]) -> tuple[Scalar, Scalar]:

@@ -13,10 +13,16 @@ from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 from .link_mass import mass_declared
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def payload_alone(state: PoseState, settings: Settings) -> PoseState | None:
+    """The same pose under that mass alone; None where there is none."""
     mass = settings.values.get("mass", 0.0)
-    if mass != 0.0:
-        yield from elastic_twists(under_other_loads(state, payload_mass=mass, weightless=True))
+    return None if mass == 0.0 else under_other_loads(state, payload_mass=mass, weightless=True)
+
+
+def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+    alone = payload_alone(state, settings)
+    if alone is not None:
+        yield from elastic_twists(alone)
 
 
 def _declared(arm: Arm, beams: Sequence[Beam], _place: int) -> float:

@@ -6,25 +6,28 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arm.chain.statics import PoseState
+from arm.chain.statics import JointState, PoseState
 from arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, drive_motion, shape, size
+from arm.effects.loads.added_weights import bearing
+
+
+def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
+    """The joints that have play, with all that they bear, and how much of it."""
+    totals = [settings.values.get("total", joint.backlash) for joint in state.joints]
+    found = [index for index, total in enumerate(totals) if total != 0.0 and settings.acts_at(index)]
+    borne = bearing(state).joints if found else ()
+    return [(index, borne[index], totals[index]) for index in found]
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
-    for index, joint in enumerate(state.joints):
-        total = settings.values.get("total", joint.backlash)
-        if total == 0.0 or not settings.acts_at(index):
-            continue
+    for index, joint, total in _loose(state, settings):
         yield Interval(drive_motion(state, index, 0.5 * total), joint.drive_load)
 
 
 def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
     held_below = settings.values.get("held_below", 0.0)
     sides = state.conditions.sides
-    for index, joint in enumerate(state.joints):
-        total = settings.values.get("total", joint.backlash)
-        if total == 0.0 or not settings.acts_at(index):
-            continue
+    for index, joint, total in _loose(state, settings):
         # What nothing loads the least friction holds.
         held = (np.abs(joint.drive_load) <= NO_LOAD) | (np.abs(joint.drive_load) < held_below)
         pushed = np.where(held, 0.0, np.sign(joint.drive_load))

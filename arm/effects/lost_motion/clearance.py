@@ -6,16 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arm.chain.statics import PoseState
+from arm.chain.statics import JointState, PoseState
 from arm.chain.vectors import dot, scale, subtract
 from arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
+from arm.effects.loads.added_weights import bearing
+
+
+def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
+    """The joints that have clearance, with all that they bear, and its radius."""
+    radii = [settings.values.get("radius", joint.clearance) for joint in state.joints]
+    found = [index for index, radius in enumerate(radii) if radius != 0.0 and settings.acts_at(index)]
+    borne = bearing(state).joints if found else ()
+    return [(index, borne[index], radii[index]) for index in found]
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
-    for index, joint in enumerate(state.joints):
-        radius = settings.values.get("radius", joint.clearance)
-        if radius == 0.0 or not settings.acts_at(index):
-            continue
+    for index, joint, radius in _loose(state, settings):
         if state.planar and not joint.revolute:
             # In the plane a slide can only shift across itself, either way.
             across = (-joint.axis[1], joint.axis[0], 0.0)
@@ -26,10 +32,7 @@ def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
 
 
 def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    for index, joint in enumerate(state.joints):
-        radius = settings.values.get("radius", joint.clearance)
-        if radius == 0.0 or not settings.acts_at(index):
-            continue
+    for index, joint, radius in _loose(state, settings):
         across = subtract(joint.force, scale(dot(joint.axis, joint.force), joint.axis))
         length = np.sqrt(dot(across, across))
         share = np.where(length > NO_LOAD, 1.0 / np.where(length > NO_LOAD, length, 1.0), 0.0)

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from arm.chain.statics import JointState, PoseState
 from arm.chain.vectors import Scalar, plus, times
 from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, size
+from arm.effects.loads.added_weights import bearing
 from sections.numeric import absolute
 
 
@@ -24,7 +25,7 @@ def _any(settings: Settings) -> bool:
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
-    for index, joint in enumerate(state.joints):
+    for index, joint in enumerate(bearing(state).joints):
         if _any(settings) and settings.acts_at(index):
             # Friction works against the last motion, whatever the load: nothing seats it.
             yield Interval(drive_motion(state, index, _windup(joint, settings)), 0.0)
@@ -34,7 +35,7 @@ def _seated(state: PoseState, settings: Settings) -> Iterator[Twist]:
     sides = state.conditions.sides
     if sides is None or not _any(settings):
         return
-    for index, joint in enumerate(state.joints):
+    for index, joint in enumerate(bearing(state).joints):
         if settings.acts_at(index):
             yield from drive_motion(state, index, times(-1.0, times(sides[index], _windup(joint, settings))))
 
