@@ -43,7 +43,8 @@ def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str,
     for other in (group.candidate for group in prepared.pool.groups):
         if other.outside or other.share or other.at != own.at or other.effect in named or len(other.sizes) != 1:
             continue
-        columns = columns_of(prepared.observed, other) if _usual(other) else None
+        times = prepared.observed.rules.fitting.usual
+        columns = columns_of(prepared.observed, other) if _usual(other, times) else None
         if columns is None or columns.shape[2] != 1:
             continue
         column = prepared.observed.whitened(columns)[:, 0]
@@ -57,7 +58,8 @@ def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str,
     return found
 
 
-def _usual(candidate: Candidate) -> bool:
-    """Whether no shape of a candidate is beyond what is usual: play under a load that no friction holds is seated."""
+def _usual(candidate: Candidate, times: float) -> bool:
+    """Whether no shape of a candidate is so many times beyond what is usual: play under a load that no friction holds
+    is seated."""
     parameters = [(parameter_of(EFFECTS[candidate.effect], name), at) for name, at in candidate.shapes.items()]
-    return all(abs(at) <= max(abs(end) for end in parameter.typical) for parameter, at in parameters)
+    return all(abs(at) <= times * max(abs(end) for end in parameter.typical) for parameter, at in parameters)

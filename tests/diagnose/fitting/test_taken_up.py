@@ -54,7 +54,7 @@ def test_the_constant_of_a_windup_may_be_play_that_friction_holds(tmp_path: Path
 
 def test_play_under_loads_that_no_friction_holds_is_no_part_of_it(tmp_path: Path) -> None:
     """There it would be seated by the load, which shows."""
-    windup = constant(wound_up(tmp_path, (20.0, 40.0)))
+    windup = constant(wound_up(tmp_path, (60.0, 90.0)))
     assert windup.may_hold == ""
     assert windup.alone == windup.interval
 
