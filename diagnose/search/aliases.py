@@ -68,11 +68,18 @@ def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[N
     return sorted(found.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))
 
 
+def stands(namer: Namer, number: int) -> bool:
+    """Whether a group is of one joint, which stands still in the recording."""
+    places, travel = namer.pool.groups[number].candidate.at, namer.prepared.observed.recording.q
+    least = namer.prepared.observed.rules.patterns.stands
+    return len(places) == 1 and float(np.ptp(travel[:, places[0]])) < least
+
+
 def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequence[Rival]) -> int:
     """Which name of an alias class goes first: among those that fit equally well, one at a joint that moves before one
     that only shares its pattern, then the one with fewest coefficients, of a usual size, and the commonest cause."""
 
-    travel, whole = namer.prepared.observed.recording.q, namer.prepared.observed.rules
+    whole = namer.prepared.observed.rules
 
     def order(number: int) -> tuple[bool, int, bool, int]:
         candidate = namer.pool.groups[number].candidate
@@ -81,7 +88,7 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
         sizes = fitted.sizes[trial.index(number)]
         usual = typical(candidate, np.array(candidate.from_slopes(sizes.tolist())), rules=whole.fitting)
         rank = LAST_RANK if candidate.outside else EFFECTS[candidate.effect].rank
-        still = len(candidate.at) == 1 and float(np.ptp(travel[:, candidate.at[0]])) < whole.patterns.stands
+        still = stands(namer, number)
         # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
         unknown = len(sizes) != len(candidate.sizes)
         coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank

@@ -19,7 +19,7 @@ from diagnose.fitting.refit import Refit, refit
 from diagnose.patterns.unknown_weights import only_products
 from diagnose.residual.observed import rms_length
 
-from .aliases import renamed
+from .aliases import renamed, stands
 from .large_motions import candidates_of
 from .naming import Named, Namer, name_missing
 
@@ -62,7 +62,8 @@ def renamed_under_one_set(namer: Namer, named: Named) -> tuple[int, ...]:
         if other is None:
             continue
         reached = _criterion(namer, other, (*trial, *named.outside))
-        if reached <= value + namer.rules.confident:
+        accused = stands(namer, kept[place]) and not stands(namer, name)
+        if reached <= value + (namer.rules.refuted if accused else namer.rules.confident):
             kept, value = trial, reached
     return kept
 

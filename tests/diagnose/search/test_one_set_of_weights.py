@@ -11,6 +11,7 @@ from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
 from diagnose.residual.observe import observe
 from diagnose.rules.rules import RULES
+from diagnose.search import one_set_of_weights
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set
 from tests.diagnose.fitting.test_shared_weights import on_a_soft_base, standing_arm
@@ -54,3 +55,23 @@ def test_nothing_that_gives_is_left_as_it_is_named() -> None:
     named = Named((member(namer, *SECOND),), (), (0.001,), namer.test(()), None)
     assert under_one_set(namer, named, lambda _: pytest.fail("searched again")) is named
     assert renamed_under_one_set(namer, replace(named, members=())) == ()
+
+
+@pytest.mark.parametrize(("travel", "worse", "first"), [(0.0, 10.0, 3), (1.0, 10.0, 2), (0.0, 30.0, 2)])
+def test_a_drive_that_stands_is_not_accused_for_one_that_moves(
+    monkeypatch: pytest.MonkeyPatch, travel: float, worse: float, first: int
+) -> None:
+    """A drive that turns takes its place where it fits nearly as well, not where that is refuted; of two that turn the
+    better stays. The criteria are given."""
+    namer = namer_of(0.0, 2e-5)
+    recording = namer.prepared.observed.recording
+    q = recording.q.copy()
+    q[:, 1] *= travel
+    observed = replace(namer.prepared.observed, recording=replace(recording, q=q))
+    namer = namer.with_prepared(replace(namer.prepared, observed=observed))
+    second, third = (member(namer, "joint_compliance", (index,)) for index in (1, 2))
+    monkeypatch.setattr(one_set_of_weights, "renamed", lambda *_: (third,))
+    monkeypatch.setattr(one_set_of_weights, "_joint", lambda *_: object())
+    monkeypatch.setattr(one_set_of_weights, "_criterion", lambda *given: worse if given[-1][0] == third else 0.0)
+    named = Named((second,), (), (0.001,), namer.test(()), None)
+    assert renamed_under_one_set(namer, named) == ((third,) if first == 3 else (second,))
