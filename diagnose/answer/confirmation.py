@@ -137,7 +137,7 @@ class Confirmed:
         width = self.observed.residual.shape[1]
         rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
         room = unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
-        if len(self.members) >= self.rules.fitting.many_findings:
+        if len(self.members) >= self.rules.fitting.more_findings:
             room = room.at_least(self.rules.fitting.least_unnamed)
         weak = self._weak()
         if not weak:
@@ -438,7 +438,7 @@ class Confirmed:
         return members, tuple(rivals(self.namer, whole, member, (judge,)) for member in members), alike
 
     def _with_room(self, members: Sequence[int]) -> Namer:
-        """The namer with as much room for causes too small to be named as intervals have."""
+        """The namer with as much room for causes too small to be named as intervals have, where names are many."""
         rules = self.rules.fitting
         return self.namer.with_room(members, least=rules.least_unnamed if len(members) >= rules.many_findings else 0.0)
 

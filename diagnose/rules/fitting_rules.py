@@ -233,10 +233,20 @@ class FittingRules:
         "Where visits differ by so much more than readings of a visit, intervals rest on how visits differ.",
         JUDGED,
     )
+    more_findings: int = rule(
+        2,
+        "findings",
+        "From so many on intervals have room for causes too small to be named: one alone may be all there is, a second "
+        "says that the arm has more.",
+        "development half of the second proof, seeds 2026112804 and 2026112805: of 71 intervals beside one other "
+        "finding 62 held without, 69 with",
+        rows="It counts causes, of which an arm has as many however long it is recorded.",
+    )
     many_findings: int = rule(
         3,
         "findings",
-        "From so many on an arm has causes too small to be named: what is found is the largest of them.",
+        "From so many on an arm has causes too small to be named, of which the largest were chosen: other names that "
+        "could be with room for those are declared.",
         "development half of the second proof, seed 2026112402",
         rows="It counts causes, of which an arm has as many however long it is recorded.",
     )

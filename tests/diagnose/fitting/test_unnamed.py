@@ -107,6 +107,31 @@ def test_intervals_cover_though_names_were_chosen_to_leave_little():
     assert within(covered["usual"], trials=trials)
 
 
+def test_intervals_cover_beside_one_more_name_that_was_chosen():
+    """Of six small causes one was named beside the large one, for it left least."""
+    null = prepared_null()
+    member = group_of(null, "joint_compliance", (2,))
+    rng, trials = np.random.default_rng(33), 80
+    own = null.pool.groups[member].candidate.family
+    others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
+    covered = dict.fromkeys(("none", "usual"), 0)
+    for _ in range(trials):
+        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
+        for k in rng.choice(others, 6, replace=False).tolist():
+            group = null.pool.groups[k]
+            way = rng.normal(size=group.rank)
+            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
+            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
+        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        members = chosen(prepared, member, 1, others)
+        usual = room_of(prepared, members).at_least(RULES.fitting.least_unnamed)
+        for name, room in (("none", None), ("usual", usual)):
+            low, high = refit(prepared, members, (), fit(prepared, members), room).parameters[0][0].interval
+            covered[name] += low <= 0.0 <= high
+    assert covered["none"] < 0.85 * trials
+    assert within(covered["usual"], trials=trials)
+
+
 def test_intervals_cover_where_visits_differ():
     """An arm that returns to a pose twice as inexactly as readings of a visit differ: each visit counts once."""
     null = prepared_null(repeats=4)
