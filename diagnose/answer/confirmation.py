@@ -383,12 +383,13 @@ class Confirmed:
         nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
         beyond, whole = left**2 - quiet**2, rms_length(nothing) ** 2 - quiet**2
         local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
-        most = rules.scatter_beside if left <= rules.too_far_to_scatter * quiet else rules.scatter_left
-        if local or beyond > most * whole:
+        if local or beyond > rules.scatter_beside * whole or self._visits_follow() < rules.scatter_follows:
             return False
-        if self._visits_follow() < rules.scatter_follows:
+        if self._predictable() * left**2 > rules.scatter_predicts * beyond:
             return False
-        return self._predictable() * left**2 <= rules.scatter_predicts * beyond
+        # So much is not believed unseen, with names as without.
+        self.may_scatter = left > rules.too_far_to_scatter * quiet
+        return not self.may_scatter
 
     def _predictable(self) -> float:
         """The share of what is left beside the findings that is predicted where it was not seen; worked out once."""

@@ -28,7 +28,7 @@ class AnswerRules:
     too_far_to_scatter: float = rule(
         2.2,
         "times the noise floor",
-        "More is not taken for scatter of an arm that no visit came back to: `unknown`, not `none`.",
+        "More is not taken for scatter of an arm that no visit came back to, beside names or without: `unknown`.",
         "judged on the development half of the second proof, seeds 2026112801 to 2026112803: arms that return badly "
         "and are rightly named leave 1.95 at most",
     )
@@ -116,17 +116,11 @@ class AnswerRules:
         "of it.",
         JUDGED,
     )
-    scatter_left: float = rule(
-        0.03,
-        "share of the mismatch",
-        "Findings that leave less (sum of squares beyond the noise), and nothing that predicts itself, stand beside "
-        "an arm that returns badly; where they leave more, readings of a visit refute them.",
-        JUDGED,
-    )
     scatter_beside: float = rule(
         0.1,
         "share of the mismatch",
-        "The same where what is left is no more than `too_far_to_scatter`: as far as that arms do return badly.",
+        "Findings that leave no more (sum of squares beyond the noise), and nothing that predicts itself, stand beside "
+        "an arm that returns badly; where they leave more, readings of a visit refute them.",
         "judged on the development half of the second proof, seeds 2026112801 to 2026112803",
     )
     scatter_carries: float = rule(
