@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import textwrap
 from pathlib import Path
@@ -82,8 +83,22 @@ TRIALS = {
     material, and beside a size that stands at its bound the others are fitted anew (one case of the fourth trial
     was called unknown for that).
     """,
+    2026112902: """
+    A fifth trial (seed 2026112902, 300 cases) was opened after that: false alarms none of 75, large causes named
+    96.0 % (166 of 173), unknown classes called unknown 95.6 % (43 of 45), given a name 2.2 % (1 of 45), one
+    impossible size (2 kg less than nothing at the tip, in an `unknown`), intervals 92.4 % (401 of 434). No more is
+    lacking at the tip since than the least payload recorded and the last link weigh. The rest comes from 300
+    development cases (seeds 2026112804 and 2026112805; intervals 364 of 394): drives that harden, creep or wind up
+    by friction bear the weights that were found, not the file's alone; friction may hold play under loads of up to
+    three times what is usual; and intervals have room for causes too small to be named from the second finding on,
+    no longer from the third. One more came from them when the trial above was answered but not opened, and is not
+    in its answers: more than 2.2 times the noise is no longer taken for scatter beside names where no pose was come
+    back to (four names for a steel floor, 2.9 times the noise). And no link is found to weigh less than a tenth of
+    what its file says, since the trial above had one of nothing.
+    """,
 }
-"""What the earlier openings of the proof half said, by their seeds; they stand beside every later one."""
+"""What the openings of the proof half said, by their seeds, in the order in which they were opened; the earlier ones
+stand beside every later one."""
 NO_FORM = "No unknown class of any trial got a form of its own: each is a new draw of the same classes."
 
 ENOUGH = 100
@@ -132,7 +147,8 @@ def section(score: Score) -> str:
         lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
     if half == "proof":
         lines += ["", _wrapped(_of_others(score))]
-    earlier = [told for seed, told in TRIALS.items() if seed < min(score.seeds, default=0)] if half == "proof" else []
+    before = itertools.takewhile(lambda seed: seed not in score.seeds, TRIALS) if half == "proof" else ()
+    earlier = [TRIALS[seed] for seed in before]
     for told in [*earlier, *([NO_FORM] if earlier else [])]:
         lines += ["", _wrapped(told)]
     lines += [

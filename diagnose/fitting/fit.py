@@ -168,7 +168,8 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
         # Added to what the arm file gives the drive, the whole may not become negative: none turns against its load.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     upper = min(parameter.upper, _most_expansion(candidate, name, prepared.observed))
-    return max(parameter.lower, -_in_the_file(candidate, name, prepared.observed)), upper
+    there = 1.0 - prepared.observed.rules.fitting.lightest if EFFECTS[candidate.effect].place == "link" else 1.0
+    return max(parameter.lower, -there * _in_the_file(candidate, name, prepared.observed)), upper
 
 
 def _most_expansion(candidate: Candidate, name: str, observed: Observed) -> float:

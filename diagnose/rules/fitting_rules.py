@@ -201,6 +201,12 @@ class FittingRules:
         "More than this and a usual extra mass does not hang on a link whose mass the arm file tells.",
         JUDGED,
     )
+    lightest: float = rule(
+        0.1,
+        "share of its mass",
+        "No link weighs less of what its file says: one of no weight would be none.",
+        JUDGED,
+    )
     lifts: float = rule(
         1.0,
         "times its own mass",

@@ -149,6 +149,17 @@ def test_no_more_hangs_on_a_link_than_its_mass_allows(null):
         assert (reason is None) is possible
 
 
+def test_no_link_weighs_nothing(null):
+    """A tenth of what the file says is left of it at least; at the tip all of the payload recorded may be lacking."""
+    link = null.pool.groups[group_of(null, "link_mass", (1,))].candidate
+    own = float(null.observed.state.links[1].beam.mass)
+    assert bounds(link, "mass", null)[0] == pytest.approx(-0.9 * own)
+    tip = null.pool.groups[group_of(null, "payload", ())].candidate
+    last = float(null.observed.state.links[2].beam.mass)
+    least = float(np.min(null.observed.recording.payload_mass))
+    assert bounds(tip, "mass", null)[0] == pytest.approx(-least - last)
+
+
 def test_no_more_hangs_at_the_tip_than_an_arm_lifts(null):
     """What its links weigh, or what hangs on the last one: a usual 5 kg and as much as it weighs."""
     candidate = null.pool.groups[group_of(null, "payload", ())].candidate
