@@ -177,6 +177,8 @@ def name_missing(namer: Namer, tell: Callable[[float], None], before: Sequence[C
     gate = namer.test(())
     tell(0.2)
     if min(gate[0].p_value, gate[1].p_value) > namer.rules.false_alarm:
+        gate = (replace(gate[0], p_value=min(gate[0].p_value, _two_at_once(namer))), gate[1])
+    if min(gate[0].p_value, gate[1].p_value) > namer.rules.false_alarm:
         return Named((), (), (), gate, None)
     members, p_values = _of_library(namer)
     tell(0.6)
@@ -194,6 +196,18 @@ def name_missing(namer: Namer, tell: Callable[[float], None], before: Sequence[C
     left = namer.test((*members, *outside))
     tell(1.0)
     return Named(members, outside, p_values, gate, left)
+
+
+def _two_at_once(namer: Namer) -> float:
+    """The p-value of the best two of the library where a mismatch is far above the noise, though none alone shows it:
+    that of the less sure of both beside the other, times the number of candidates that the other was chosen among
+    (Bonferroni). One where the mismatch is no more than noise may be."""
+    vector = namer.prepared.vector
+    loud = float(vector @ vector) > namer.prepared.observed.rules.fitting.far_above**2 * len(vector)
+    pair = namer.best_of_library().get(2) if loud else None
+    if pair is None:
+        return 1.0
+    return min(1.0, int(namer.library.sum()) * max(own_tests(namer, pair.members)))
 
 
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
