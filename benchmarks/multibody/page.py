@@ -88,8 +88,9 @@ TRIALS = {
     96.0 % (166 of 173), unknown classes called unknown 95.6 % (43 of 45), given a name 2.2 % (1 of 45), one
     impossible size (2 kg less than nothing at the tip, in an `unknown`), intervals 92.4 % (401 of 434). No more is
     lacking at the tip since than the least payload recorded and the last link weigh. The rest comes from 300
-    development cases (seeds 2026112804 and 2026112805; intervals 364 of 394): drives that harden, creep or wind up
-    by friction bear the weights that were found, not the file's alone; friction may hold play under loads of up to
+    development cases (seeds 2026112804 and 2026112805; intervals 364 of 394): drives wound up by friction bear the
+    weights that were found, not the file's alone (in the trial above drives that harden, creep or droop did so too,
+    and were named for plain compliance; taken back since); friction may hold play under loads of up to
     three times what is usual; and intervals have room for causes too small to be named from the second finding on,
     no longer from the third. One more came from them when the trial above was answered but not opened, and is not
     in its answers: more than 2.2 times the noise is no longer taken for scatter beside names where no pose was come

@@ -2,8 +2,8 @@
 
 A payload heavier than declared, hoses along a link or a tilted base move the tip through everything that bends. The
 response is linear in the loads, so it is that of the additional loads alone, drives being as soft as in their softest
-zone. What does not answer in proportion (hardening drives, creep, friction) or is seen by the encoder (a servo's droop)
-does not take part: it answers to the whole load by itself (`arm.effects.loads.added_weights`).
+zone. What does not answer in proportion (hardening drives, creep) or is seen by the encoder (a servo's droop) does not
+take part; friction and play answer to the whole load by themselves (`arm.effects.loads.added_weights`).
 """
 
 from __future__ import annotations

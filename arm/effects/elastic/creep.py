@@ -9,7 +9,6 @@ import numpy as np
 from arm.chain.statics import PoseState
 from arm.chain.vectors import times
 from arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, shape, size
-from arm.effects.loads.added_weights import bearing
 
 _STEADY = 0.02
 """A load that changes by no more than this share of its greatest is steady."""
@@ -22,7 +21,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     if compliance == 0.0 or constant <= 0.0 or elapsed is None:
         return
     share = 1.0 - np.exp(-np.asarray(elapsed, dtype=float) / constant)
-    for index, joint in enumerate(bearing(state).joints):
+    for index, joint in enumerate(state.joints):
         if settings.acts_at(index):
             yield from drive_motion(state, index, times(compliance * share, joint.drive_load))
 

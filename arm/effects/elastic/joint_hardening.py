@@ -9,7 +9,6 @@ from arm.chain.chain import Zones
 from arm.chain.statics import PoseState
 from arm.effects.effect import Effect, Kink, Parameter, Settings, Twist, drive_motion, given, shape, size
 from arm.effects.functions import saturated, wound_up
-from arm.effects.loads.added_weights import bearing
 from sections.numeric import tanh
 
 ZONES = ("stiffness_1", "stiffness_2", "stiffness_3", "torque_1", "torque_2")
@@ -23,7 +22,7 @@ def _zones(values: Mapping[str, float]) -> Zones:
 
 def _kinks(state: PoseState, settings: Settings) -> Iterator[Kink]:
     if all(name in settings.values for name in ZONES):
-        for index, joint in enumerate(bearing(state).joints):
+        for index, joint in enumerate(state.joints):
             if settings.acts_at(index):
                 yield Kink(drive_motion(state, index, 1.0), joint.drive_load, _zones(settings.values))
 
@@ -32,7 +31,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     values = settings.values
     compliance, knee = values.get("compliance", 0.0), values.get("knee", 0.0)
     remaining, sharp = values.get("remaining", 0.0), values.get("sharp", 0.0) > 0.0
-    for index, joint in enumerate(bearing(state).joints):
+    for index, joint in enumerate(state.joints):
         load = joint.drive_load
         if not settings.acts_at(index):
             continue

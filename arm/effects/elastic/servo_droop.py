@@ -7,13 +7,12 @@ from collections.abc import Iterator
 from arm.chain.statics import PoseState
 from arm.chain.vectors import times
 from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
-from arm.effects.loads.added_weights import bearing
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     compliance = settings.values.get("compliance", 0.0)
-    for index, joint in enumerate(bearing(state).joints if compliance != 0.0 else ()):
-        if settings.acts_at(index):
+    for index, joint in enumerate(state.joints):
+        if compliance != 0.0 and settings.acts_at(index):
             yield from drive_motion(state, index, times(compliance, joint.drive_load))
 
 

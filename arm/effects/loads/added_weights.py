@@ -1,7 +1,7 @@
 """The weights that an arm's effects add to its file, and what joints bear with them.
 
-What gives in proportion answers to added weights by itself: their own effects move the tip through it. What does not
-(friction's share of a load, a hardening or creeping drive, play that a load seats) has one answer to the whole load.
+What gives in proportion answers to added weights by itself: their own effects move the tip through it. Friction's share
+of a load and play that a load seats have one answer to the whole load.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ def test_a_camera_on_the_tool_names_a_zero_and_a_soft_drive():
     assert {(name, each.at) for name, each in found.items()} == {("encoder_offset", (3,)), ("joint_compliance", (2,))}
     low, high = found["encoder_offset"].parameters[0].interval
     assert low < 8e-4 < high
-    assert high - low < 1e-4
+    assert high - low < 2.5e-4  # with room for causes too small to be named beside two findings
     low, high = found["joint_compliance"].parameters[0].interval
     assert low < 2e-5 < high
     assert {("encoder_offset", (1,)), ("encoder_offset", (6,))} <= set(result.invisible)
