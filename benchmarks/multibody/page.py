@@ -90,13 +90,13 @@ TRIALS = {
     lacking at the tip since than the least payload recorded and the last link weigh. The rest comes from 300
     development cases (seeds 2026112804 and 2026112805; intervals 364 of 394): drives wound up by friction bear the
     weights that were found, not the file's alone (in the trial above drives that harden, creep or droop did so too,
-    and were named for plain compliance; taken back since); friction may hold play under loads of up to
-    three times what is usual; and intervals have room for causes too small to be named from the second finding on,
-    no longer from the third. One more came from them when the trial above was answered but not opened, and is not
-    in its answers: more than 2.2 times the noise is no longer taken for scatter beside names where no pose was come
-    back to (four names for a steel floor, 2.9 times the noise). What the trial above showed to be wrong is mended in
-    two places since: no link is found to weigh less than a tenth of what its file says (one weighed nothing), and two
-    causes that no single one shows pass the gate together (case 00201).
+    and in case 00018 droop was named for a base that gives; taken back since); friction may hold play under loads
+    of up to three times what is usual; and intervals have room for causes too small to be named from the second
+    finding on, no longer from the third. One more came from them when the trial above was answered but not opened,
+    and is not in its answers: more than 2.2 times the noise is no longer taken for scatter beside names where no
+    pose was come back to (four names for a steel floor, 2.9 times the noise). What the trial above showed to be
+    wrong is mended in two places since: no link is found to weigh less than a tenth of what its file says (one
+    weighed nothing), and two causes that no single one shows pass the gate together (case 00201).
     """,
 }
 """What the openings of the proof half said, by their seeds, in the order in which they were opened; the earlier ones

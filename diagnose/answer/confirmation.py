@@ -295,9 +295,9 @@ class Confirmed:
             lasting = local or unexplained or self._predictable() > rules.lasting
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.members and self._only_scatter())
-            # So much is no scatter unless it is seen to scatter, and no pose was come back to.
-            self.may_scatter = not (lasting or self.members) and left > rules.too_far_to_scatter * floor
-            lasting = lasting or self.may_scatter
+            if not (lasting or self.members) and left > rules.too_far_to_scatter * floor:
+                # So much is no scatter unless it is seen to scatter, and no pose was come back to.
+                self.may_scatter = lasting = True
         self.scattered = not lasting
         return lasting
 

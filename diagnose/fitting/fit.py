@@ -168,8 +168,9 @@ def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, 
         # Added to what the arm file gives the drive, the whole may not become negative: none turns against its load.
         return -file_compliance(prepared.observed.arm, candidate.at[0]), parameter.upper
     upper = min(parameter.upper, _most_expansion(candidate, name, prepared.observed))
-    there = 1.0 - prepared.observed.rules.fitting.lightest if EFFECTS[candidate.effect].place == "link" else 1.0
-    return max(parameter.lower, -there * _in_the_file(candidate, name, prepared.observed)), upper
+    of_a_link = parameter.kind == "mass" and EFFECTS[candidate.effect].place == "link"
+    kept = prepared.observed.rules.fitting.lightest if of_a_link else 0.0
+    return max(parameter.lower, -(1.0 - kept) * _in_the_file(candidate, name, prepared.observed)), upper
 
 
 def _most_expansion(candidate: Candidate, name: str, observed: Observed) -> float:

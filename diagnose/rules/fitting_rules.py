@@ -245,7 +245,7 @@ class FittingRules:
         "From so many on intervals have room for causes too small to be named: one alone may be all there is, a second "
         "says that the arm has more.",
         "development half of the second proof, seeds 2026112804 and 2026112805: of 71 intervals beside one other "
-        "finding 62 held without, 69 with",
+        "finding 62 held without, 69 with, of which one by another mend",
         rows="It counts causes, of which an arm has as many however long it is recorded.",
     )
     many_findings: int = rule(

@@ -28,7 +28,7 @@ def weights_added(effects: Iterable[EffectEntry]) -> tuple[EffectEntry, ...]:
     return tuple(entry for entry in effects if entry.effect in _ALONE)
 
 
-def moved_by_weights(state: PoseState, entry: EffectEntry) -> PoseState | None:
+def under_weight_alone(state: PoseState, entry: EffectEntry) -> PoseState | None:
     """The same pose under the weight of one such entry alone; None where it weighs nothing."""
     return _ALONE[entry.effect](state, Settings.of(entry))
 
@@ -38,7 +38,7 @@ def bearing(state: PoseState) -> PoseState:
     `moment` of each, but for those that are the whole already."""
     joints = state.joints
     for entry in weights_added(state.arm.effects):
-        alone = moved_by_weights(state, entry)
+        alone = under_weight_alone(state, entry)
         if alone is not None:
             joints = tuple(_more(joint, other) for joint, other in zip(joints, alone.joints, strict=True))
     return state if joints is state.joints else replace(state, joints=joints)

@@ -14,7 +14,7 @@ from arm.chain.vectors import ZERO, Vector, cross, is_zero
 from arm.effects.effect import Effect, Parameter, Settings, Twist, size
 from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
-from .added_weights import moved_by_weights, weights_added
+from .added_weights import under_weight_alone, weights_added
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -26,7 +26,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         return
     yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
     for entry in weights_added(state.arm.effects):
-        alone = moved_by_weights(replace(state, gravity=change), entry)
+        alone = under_weight_alone(replace(state, gravity=change), entry)
         if alone is not None:
             yield from elastic_twists(alone)
 

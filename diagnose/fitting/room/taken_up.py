@@ -43,8 +43,7 @@ def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str,
     for other in (group.candidate for group in prepared.pool.groups):
         if other.outside or other.share or other.at != own.at or other.effect in named or len(other.sizes) != 1:
             continue
-        times = prepared.observed.rules.fitting.usual
-        columns = columns_of(prepared.observed, other) if _usual(other, times) else None
+        columns = columns_of(prepared.observed, other) if _usual(other, prepared.observed.rules.fitting.usual) else None
         if columns is None or columns.shape[2] != 1:
             continue
         column = prepared.observed.whitened(columns)[:, 0]

@@ -14,6 +14,7 @@ from arm.chain.statics import PoseState
 from arm.effects.loads.added_weights import bearing, borne_wholly
 from arm.errors.exact import deformed
 from arm.errors.tip import active_effects, tip_error
+from diagnose.residual.torque import DriveTorque, under_measured
 from sections.numeric import Array
 from tests.arm.effects.effect_states import ROWS, Posed, moved, planar, spatial
 
@@ -55,10 +56,8 @@ def test_added_weights_count_as_declared_ones(posed: Posed, effect: str, values:
 def test_the_weights_change_what_is_asked_above() -> None:
     """Without them each of these would move the tip otherwise at some pose."""
     for effect, values in OUT_OF_PROPORTION:
-        whole, file = (
-            sum(np.abs(moved(s, effect, values)) for s in of) for of in ([added(planar())], [planar().state])
-        )
-        assert np.abs(np.asarray(whole) - np.asarray(file)).max() > 1e-9, effect
+        change = moved(added(planar()), effect, values) - moved(planar().state, effect, values)
+        assert np.abs(change).max() > 1e-9, effect
 
 
 def test_loads_that_are_the_whole_stay() -> None:
@@ -68,6 +67,17 @@ def test_loads_that_are_the_whole_stay() -> None:
     for joint, other, given in zip(twice.joints, once.joints, declared(spatial()).joints, strict=True):
         assert np.asarray(joint.drive_load) == pytest.approx(np.asarray(other.drive_load))
         assert np.asarray(joint.drive_load) == pytest.approx(np.asarray(given.drive_load))
+
+
+def test_a_torque_that_was_measured_is_the_whole() -> None:
+    """And the others, which were not, bear what was added."""
+    state, held = added(planar()), np.linspace(5.0, 9.0, ROWS)
+    measured = DriveTorque(1, None, None, None, 0.1, 1.0, 1.0, held, instead=True, together=False)
+    borne = bearing(under_measured(state, [measured])).joints
+    assert np.asarray(borne[1].drive_load) == pytest.approx(held, rel=1e-12)
+    for joint in (0, 2):
+        assert np.asarray(borne[joint].drive_load) == pytest.approx(np.asarray(bearing(state).joints[joint].drive_load))
+        assert np.abs(borne[joint].drive_load - state.joints[joint].drive_load).max() > 1.0
 
 
 def rigid(payload: float, effects: tuple[EffectEntry, ...]) -> Arm:

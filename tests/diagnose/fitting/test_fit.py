@@ -154,6 +154,10 @@ def test_no_link_weighs_nothing(null):
     link = null.pool.groups[group_of(null, "link_mass", (1,))].candidate
     own = float(null.observed.state.links[1].beam.mass)
     assert bounds(link, "mass", null)[0] == pytest.approx(-0.9 * own)
+    bending = null.pool.groups[group_of(null, "link_bending", (1,))].candidate
+    beam = null.observed.state.links[1].beam
+    softest = min(each for each in (beam.flexural_rigidity_height, beam.flexural_rigidity_width) if each is not None)
+    assert bounds(bending, "flexibility", null)[0] == pytest.approx(-1.0 / softest)  # a link may be rigid
     tip = null.pool.groups[group_of(null, "payload", ())].candidate
     last = float(null.observed.state.links[2].beam.mass)
     least = float(np.min(null.observed.recording.payload_mass))

@@ -1,14 +1,19 @@
 """What is not named widens what is: intervals beside small causes, and as they were where there are none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from diagnose.diagnosis import diagnose
 from diagnose.fitting.fit import fit
 from diagnose.fitting.refit import refit
 from diagnose.fitting.room.unnamed import unnamed, variances
+from diagnose.options import Options
 from diagnose.rules.rules import RULES
 from diagnose.search.subsets import gains, products
+from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
 
@@ -23,6 +28,17 @@ def half_widths(prepared, members, room):
 
 def room_of(prepared, members):
     return unnamed(prepared, members, (), np.arange(len(prepared.vector)))
+
+
+def with_small_causes(null, among, count, rng):
+    """Noise, and so many of some groups beside it, each of a third of the noise."""
+    vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
+    for k in rng.choice(among, count, replace=False).tolist():
+        group = null.pool.groups[k]
+        way = rng.normal(size=group.rank)
+        amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
+        vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
+    return with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
 
 
 def test_the_variances_are_those_of_the_dense_likelihood():
@@ -54,13 +70,7 @@ def test_intervals_cover_beside_small_causes_that_nobody_names():
     others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
     plain, wide = 0, 0
     for _ in range(trials):
-        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
-        for k in rng.choice(others, 12, replace=False).tolist():
-            group = null.pool.groups[k]
-            way = rng.normal(size=group.rank)
-            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
-            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
-        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        prepared = with_small_causes(null, others, 12, rng)
         for room in (None, room_of(prepared, [member])):
             low, high = refit(prepared, [member], (), fit(prepared, [member]), room).parameters[0][0].interval
             plain, wide = (plain + (low <= 0.0 <= high), wide) if room is None else (plain, wide + (low <= 0.0 <= high))
@@ -89,13 +99,7 @@ def test_intervals_cover_though_names_were_chosen_to_leave_little():
     others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
     covered = dict.fromkeys(("narrow", "sampled", "usual"), 0)
     for _ in range(trials):
-        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
-        for k in rng.choice(others, 12, replace=False).tolist():
-            group = null.pool.groups[k]
-            way = rng.normal(size=group.rank)
-            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
-            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
-        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        prepared = with_small_causes(null, others, 12, rng)
         members = chosen(prepared, member, 3, others)
         narrow = room_of(prepared, members)
         usual = narrow.at_least(RULES.fitting.least_unnamed)
@@ -116,13 +120,7 @@ def test_intervals_cover_beside_one_more_name_that_was_chosen():
     others = [k for k, g in enumerate(null.pool.groups) if not g.candidate.outside and g.candidate.family != own]
     covered = dict.fromkeys(("none", "usual"), 0)
     for _ in range(trials):
-        vector = null.pool.projected(null.observed.whitened(noise_of(null, rng)))
-        for k in rng.choice(others, 6, replace=False).tolist():
-            group = null.pool.groups[k]
-            way = rng.normal(size=group.rank)
-            amount = np.sqrt(len(vector)) * rng.normal(scale=0.33) / np.linalg.norm(way)
-            vector = vector + null.pool.basis[:, group.start : group.stop] @ way * amount
-        prepared = with_residual(null, (vector.reshape(null.observed.residual.shape)) * null.observed.scale)
+        prepared = with_small_causes(null, others, 6, rng)
         members = chosen(prepared, member, 1, others)
         usual = room_of(prepared, members).at_least(RULES.fitting.least_unnamed)
         for name, room in (("none", None), ("usual", usual)):
@@ -166,3 +164,19 @@ def test_declared_rivals_are_no_causes_beside_the_name():
     with_it = unnamed(null, [member], (), np.arange(len(null.vector))).at.size
     without = unnamed(null, [member], (rival,), np.arange(len(null.vector))).at.size
     assert without < with_it
+
+
+def widths_of(offsets, more_findings):
+    """How wide the intervals of encoders' zeros are that are off by so much, by a rule of what findings make room."""
+    q = np.repeat(poses(5, 40), 3, axis=0)
+    rules = replace(RULES, fitting=replace(RULES.fitting, more_findings=more_findings))
+    found = diagnose(file(), recording(q, tips(q + np.array(offsets)) + noise(5, len(q))), Options(rules=rules))
+    assert [each.effect for each in found.findings] == ["encoder_offset"] * np.count_nonzero(offsets)
+    return [each.parameters[0].interval[1] - each.parameters[0].interval[0] for each in found.findings]
+
+
+def test_a_second_finding_makes_room_and_one_alone_does_not():
+    two = (0.0, 2e-3, 1e-3)
+    assert all(wide > 1.1 * narrow for wide, narrow in zip(widths_of(two, 2), widths_of(two, 3), strict=True))
+    assert widths_of(two, RULES.fitting.more_findings) == widths_of(two, 2)
+    assert widths_of((0.0, 2e-3, 0.0), 2) == pytest.approx(widths_of((0.0, 2e-3, 0.0), 3), rel=1e-9)

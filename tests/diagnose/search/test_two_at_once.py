@@ -13,7 +13,7 @@ from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_re
 
 CAUSES = (("joint_compliance", (1,)), ("encoder_offset", (0,)))
 LEVEL = 1e-9
-"""A level at which each of the two below is missed by itself, as two of 40 % each are at the usual one."""
+"""A level at which each of the two below is missed by itself, and both together are not."""
 
 
 def namer_of(vector: Array) -> Namer:

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import TimeoutError
+from playwright.sync_api import TimeoutError as NotSeen
 
 import linkwright as lw
 from linkwright.browser.server.shelf import Shelf
@@ -142,7 +142,7 @@ def _click_until(page, point, seen):
         page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         try:
             seen.wait_for(timeout=20_000)
-        except TimeoutError:
+        except NotSeen:
             continue
         return
     seen.wait_for()
