@@ -12,15 +12,16 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast lint benchmark results problems proof proof-sample proof-docs proof-multibody instruments rules rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody instruments rules rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
 	@echo "make pictures   docs/pictures/tradeoff.svg and what was solved for it, by the command in docs/tradeoff.md (ten minutes)"
 	@echo "make picture-reports  docs/pictures/diagnosis.png and welding-arm.png, with Chromium"
-	@echo "make test       run the test suite"
+	@echo "make test       the test suite but for what is marked slow; eight minutes on two cores"
 	@echo "make test-fast  the tests worth running every minute, some of every room"
+	@echo "make test-all   what make test leaves: real machines, the paper, notebooks, a browser, odd files, more seeds (MINUTES=8 begins none after that)"
 	@echo "make lint       ruff and pyright"
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
 	@echo "make instruments  what each cheap instrument shows, and finds against a tracker (docs/recordings.md; an hour)"
@@ -86,8 +87,15 @@ pictures: $(DEV)
 picture-reports: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m handbook.pictures
 
+PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup --strict-markers
+
 test: $(DEV)
-	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+	@$(PYTEST) -m "not slow" $(PYTEST_ARGS)
+
+# With MINUTES, the files come in an order of SHARE's own, so that every commit has others tested.
+SHARE ?= $(shell git rev-parse HEAD 2>/dev/null)
+test-all: $(DEV)
+	@$(PYTEST) -m slow $(if $(MINUTES),--no-loadscope-reorder --minutes $(MINUTES) --share "$(SHARE)") $(PYTEST_ARGS)
 
 # Some of every room, a real optimisation and a real diagnosis among them, by what they cost: 93 s of CPU in all on
 # a machine busy with other things, half that in time on two idle cores.
@@ -110,7 +118,7 @@ FAST_TESTS := tests/test_house.py \
 	tests/linkwright/commands/test_inverse.py
 
 test-fast: $(DEV)
-	@$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS) $(FAST_TESTS)
+	@$(PYTEST) -m "not slow" $(PYTEST_ARGS) $(FAST_TESTS)
 
 lint: $(DEV)
 	$(BIN)/ruff check .

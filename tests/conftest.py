@@ -9,3 +9,5 @@ settings.register_profile("desk", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)
 os.environ.pop("COLUMNS", None)  # what is printed is compared: as wide as without a terminal
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+pytest_plugins = ["tests.costs"]
