@@ -97,7 +97,8 @@ class Link:
 
     The link is elastic where it has a section and a material; a rigid one has a `mass` (kg, None where unknown)
     at `center_of_mass` m from its joint (the middle by default). `height_direction` is the direction in the
-    link's frame along which the section's height lies; None takes the plane in which the joint turns the link.
+    link's frame along which the section's height lies; None takes the plane in which the joint turns the link, and
+    `height_up` says that the file called it `up`.
     `section_name` is the stock size that the section was named by, `material_given` what the file said of the
     material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
     machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`). One that `runs_out` slides along
@@ -113,6 +114,7 @@ class Link:
     mass: float | None = None
     center_of_mass: float | None = None
     height_direction: FloatVector | None = None
+    height_up: bool = field(default=False, compare=False)
     section_name: str | None = None
     material_given: object = field(default=None, compare=False)
     masses: tuple[PointMass, ...] = ()

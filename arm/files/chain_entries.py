@@ -21,6 +21,7 @@ from units.reading import Mapping
 from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
 from .following import read_following
+from .heights import UP
 from .origin import read_origin, read_vector
 from .prices import read_cost
 from .running_out import running_out
@@ -184,9 +185,7 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         cost, cost_date = read_cost(mapping)
         link = replace(link, cost=cost, cost_date=cost_date)
         rigid = mapping.boolean("rigid", False)
-        height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
-        if any(height):
-            link = replace(link, height_direction=unit(height))
+        link = _height(mapping, link)
         direction = read_vector(mapping, "direction", "dimensionless", ZERO)
         if any(direction):
             link = replace(link, direction=unit(direction))
@@ -212,6 +211,19 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
             mass = not_negative(mapping, "mass", "mass", 0.0)
         center = mapping.optional_quantity("center_of_mass", "length")
         return replace(link, mass=mass, center_of_mass=center)
+
+
+def _height(mapping: Mapping, link: Link) -> Link:
+    """The link with its section's height where the file says: up (see `stood_up`), or a vector in the link's frame."""
+    said = mapping.content.get("height_direction")
+    if isinstance(said, str):
+        if mapping.text("height_direction") != UP:
+            raise mapping.error(
+                "height_direction", f"is {UP}, or a vector in the link's frame, e.g. [0, 0, 1], not {shown(said)}"
+            )
+        return replace(link, height_up=True)
+    height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
+    return replace(link, height_direction=unit(height)) if any(height) else link
 
 
 def _section(mapping: Mapping) -> tuple[Section, str | None]:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import cast
 
 from arm.chain.chain import STANDARD_GRAVITY, AngleConvention, Arm, EffectEntry, Joint, LoadCase, PlayMode, Statistics
-from arm.chain.vectors import IDENTITY, ZERO, cross, norm
+from arm.chain.vectors import IDENTITY, ZERO
 from arm.effects import EFFECTS, Effect, Parameter, kind_at
 from materials.catalogue import Catalogue, load_catalogue
 from units.quantities import format_quantity, shown
@@ -19,6 +19,7 @@ from units.temperature import REFERENCE_TEMPERATURE
 from .branches import read_branches, tip_named
 from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section
 from .following import tied
+from .heights import stood_up
 from .origin import TURNS, read_vector
 from .prices import read_machining
 
@@ -59,10 +60,6 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
                 tool = read_vector(offset, "xyz", "length", ZERO)
         play, statistics = _play(mapping)
         left_out = _leave_out(mapping)
-        for number, link in enumerate(links, start=1):
-            if link.height_direction is not None and norm(cross(link.direction, link.height_direction)) < 1e-9:
-                key = f"chain[{number}].link.height_direction"
-                raise mapping.error(key, "lies along the link; it must point across")
         arm = Arm(
             name=name,
             joints=joints,
@@ -88,7 +85,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
             arm = replace(arm, tool=branches.each[0].tool, payload=branches.each[0].payload)
             arm = replace(arm.on(tip), every_tip=every)
     _check_absolute(mapping, arm)
-    return tied(mapping, arm)
+    return stood_up(mapping, tied(mapping, arm))
 
 
 def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:

@@ -18,6 +18,7 @@ from units.files import write_whole
 from units.quantities import format_quantity
 
 from .following import following_text
+from .heights import height_to_value
 from .origin import origin_given, origin_to_value
 from .prices import cost_to_value, machining_to_mapping
 from .read import acts_on_slides
@@ -94,7 +95,7 @@ def _entries(arm: Arm, indices: range, motors: Mapping[int | None, tuple[float, 
         lines.append(f"  - joint: {_flow(own)}")
         if origin_given(joint):
             lines.append(f"    origin: {_flow(origin_to_value(joint))}")
-        lines.append(f"    link: {_flow(_link(link, number))}")
+        lines.append(f"    link: {_flow(_link(link, number, height_to_value(arm, index)))}")
     return lines
 
 
@@ -167,14 +168,14 @@ def _angles(rotation: Rotation) -> list[str]:
     return [format_quantity(angle, "angle") for angle in to_roll_pitch_yaw(rotation)]
 
 
-def _link(link: Link, number: int) -> dict[str, Any]:
+def _link(link: Link, number: int, height: object) -> dict[str, Any]:
     body: dict[str, Any] = {"length": format_quantity(link.length, "length")}
     if link.direction != (1.0, 0.0, 0.0):
         body["direction"] = list(link.direction)
     if link.end_rotation != IDENTITY:
         body["end_rotation"] = _angles(link.end_rotation)
-    if link.height_direction is not None:
-        body["height_direction"] = list(link.height_direction)
+    if height is not None:
+        body["height_direction"] = height
     if link.runs_out:
         body["bends_over"] = f"q{number}"
     if link.section is not None and link.material is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from arm.chain.chain import Arm, Link
 from arm.descriptions.formats import Exported
+from arm.placed.heights import heights
+from arm.placed.views import Side, sides
 from linkwright.results.figures_in_words import figure, material_words, section_words
 from sections.section import Section
 from sections.shapes.circle import Circle
@@ -56,20 +59,22 @@ class _Sheet:
 
 
 def drawn(arm: Arm) -> Exported:
-    """The drawing of an arm: a side view of each link, height up, beside it its section at the joint, and at the far
-    end where the link tapers. Links that are rigid are axes."""
+    """The drawing of an arm: a side view of each link as it stands with all joints at zero, beside it its section seen
+    along the link from its joint, and that at the far end where the link tapers. Links that are rigid are axes."""
     lengths = [1e3 * link.length for link in arm.links]
-    largest = max([*lengths, *(_height(link) for link in arm.links), 1.0])
+    seen = [_seen(link, side) for link, side in zip(arm.links, sides(arm), strict=True)]
+    largest = max([*lengths, *(each.high for each in seen), 1.0])
     document = _document(largest)
     sheet = _Sheet(document.modelspace(), _LETTERS * largest, max(lengths) + 0.2 * largest)
     below = 0.0
-    for number, link in enumerate(arm.links, start=1):
-        room = max(_height(link), 4.0 * sheet.letters)
+    for number, (link, each, height) in enumerate(zip(arm.links, seen, heights(arm), strict=True), start=1):
+        room = max(each.high, 4.0 * sheet.letters)
         below -= 0.5 * room
-        _link(sheet, number, link, below)
+        points = "" if height is None else f"; height points {height.words} with all joints at zero"
+        _link(sheet, link, each, f"link {number}: {section_words(link)}{points}", below)
         below -= 0.5 * room + 10.0 * sheet.letters
     bare = [k for k, link in enumerate(arm.links, start=1) if link.section is None]
-    carried = ("lengths", "cross-sections at scale 1:1 in mm", "axes of the joints")
+    carried = ("lengths", "cross-sections at scale 1:1 in mm", "where their heights point", "axes of the joints")
     named = (
         f"link {bare[0]} is rigid and has"
         if len(bare) == 1
@@ -106,78 +111,104 @@ def _undated() -> Generator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def _height(link: Link) -> float:
-    """The greatest extent of a link's section along its height, mm."""
+@dataclass(frozen=True)
+class _Cut:
+    """A section as it is seen along its link, m: its edges in its own directions (across, along its height), and how
+    those are turned on the page."""
+
+    section: Section
+    side: Side
+
+    @property
+    def rings(self) -> list[Points]:
+        """The edges on the page, mm: those of the outside first."""
+        return [1e3 * self.side.section(np.asarray(ring)) for ring in self.section.outline()]
+
+    @property
+    def box(self) -> Points:
+        """The corners of the section's own width and height on the page, mm: from the left at the foot onwards."""
+        outer = np.asarray(self.section.outline()[0])
+        (left, foot), (right, top) = outer.min(axis=0), outer.max(axis=0)
+        return 1e3 * self.side.section(np.array([(left, foot), (right, foot), (right, top), (left, top)]))
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A link's cuts: at its joint and, where it tapers, at its far end; none where it has no section."""
+
+    cuts: tuple[_Cut, ...]
+
+    @property
+    def high(self) -> float:
+        """How high the link stands on the page, mm."""
+        return max((float(np.ptp(cut.rings[0][:, 1])) for cut in self.cuts), default=0.0)
+
+
+def _seen(link: Link, side: Side) -> _Seen:
     if link.section is None:
-        return 0.0
-    return max(float(np.ptp(_outer(end)[:, 1])) for end in _ends(link.section))
+        return _Seen(())
+    ends = (link.section.near, link.section.far) if isinstance(link.section, Tapered) else (link.section,)
+    return _Seen(tuple(_Cut(end, side) for end in ends))
 
 
-def _ends(section: Section) -> tuple[Section, ...]:
-    return (section.near, section.far) if isinstance(section, Tapered) else (section,)
-
-
-def _outer(section: Section) -> Points:
-    """The outer edge, mm: across, and along the height."""
-    return 1e3 * np.asarray(section.outline()[0])
-
-
-def _link(sheet: _Sheet, number: int, link: Link, at: float) -> None:
-    """A link's side view with its axis at the height `at`, and its sections beside it."""
+def _link(sheet: _Sheet, link: Link, seen: _Seen, words: str, at: float) -> None:
+    """A link's side view with the middle of its height at `at`, and its sections beside it."""
     length, letters = 1e3 * link.length, sheet.letters
-    height = _height(link)
-    words = f"link {number}: {section_words(link)}; {material_words(link)}; length {figure(length, 6)} mm"
-    _words(sheet, words, (0.0, at - 0.5 * height - 4.5 * letters))
+    low = at - 0.5 * seen.high
+    told = f"{words}; {material_words(link)}; length {figure(length, 6)} mm"
+    _words(sheet, told, (0.0, low - 4.5 * letters))
+    edges = [(float(cut.rings[0][:, 1].max()), float(cut.rings[0][:, 1].min())) for cut in seen.cuts]
+    axis = at if not edges else at - max(edges, key=lambda edge: edge[0] - edge[1])[0] + 0.5 * seen.high
     reach = 2.0 * letters
-    sheet.space.add_line((-reach, at), (length + reach, at), dxfattribs={"layer": _CENTER})
+    sheet.space.add_line((-reach, axis), (length + reach, axis), dxfattribs={"layer": _CENTER})
     for end in (0.0, length):
-        sheet.space.add_line((end, at - reach), (end, at + reach), dxfattribs={"layer": _CENTER})
-    low = at - 0.5 * height - 1.0 * letters
-    _size(sheet, (0.0, at), (length, at), (0.0, low - letters), 0.0)
-    if link.section is None:
+        sheet.space.add_line((end, axis - reach), (end, axis + reach), dxfattribs={"layer": _CENTER})
+    _size(sheet, (0.0, axis), (length, axis), (0.0, low - 2.0 * letters), 0.0)
+    if not edges:
         return
-    ends = _ends(link.section)
-    near, far = _outer(ends[0]), _outer(ends[-1])
-    middle = [0.5 * (each[:, 1].max() + each[:, 1].min()) for each in (near, far)]
-    edges = [[each[:, 1].max() - m, each[:, 1].min() - m] for each, m in zip((near, far), middle, strict=True)]
-    corners = [(0.0, edges[0][0]), (length, edges[1][0]), (length, edges[1][1]), (0.0, edges[0][1])]
-    sheet.space.add_lwpolyline([(x, at + y) for x, y in corners], close=True, dxfattribs={"layer": _OUTLINE})
-    for inside in _inner_heights(ends[0], middle[0]):
-        scale = (edges[1][0] - edges[1][1]) / (edges[0][0] - edges[0][1])
-        across = inside if len(ends) == 1 else inside * scale
-        sheet.space.add_line((0.0, at + inside), (length, at + across), dxfattribs={"layer": _HIDDEN})
+    (top, foot), (far_top, far_foot) = edges[0], edges[-1]
+    corners = [(0.0, top), (length, far_top), (length, far_foot), (0.0, foot)]
+    sheet.space.add_lwpolyline([(x, axis + y) for x, y in corners], close=True, dxfattribs={"layer": _OUTLINE})
+    for ring in seen.cuts[0].rings[1:]:
+        for inside in (float(ring[:, 1].max()), float(ring[:, 1].min())):
+            far = far_foot + (inside - foot) / (top - foot) * (far_top - far_foot)
+            sheet.space.add_line((0.0, axis + inside), (length, axis + far), dxfattribs={"layer": _HIDDEN})
     begin = sheet.sections_at
-    for name, end in zip(("", "at the far end") if len(ends) > 1 else ("",), ends, strict=True):
-        begin = _section(sheet, end, begin, at, name)
+    for name, cut in zip(("", "at the far end") if len(seen.cuts) > 1 else ("",), seen.cuts, strict=True):
+        begin = _section(sheet, cut, begin, axis, name)
 
 
-def _inner_heights(section: Section, middle: float) -> list[float]:
-    """Where edges lie that a side view does not see, mm from the middle: those of holes."""
-    holes = [1e3 * np.asarray(ring)[:, 1] - middle for ring in section.outline()[1:]]
-    return [float(end) for hole in holes for end in (hole.max(), hole.min())]
+def _section(sheet: _Sheet, cut: _Cut, begin: float, axis: float, name: str) -> float:
+    """A cross-section from `begin` on, its centroid at the height of the link's axis; gives where the next may begin.
 
-
-def _section(sheet: _Sheet, section: Section, begin: float, at: float, name: str) -> float:
-    """A cross-section from `begin` on, the middle of its height at `at`; gives where the next may begin."""
-    rings = [1e3 * np.asarray(ring) for ring in section.outline()]
+    Its sizes are those along its own width and height, however it is turned.
+    """
+    rings, letters = cut.rings, sheet.letters
     low, high = rings[0].min(axis=0), rings[0].max(axis=0)
-    width, height = (float(each) for each in high - low)
-    shift = np.array([begin + 0.5 * width, at]) - 0.5 * (low + high)
-    if isinstance(section, _ROUND):
+    shift = np.array([begin - float(low[0]), axis])
+    if isinstance(cut.section, _ROUND):
         for ring in rings:
-            radius = 0.5 * float(np.ptp(ring[:, 0]))
-            sheet.space.add_circle((begin + 0.5 * width, at), radius, dxfattribs={"layer": _OUTLINE})
+            middle = (float(shift[0]), float(shift[1]))
+            sheet.space.add_circle(middle, 0.5 * float(np.ptp(ring[:, 0])), dxfattribs={"layer": _OUTLINE})
     else:
         for ring in rings:
             places = [(float(x), float(y)) for x, y in ring + shift]
             sheet.space.add_lwpolyline(places, close=True, dxfattribs={"layer": _OUTLINE})
-    letters = sheet.letters
-    under, right = at - 0.5 * height, begin + width
-    _size(sheet, (begin, under), (right, under), (begin, under - 2.0 * letters), 0.0)
-    _size(sheet, (right, under), (right, under + height), (right + 2.0 * letters, under), 90.0)
+    corners = cut.box + shift
+    left, right, top = corners[0], corners[1], corners[2]
+    across, along = (edge / np.linalg.norm(edge) for edge in (right - left, top - right))
+    for first, second, away in ((left, right, -along), (right, top, across)):
+        edge = second - first
+        angle = math.degrees(math.atan2(float(edge[1]), float(edge[0]))) % 180.0
+        upright = angle if angle <= 90.0 else angle - 180.0  # so that its figures are not upside down
+        _size(sheet, _pair(first), _pair(second), _pair(first + 2.0 * letters * away), upright)
     if name:
-        _words(sheet, name, (begin, under - 4.5 * letters))
-    return right + 8.0 * letters
+        _words(sheet, name, (begin, axis + float(low[1]) - 4.5 * letters))
+    return begin + float(high[0] - low[0]) + 8.0 * letters
+
+
+def _pair(point: Points) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def _words(sheet: _Sheet, words: str, at: tuple[float, float]) -> None:

@@ -14,6 +14,7 @@ from arm.chain.prices import joint_price_dates, link_price_dates, price_of, pric
 from arm.descriptions.bodies import rod
 from arm.descriptions.formats import Exported
 from arm.errors.model import beams_of
+from arm.placed.heights import heights
 from linkwright.results.figures_in_words import shape_words
 from sections.taper import Tapered
 from units.spreadsheet import defused
@@ -35,10 +36,12 @@ def listed(arm: Arm) -> Exported:
 
 def parts(arm: Arm) -> pd.DataFrame:
     """A row for each link, drive and mass: lengths in mm, masses in kg, centres in mm from the link's joint and
-    inertias in kg*m^2 about them, in the link's directions (along, height, width); prices in EUR, with
-    all work that the arm file prices, and when they were such."""
+    inertias in kg*m^2 about them, in the link's directions (along, height, width); where that height points with all
+    joints at zero; prices in EUR, with all work that the arm file prices, and when they were such."""
     rows: list[dict[str, Any]] = []
+    pointings = heights(arm)
     for number, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams_of(arm), strict=True), start=1):
+        pointing = pointings[number - 1]
         drive = joint.actuator
         if drive is not None or joint.mass > 0.0 or joint.cost is not None:
             price = price_of(joint) if drive is not None or joint.cost is not None else None
@@ -64,6 +67,7 @@ def parts(arm: Arm) -> pd.DataFrame:
                 "part": f"link {number}",
                 "size": link.section_name or "",
                 "section": section + (" (tapered)" if isinstance(link.section, Tapered) else ""),
+                "height_at_zero": "" if pointing is None else pointing.words,
                 "made_of": "" if link.material is None else link.material.name,
                 "length_mm": 1e3 * link.length,
                 "mass_kg": body.mass,
@@ -74,14 +78,14 @@ def parts(arm: Arm) -> pd.DataFrame:
             }
         )
         rows += [{"part": f"mass at the {each.on} end of link {number}", "mass_kg": each.mass} for each in link.masses]
-    first = ["part", "size", "section", "made_of", "length_mm", "mass_kg"]
+    first = ["part", "size", "section", "height_at_zero", "made_of", "length_mm", "mass_kg"]
     inertias = [f"I_{_AXES[i]}_{_AXES[k]}_kg_m2" for i in range(3) for k in range(i, 3)]
     columns = [*first, *(f"center_{name}_mm" for name in _AXES), *inertias, "price_EUR", "price_date"]
     table = pd.DataFrame(rows, columns=columns)
     numbers = table.select_dtypes("number").columns
     table[numbers] = table[numbers].map(_rounded)
     table["price_EUR"] = pd.to_numeric(table["price_EUR"])
-    return table.fillna({"size": "", "section": "", "made_of": "", "price_date": ""})
+    return table.fillna(dict.fromkeys(("size", "section", "height_at_zero", "made_of", "price_date"), ""))
 
 
 _AXES = ("along", "height", "width")

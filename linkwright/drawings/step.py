@@ -7,17 +7,16 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from arm.chain.branches import ways
 from arm.chain.chain import Arm
-from arm.chain.kinematics import place
 from arm.descriptions.formats import Exported
+from arm.placed.stands import Stand, stands
 from sections.section import Section
 from sections.taper import Tapered
 from units.quantities import InputError, shown
@@ -50,24 +49,6 @@ def need_build123d() -> None:
         raise InputError("", "to", f"{what}; where it lacks libGL: apt-get install libgl1") from None
 
 
-@dataclass(frozen=True)
-class _Stand:
-    """Where a link stands: its joint, and the directions along it, along its section's width and height (unit), in
-    the base frame; its length (m)."""
-
-    joint: Array
-    along: Array
-    width: Array
-    height: Array
-    length: float
-
-    def at(self, share: float, point: Point) -> tuple[float, float, float]:
-        """A point of the section at a share of the length, in the base frame, mm."""
-        place_ = self.joint + share * self.length * self.along
-        found = 1e3 * (place_ + point[0] * self.width + point[1] * self.height)
-        return float(found[0]), float(found[1]), float(found[2])
-
-
 def solids(arm: Arm, progress: Callable[[str, float], None] | None = None) -> dict[str, Solid]:
     """The links that have a section as solids in the base frame with all joints at 0, mm, by their names.
 
@@ -78,7 +59,7 @@ def solids(arm: Arm, progress: Callable[[str, float], None] | None = None) -> di
     tell("loading build123d", 0.0)
     need_build123d()
     found: dict[str, Solid] = {}
-    for number, (link, stand) in enumerate(zip(arm.links, _stands(arm), strict=True), start=1):
+    for number, (link, stand) in enumerate(zip(arm.links, _places(arm), strict=True), start=1):
         tell(f"link {number}", (number - 1) / arm.size)
         if link.section is None or link.length <= 0.0:
             continue
@@ -124,20 +105,12 @@ def _silent(text: str, share: float) -> None:
     del text, share
 
 
-def _stands(arm: Arm) -> list[_Stand]:
-    """Where each link stands; of several arms on one torso by the way to each tip, the torso's links once."""
-    found: dict[int, _Stand] = {}
-    for way in ways(arm):
-        frames, at = place(way.arm, [0.0] * way.arm.size), np.zeros(3)
-        for number, joint, link, own in zip(way.joints, frames.joints, frames.links, way.arm.links, strict=True):
-            at = at + np.array(joint.lead, dtype=float)
-            along, width, height = (np.array(each, dtype=float) for each in (link.along, link.width, link.height))
-            found[number] = _Stand(at, along, width, height, own.length)
-            at = at + np.array(link.vector, dtype=float)
-    return [found[number] for number in range(arm.size)]
+def _places(arm: Arm) -> list[Stand]:
+    """Where each link stands as it is made: all of its length, of one that runs out of a sleeve too."""
+    return [replace(stand, length=link.length) for stand, link in zip(stands(arm), arm.links, strict=True)]
 
 
-def _solid(section: Section, stand: _Stand) -> Solid:
+def _solid(section: Section, stand: Stand) -> Solid:
     from build123d import Face, Solid, Vector
 
     if not isinstance(section, Tapered):
@@ -173,7 +146,7 @@ def _aligned(section: Tapered, share: float) -> list[Contour]:
     ]
 
 
-def _loft(cuts: Sequence[Contour], stand: _Stand) -> Solid:
+def _loft(cuts: Sequence[Contour], stand: Stand) -> Solid:
     """The solid between the cuts of one edge: by straight lines where they make it."""
     from build123d import Solid
 
@@ -198,11 +171,12 @@ def _figures(contour: Contour) -> Array:
             return np.ravel([(each.first, each.middle) for each in contour.arcs])
 
 
-def _wire(contour: Contour, stand: _Stand, share: float, keep: Sequence[bool] = ()) -> Wire:
+def _wire(contour: Contour, stand: Stand, share: float, keep: Sequence[bool] = ()) -> Wire:
     from build123d import Edge, Plane, Wire
 
     def at(point: Point) -> tuple[float, float, float]:
-        return stand.at(share, point)
+        x, y, z = (float(each) for each in 1e3 * stand.at(share, np.array([point]))[0])
+        return x, y, z
 
     match contour:
         case Ring():
@@ -225,7 +199,7 @@ def _wire(contour: Contour, stand: _Stand, share: float, keep: Sequence[bool] = 
     )
 
 
-def _check(number: int, section: Section, stand: _Stand, solid: Solid) -> None:
+def _check(number: int, section: Section, stand: Stand, solid: Solid) -> None:
     """Hold a solid against the areas of its section, which are formulas of their own. Raises `InputError`."""
     points, weights = leggauss(12)
     share = 0.5 * (points + 1.0)

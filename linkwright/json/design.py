@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from arm.chain.chain import Arm, Link, LoadCase
 from arm.files.write import material_to_value, section_to_mapping
+from arm.placed.heights import heights
 from arm.worst.workspace import Workspace
 from linkwright.version import program_version
 from optimize.limits import FIGURES, Figure
@@ -88,7 +89,8 @@ def _rounded_section(link: Link) -> dict[str, Any] | None:
 
 
 def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]:
-    """Each link's length, section and material as an arm file writes them, and their figures."""
+    """Each link's length, section and material as an arm file writes them, and their figures; `height_direction` is in
+    the base frame with all joints at zero."""
     return [
         {
             "number": number,
@@ -97,10 +99,12 @@ def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]
             "section": _rounded_section(link),
             "stock": link.section_name,
             "dimensions_mm": _dimensions(link),
+            "height_points": None if points is None else points.words,
+            "height_direction": None if points is None else points.direction,
             "material": material_to_value(link) if link.material is not None else None,
             "mass_kg": mass,
         }
-        for number, (link, mass) in enumerate(zip(arm.links, masses, strict=True), start=1)
+        for number, (link, mass, points) in enumerate(zip(arm.links, masses, heights(arm), strict=True), start=1)
     ]
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
 from arm.evaluation import Evaluation
+from arm.placed.heights import heights
 from arm.worst.search import WorstPose
 from optimize.limits import FIGURES, Figure
 from optimize.limits.frequency import FIRST_FREQUENCY
@@ -190,15 +191,20 @@ def _label(number_: int, when: str, *, again: bool) -> list[Cell]:
 
 
 def links(named: Named, digits: int = 5) -> Table:
-    """What the links are."""
+    """What the links are, and where their sections' heights point with all joints at zero."""
     rows: list[list[Cell]] = []
+    points = {when: heights(evaluation.arm) for when, evaluation in named}
+    with_heights = any(each is not None for own in points.values() for each in own)
     for at, row in enumerate(zip_longest(*(evaluation.arm.links for _, evaluation in named)), start=1):
         shown = [(when, evaluation, link) for (when, evaluation), link in zip(named, row, strict=True) if link]
         for k, (when, evaluation, link) in enumerate(shown):
             mass = amount(evaluation.link_masses[at - 1], "kg")
-            told: list[Cell] = [length(link.length, digits), section_words(link), material_words(link), mass]
+            own = points[when][at - 1]
+            height: list[Cell] = ["–" if own is None else own.words] if with_heights else []
+            told: list[Cell] = [length(link.length, digits), section_words(link), *height, material_words(link), mass]
             rows.append(_label(at, when, again=k > 0) + told)
-    return table((*_link_heads(named), "length", "section", "material", "mass"), rows)
+    height_head = ["height points"] if with_heights else []
+    return table((*_link_heads(named), "length", "section", *height_head, "material", "mass"), rows)
 
 
 def _link_heads(named: Named) -> list[str]:

@@ -13,7 +13,7 @@ LOADS = (
     "Statics of the undeformed arm at its worst pose, without acceleration; across and along its axis and "
     "against tilting a joint's bearings hold it, the rest its drive."
 )
-_SCALE = "Drawn to scale; links as thick as their sections are high."
+_SCALE = "Drawn to scale, each link as it stands in this pose."
 
 
 def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Description:

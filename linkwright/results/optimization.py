@@ -33,7 +33,7 @@ from .figures_in_words import factor_words, figure, lasted, mm, percent, robust_
 
 MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
-_SCALE = "Both to one scale; links as thick as their sections are high."
+_SCALE = "Both to one scale, each link as it stands in its pose."
 _NONE = "no value does"
 _UNDECIDED = "not decided"
 _COLOURS = "One colour scale for both; the numbered circles are the worst poses."

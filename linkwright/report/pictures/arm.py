@@ -7,13 +7,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from arm.chain.branches import ways
 from arm.chain.chain import Arm, Joint
 from arm.chain.kinematics import place
 from arm.evaluation import Evaluation
+from arm.placed.stands import Stand, stands
+from arm.placed.views import view_of
 from arm.worst.search import WorstPose
 from linkwright.results.figures_in_words import figure, mm, pose
+from sections.section import Section
+from sections.taper import Tapered
 
 from .svg import drawing, element, label, line, nice_below, path, scale_bar
 
@@ -22,14 +27,32 @@ _ARROW = 0.16
 
 
 @dataclass(frozen=True)
+class Silhouette:
+    """What a link covers of the page (mm, y down): its axis from `start` to `end`, and the corners around it."""
+
+    start: Point
+    end: Point
+    corners: tuple[Point, ...]
+
+    @property
+    def thickness(self) -> float:
+        """Twice as far as a corner is off the axis, mm."""
+        (x, y), (u, v) = self.start, self.end
+        length = math.hypot(u - x, v - y)
+        if length < 1e-9:
+            return 2.0 * max(math.hypot(a - x, b - y) for a, b in self.corners)
+        return 2.0 * max(abs((u - x) * (b - y) - (v - y) * (a - x)) / length for a, b in self.corners)
+
+
+@dataclass(frozen=True)
 class Skeleton:
-    """An arm at a pose, projected on the page (mm, y down): thin leads, links as start, end and thickness, and the tip.
+    """An arm at a pose, projected on the page (mm, y down): thin leads, the links' silhouettes, and the tip.
 
     `error` is the tip's error on the same page, mm.
     """
 
     leads: tuple[tuple[Point, Point], ...]
-    links: tuple[tuple[Point, Point, float], ...]
+    links: tuple[Silhouette, ...]
     joints: tuple[tuple[Point, Joint], ...]
     tip: Point
     error: Point
@@ -38,16 +61,13 @@ class Skeleton:
     @property
     def points(self) -> list[Point]:
         """What must be within the picture."""
-        found = [
+        return [
             (0.0, 0.0),
             self.tip,
             *(place for place, _ in self.joints),
             *(end for lead in self.leads for end in lead),
+            *(corner for link in self.links for corner in link.corners),
         ]
-        for start, end, thickness in self.links:
-            for x, y in (start, end):
-                found += [(x - thickness / 2, y - thickness / 2), (x + thickness / 2, y + thickness / 2)]
-        return found
 
 
 @dataclass(frozen=True)
@@ -71,15 +91,16 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip."""
     tip = np.array(place(arm, worst.q).tip(), dtype=float)
     project = page_of(arm, tip)
+    bodies = stands(arm, worst.q)
     leads: list[tuple[Point, Point]] = []
-    links: list[tuple[Point, Point, float]] = []
+    links: list[Silhouette] = []
     joints: list[tuple[Point, Joint]] = []
     for number, way in enumerate(ways(arm)):
         own = way.arm
         frames = place(own, [worst.q[joint] for joint in way.joints])
         here = np.zeros(3)
-        for k, (joint, link, lead, frame) in enumerate(
-            zip(own.joints, own.links, frames.joints, frames.links, strict=True)
+        for k, (number_, joint, link, lead, frame) in enumerate(
+            zip(way.joints, own.joints, own.links, frames.joints, frames.links, strict=True)
         ):
             start = here + np.array(lead.lead, dtype=float)
             end = start + np.array(frame.vector, dtype=float)
@@ -92,8 +113,8 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
             if link.section is None:
                 leads.append((project(start), project(end)))
             else:
-                outer = link.section.outline()[0]
-                links.append((project(start), project(end), 1e3 * float(np.ptp(outer[:, 1]))))
+                corners = _corners(link.section, bodies[number_], project)
+                links.append(Silhouette(project(start), project(end), corners))
         if any(own.tool):
             leads.append((project(here), project(here + np.array(frames.tool, dtype=float))))
     error = project(np.array(worst.vector, dtype=float))
@@ -102,19 +123,21 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
 
 def page_of(arm: Arm, tip: np.ndarray) -> Callable[[np.ndarray], Point]:
     """From metres in space to millimetres on the page, y down, for an arm with its tip there."""
-    across, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-    if not arm.planar():
-        gravity = np.array(arm.gravity)
-        up = -gravity / np.linalg.norm(gravity) if np.any(gravity) else np.array([0.0, 0.0, 1.0])
-        level = tip - (tip @ up) * up
-        if np.linalg.norm(level) < 1e-6:
-            level = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])
-        across = level / np.linalg.norm(level)
+    view = view_of(arm, tip)
 
     def project(point: np.ndarray) -> Point:
-        return 1e3 * float(point @ across), -1e3 * float(point @ up)
+        across, up = 1e3 * view.project(point)
+        return float(across), -float(up)
 
     return project
+
+
+def _corners(section: Section, body: Stand, project: Callable[[np.ndarray], Point]) -> tuple[Point, ...]:
+    """The corners of what a link covers of the page: the hull of the edges at its ends."""
+    ends = (section.near, section.far) if isinstance(section, Tapered) else (section, section)
+    edges = [body.at(share, end.outline()[0]) for share, end in zip((0.0, 1.0), ends, strict=True)]
+    places = np.array([project(point) for point in np.vstack(edges)])
+    return tuple((float(x), float(y)) for x, y in places[ConvexHull(places).vertices])
 
 
 def shared_window(skeletons: Sequence[Skeleton]) -> Window:
@@ -143,7 +166,7 @@ def arm_picture(
     joint_radius = 0.012 * window.width
     parts = [_ground(joint_radius)]
     parts += [line(start, end, "lead", 0.006 * window.width) for start, end in drawn.leads]
-    parts += [path([_bar(start, end, thickness)], f"link {when}") for start, end, thickness in drawn.links]
+    parts += [path([link.corners], f"link {when}") for link in drawn.links]
     parts += [_joint(point, joint, joint_radius) for point, joint in drawn.joints]
     if marked is not None:
         x, y = drawn.joints[marked][0]
@@ -172,20 +195,6 @@ def numbered(drawn: Skeleton, window: Window) -> str:
         parts.append(element("circle", cx=x, cy=y, r=0.85 * size, class_="joint", stroke_width=0.12 * size))
         parts.append(label(x, y + 0.4 * size, 1.15 * size, str(number), class_="figures"))
     return "".join(parts)
-
-
-def _bar(start: Point, end: Point, thickness: float) -> list[Point]:
-    length = math.hypot(end[0] - start[0], end[1] - start[1])
-    if length < 1e-9:
-        return [start, end, start]
-    x, y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-    nx, ny = -y * thickness / 2, x * thickness / 2
-    return [
-        (start[0] + nx, start[1] + ny),
-        (end[0] + nx, end[1] + ny),
-        (end[0] - nx, end[1] - ny),
-        (start[0] - nx, start[1] - ny),
-    ]
 
 
 def _ground(size: float) -> str:

@@ -84,7 +84,8 @@ def _lines(drawn: Skeleton, window: Window) -> list[tuple[Point, Point, float]]:
     thin = 0.01 * window.width
     (x, y), (dx, dy) = drawn.tip, drawn.error
     end = (x + window.exaggeration * dx, y + window.exaggeration * dy)
-    return [*((a, b, thin) for a, b in drawn.leads), *drawn.links, (drawn.tip, end, 2.0 * thin)]
+    links = [(link.start, link.end, link.thickness) for link in drawn.links]
+    return [*((a, b, thin) for a, b in drawn.leads), *links, (drawn.tip, end, 2.0 * thin)]
 
 
 def _through(course: Sequence[Point]) -> list[tuple[Point, Point, float]]:

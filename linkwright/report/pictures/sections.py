@@ -1,16 +1,21 @@
-"""Cross-sections of the links, all drawn to one scale."""
+"""Cross-sections of the links, all drawn to one scale, as they stand with all joints at zero: up is up on the page."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import zip_longest
+from typing import TypeAlias
 
 import numpy as np
 
 from arm.chain.chain import Arm, Link
+from arm.placed.heights import HeightPoints, heights
+from arm.placed.views import Side, sides
 from linkwright.results.figures_in_words import figure, material_words, mm, section_words
 
 from .svg import drawing, element, nice_below, path, scale_bar, text
+
+_Drawn: TypeAlias = tuple[Link, Side, HeightPoints | None]
 
 
 def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
@@ -18,8 +23,10 @@ def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
     side = _largest(arms)
     if side <= 0.0:
         return element("p", text("No link has a section: all are rigid."))
-    rows = zip_longest(*(arm.links for _, arm in arms))
-    made = {n: row for n, row in enumerate(rows, start=1) if any(x is not None and x.section is not None for x in row)}
+    rows = zip_longest(*(list(zip(arm.links, sides(arm), heights(arm), strict=True)) for _, arm in arms))
+    made = {
+        n: row for n, row in enumerate(rows, start=1) if any(x is not None and x[0].section is not None for x in row)
+    }
     cards = element("div", *(_card(number, arms, row, side) for number, row in made.items()), class_="cards")
     rigid = [str(n) for n in range(1, max(len(arm.links) for _, arm in arms) + 1) if n not in made]
     if not rigid:
@@ -28,40 +35,42 @@ def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
     return cards + element("p", text(told), class_="lead")
 
 
-def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[Link | None], side: float) -> str:
-    figures = [_figure(number, when, link, side) for (when, _), link in zip(arms, row, strict=True) if link is not None]
+def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[_Drawn | None], size: float) -> str:
+    figures = [_figure(number, when, each, size) for (when, _), each in zip(arms, row, strict=True) if each is not None]
     heading = element("h3", text(f"Link {number}"))
     return element("div", heading, element("div", *figures, class_=f"columns-{len(arms)}"), class_="card")
 
 
 def _largest(arms: Sequence[tuple[str, Arm]]) -> float:
-    """The largest extent of any section, mm."""
+    """The largest extent of any section as it stands, mm."""
     sizes = [
-        1e3 * float(np.ptp(link.section.outline()[0], axis=0).max())
+        1e3 * float(np.ptp(side.section(np.asarray(link.section.outline()[0])), axis=0).max())
         for _, arm in arms
-        for link in arm.links
+        for link, side in zip(arm.links, sides(arm), strict=True)
         if link.section is not None
     ]
     return max(sizes, default=0.0)
 
 
-def _figure(number: int, when: str, link: Link, side: float) -> str:
-    words = [element("strong", text(when)) if when else "", text(section_words(link)), text(material_words(link))]
-    words.append(text(f"length {mm(link.length, 5)}"))
+def _figure(number: int, when: str, each: _Drawn, size: float) -> str:
+    link, side, height = each
+    points = "" if height is None else f"height {height.words}"
+    words = [element("strong", text(when)) if when else "", text(section_words(link)), text(points)]
+    words += [text(material_words(link)), text(f"length {mm(link.length, 5)}")]
     caption = element("figcaption", element("span", "<br>".join(word for word in words if word)))
-    drawn = _section(number, when, link, side) if link.section is not None else ""
+    drawn = _section(number, when, link, side, size) if link.section is not None else ""
     return element("figure", drawn, caption)
 
 
-def _section(number: int, when: str, link: Link, side: float) -> str:
-    width = 1.12 * side
+def _section(number: int, when: str, link: Link, side: Side, size: float) -> str:
+    width = 1.12 * size
     rings: list[list[tuple[float, float]]] = []
     if link.section is not None:
-        outline = link.section.outline()
+        outline = [side.section(np.asarray(ring)) for ring in link.section.outline()]
         center = 0.5 * (outline[0].max(axis=0) + outline[0].min(axis=0))
         rings = [[(1e3 * float(y), -1e3 * float(z)) for y, z in ring - center] for ring in outline]
-    length = nice_below(0.5 * side)
-    bar = scale_bar(-length / 2, 0.66 * side, length, 0.012 * side, 0.075 * side, f"{figure(length)} mm")
+    length = nice_below(0.5 * size)
+    bar = scale_bar(-length / 2, 0.66 * size, length, 0.012 * size, 0.075 * size, f"{figure(length)} mm")
     about = f"cross-section of link {number} {when}: {section_words(link)}"
     drawn = path(rings, f"link {when or 'after'}") if rings else ""
-    return drawing(-width / 2, -width / 2, width, width + 0.14 * side, about, drawn, bar)
+    return drawing(-width / 2, -width / 2, width, width + 0.14 * size, about, drawn, bar)

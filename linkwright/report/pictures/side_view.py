@@ -1,13 +1,20 @@
-"""The links laid out in line, to scale and with dimensions: lengths, outer sizes, walls, joints' numbers, payload."""
+"""The links laid out in line, to scale and with dimensions: lengths, outer sizes, walls, joints' numbers, payload.
+
+Each is drawn as its side is seen with all joints at zero (`arm.placed.views.sides`), so that what stands upright in the
+arm stands upright here.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from arm.chain.chain import Arm, Link, LoadCase
 from arm.chain.kinematics import place
+from arm.placed.heights import HeightPoints, heights
+from arm.placed.views import Side, sides
 from linkwright.results.figures_in_words import figure, with_unit
 from sections.numeric import Array
 from sections.section import Section
@@ -27,7 +34,8 @@ _FEW_EDGES = 8
 def side_view(arm: Arm, cases: Sequence[LoadCase]) -> str:
     """The picture, with what is said of it below; links as high as their sections."""
     steps = _Steps(arm)
-    words = "All links laid out in line, whatever the pose: lengths; height × width (⌀ where round) and walls, in mm."
+    words = "All links laid out in line, whatever the pose: lengths; height × width (⌀ where round) and walls, in mm. "
+    words += "Each is drawn from its side as it stands with all joints at zero, and it is said where its height points."
     if steps.offsets:
         words += " Thin lines are offsets between joints, and the tool."
     about = f"{arm.name} laid out in line, with dimensions"
@@ -56,30 +64,57 @@ class _Steps:
 
 
 def _drawn(arm: Arm, payload: float, steps: _Steps) -> tuple[float, float, float, list[str]]:
-    heights = [_heights(link) for link in arm.links]
-    tallest = max((max(ends) for ends in heights), default=0.0)
+    drawn = [_seen(side, link) for side, link in zip(sides(arm), arm.links, strict=True)]
+    tallest = max((2.0 * abs(edge) for each in drawn for end in each.ends for edge in end), default=0.0)
     scale = min((_WIDTH - 2 * _MARGIN) / max(steps.end, 1e-9), _TALLEST / max(tallest, 1e-9))
     half = max(0.5 * scale * tallest, _BALLOON)
     room = (-_MARGIN, _WIDTH - _MARGIN)
     parts = [line((scale * a, 0.0), (scale * b, 0.0), "lead", 1.5) for a, b in steps.offsets]
-    for link, (start, end), ends in zip(arm.links, steps.links, heights, strict=True):
-        parts += _link(link, (scale * start, scale * end), ends, scale)
+    for each, (start, end) in zip(drawn, steps.links, strict=True):
+        parts += _link(each, (scale * start, scale * end), scale)
     parts.append(element("circle", cx=scale * steps.end, cy=0.0, r=4.0, class_="tip"))
-    above, top = _sizes(arm, payload, steps, scale, half, room)
+    above, top = _sizes(arm, drawn, payload, steps, scale, half, room)
     below, bottom = _lengths(steps, scale, half, room)
     parts += [*above, *below, *_joints(steps, scale)]
     return room[0], top, bottom - top, parts
 
 
-def _link(link: Link, span: tuple[float, float], heights: tuple[float, float], scale: float) -> list[str]:
-    start, end = span
+@dataclass(frozen=True)
+class _Seen:
+    """A link's side: how far (mm) its foot and its top are off its axis at both ends, and edges between them that are
+    hidden; nothing where it has no section."""
+
+    ends: tuple[tuple[float, float], ...]
+    edges: tuple[float, ...]
+
+    @property
+    def top(self) -> float:
+        """How far its top is off the axis at the middle of its length, mm."""
+        return 0.5 * (self.ends[0][1] + self.ends[-1][1]) if self.ends else 0.0
+
+
+def _seen(side: Side, link: Link) -> _Seen:
     if link.section is None:
+        return _Seen((), ())
+    near, *far = _ends(link.section)
+    rings = [1e3 * side.section(np.asarray(ring))[:, 1] for ring in near.outline()]
+    ends = [(float(rings[0].min()), float(rings[0].max()))]
+    for section in far:
+        edge = 1e3 * side.section(np.asarray(section.outline()[0]))[:, 1]
+        ends.append((float(edge.min()), float(edge.max())))
+    return _Seen(tuple(ends), tuple(_edges(rings)))
+
+
+def _link(drawn: _Seen, span: tuple[float, float], scale: float) -> list[str]:
+    start, end = span
+    if not drawn.ends:
         return [line((start, 0.0), (end, 0.0), "lead", 4.0)]
-    near, far = (0.5 * scale * each for each in heights)
-    parts = [path([[(start, -near), (end, -far), (end, far), (start, near)]], "link after")]
-    for edge in _edges(_ends(link.section)[0]):
-        share = 2.0 * edge / heights[0]
-        parts.append(line((start, -near * share), (end, -far * share), "hidden", 0.8))
+    (foot, top), (far_foot, far_top) = drawn.ends[0], drawn.ends[-1]
+    places = [(start, -top), (end, -far_top), (end, -far_foot), (start, -foot)]
+    parts = [path([[(x, scale * y) for x, y in places]], "link after")]
+    for edge in drawn.edges:
+        far = far_foot + (edge - foot) / (top - foot) * (far_top - far_foot)
+        parts.append(line((start, -scale * edge), (end, -scale * far), "hidden", 0.8))
     return parts
 
 
@@ -95,12 +130,20 @@ def _joints(steps: _Steps, scale: float) -> list[str]:
 
 
 def _sizes(
-    arm: Arm, payload: float, steps: _Steps, scale: float, half: float, room: tuple[float, float]
+    arm: Arm,
+    drawn: Sequence[_Seen],
+    payload: float,
+    steps: _Steps,
+    scale: float,
+    half: float,
+    room: tuple[float, float],
 ) -> tuple[list[str], float]:
     """What stands above the links, each in the lowest row where it is free, and how far up that goes."""
     notes = [
-        (0.5 * scale * (start + end), -0.25 * scale * sum(_heights(link)), _words(number, link))
-        for number, (link, (start, end)) in enumerate(zip(arm.links, steps.links, strict=True), start=1)
+        (0.5 * scale * (start + end), -scale * each.top, _words(number, link, height))
+        for number, (link, each, height, (start, end)) in enumerate(
+            zip(arm.links, drawn, heights(arm), steps.links, strict=True), start=1
+        )
     ]
     notes.append((scale * steps.end, 0.0, [f"payload {with_unit(payload, 'kg')}"]))
     rows, placed = Levels(), list[tuple[float, float, float, int, list[str]]]()
@@ -145,17 +188,17 @@ def _lengths(steps: _Steps, scale: float, half: float, room: tuple[float, float]
     return parts, deepest + 10.0
 
 
-def _words(number: int, link: Link) -> list[str]:
+def _words(number: int, link: Link, height: HeightPoints | None) -> list[str]:
     section = link.section
     if section is None:
         return [f"link {number}", "rigid"]
     given = section.given()
     walls = [_figures(value) for name, value in given.items() if "thickness" in name]
     sizes = [each for each in (_figures(value) for name, value in given.items() if name == "diameter") if each]
-    near = _outer(_ends(section)[0])
+    near = 1e3 * np.asarray(_ends(section)[0].outline()[0])
     across, high = (figure(float(np.ptp(near[:, k])), 4) for k in (0, 1))
     outer = f"⌀ {sizes[0]}" if sizes else f"{high} × {across}"
-    told = [f"link {number}", outer]
+    told = [f"link {number}", outer, *([] if height is None else [f"height {height.words}"])]
     return [*told, f"walls {', '.join(walls)}" if len(walls) > 1 else f"wall {walls[0]}"] if walls else told
 
 
@@ -168,23 +211,9 @@ def _ends(section: Section) -> tuple[Section, ...]:
     return (section.near, section.far) if isinstance(section, Tapered) else (section,)
 
 
-def _outer(section: Section) -> Array:
-    """The outer edge, mm: across, and along the height."""
-    return 1e3 * np.asarray(section.outline()[0], dtype=float)
-
-
-def _heights(link: Link) -> tuple[float, float]:
-    """How high a link is at its joint and at its far end, mm."""
-    if link.section is None:
-        return 0.0, 0.0
-    ends = _ends(link.section)
-    near, far = (float(np.ptp(_outer(each)[:, 1])) for each in (ends[0], ends[-1]))
-    return near, far
-
-
-def _edges(section: Section) -> list[float]:
-    """Heights (mm, from the middle) at which a section has edges between its top and its foot."""
-    rings = [1e3 * np.asarray(ring, dtype=float)[:, 1] for ring in section.outline()]
+def _edges(rings: Sequence[Array]) -> list[float]:
+    """Heights (mm, from the axis) at which a section has edges between its top and its foot; of each of its rings the
+    places (mm) up the page."""
     low, high = float(rings[0].min()), float(rings[0].max())
     found: set[float] = set()
     for k, ring in enumerate(rings):
@@ -192,4 +221,4 @@ def _edges(section: Section) -> list[float]:
         if len(edges) > _FEW_EDGES:
             edges = edges[[0, -1]] if k else edges[:0]
         found |= {float(edge) for edge in edges}
-    return sorted(edge - 0.5 * (low + high) for edge in found if low + 0.01 < edge < high - 0.01)
+    return sorted(edge for edge in found if low + 0.01 < edge < high - 0.01)

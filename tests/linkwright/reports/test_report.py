@@ -209,9 +209,9 @@ def test_sections_are_drawn_to_one_scale():
 def test_arm_is_drawn_to_scale(evaluation):
     """Links from joint to joint, as thick as their sections are high, and the error exaggerated by one factor."""
     drawn = skeleton(evaluation)
-    start, end, thickness = drawn.links[0]
-    assert math.dist(start, end) == pytest.approx(400.0)
-    assert thickness == pytest.approx(50.0, rel=1e-3)
+    link = drawn.links[0]
+    assert math.dist(link.start, link.end) == pytest.approx(400.0)
+    assert link.thickness == pytest.approx(50.0, rel=1e-3)
     assert math.hypot(*drawn.error) == pytest.approx(1e3 * evaluation.max_error)
     window = shared_window([drawn])
     picture = arm_picture(evaluation.arm, drawn, window, "before")

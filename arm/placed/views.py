@@ -1,0 +1,82 @@
+"""From where arms and their links are looked at, so that every picture of them shows the same side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.chain.kinematics import place
+from sections.numeric import Array
+
+from .stands import Stand, stands
+
+_NO_SIDE = 1e-6
+"""Below this sine of the angle between a link and the vertical the link is upright, and none of its sides is up."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A view of an arm: unit vectors across and up the page, in the base frame."""
+
+    across: Array
+    up: Array
+
+    @property
+    def towards(self) -> Array:
+        """The unit vector from the page to who looks at it."""
+        return np.cross(self.across, self.up)
+
+    def project(self, points: Array) -> Array:
+        """Points (.., 3) as places (.., 2) across and up the page, in the same unit."""
+        return np.asarray(points, dtype=float) @ np.column_stack((self.across, self.up))
+
+
+def upwards(arm: Arm) -> Array:
+    """The unit vector against gravity; along z where an arm has none."""
+    gravity = np.array(arm.gravity, dtype=float)
+    size = float(np.linalg.norm(gravity))
+    return -gravity / size if size else np.array([0.0, 0.0, 1.0])
+
+
+def view_of(arm: Arm, tip: Array) -> View:
+    """The view onto the plane in which a planar arm moves, x across; else onto the upright plane through a tip (m)."""
+    if arm.planar():
+        return View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    up = upwards(arm)
+    level = tip - (tip @ up) * up
+    if np.linalg.norm(level) < 1e-6:
+        level = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])
+    return View(level / np.linalg.norm(level), up)
+
+
+@dataclass(frozen=True)
+class Side:
+    """A link seen from its side with all joints at zero: across the page runs the link, `up` is up the page."""
+
+    stand: Stand
+    view: View
+
+    @property
+    def end(self) -> View:
+        """The view along the link, from its joint to its far end; up is what is up in the view of the side."""
+        return View(self.view.towards, self.view.up)
+
+    def section(self, points: Array) -> Array:
+        """Points (N, 2) of the section, across and along its height, as places (N, 2) on the view along the link."""
+        return np.asarray(points, dtype=float) @ self.end.project(np.stack((self.stand.width, self.stand.height)))
+
+
+def sides(arm: Arm) -> tuple[Side, ...]:
+    """The side of each link. A planar arm is seen as its plane is; in space a link is seen from where up is up the
+    page, or, where it stands upright, from where the arm is seen."""
+    whole = view_of(arm, np.array(place(arm, [0.0] * arm.size).tip(), dtype=float))
+    found: list[Side] = []
+    for body in stands(arm):
+        towards, aside = whole.towards, np.cross(body.along, whole.up)
+        if not arm.planar() and np.linalg.norm(aside) > _NO_SIDE:
+            towards = aside
+        up = np.cross(towards, body.along)
+        found.append(Side(body, View(body.along, up / np.linalg.norm(up))))
+    return tuple(found)
