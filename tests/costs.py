@@ -8,11 +8,17 @@ import os
 import random
 import time
 from collections import Counter
+from collections.abc import Iterable
 
 import pytest
 
 DEAR = 15.0
 """What a test may cost (s of CPU)."""
+
+
+def slow_but(cases: Iterable[object], *kept: object) -> list[object]:
+    """Cases of a parametrised test, marked slow but for those that are kept."""
+    return [each if each in kept else pytest.param(each, marks=pytest.mark.slow) for each in cases]
 
 
 def cpu() -> float:

@@ -39,6 +39,8 @@ from benchmarks.blind.seal import BrokenSealError, check_seal, write_seal
 from benchmarks.blind.staging import exact, projected_rms, stage
 from linkwright import command_line
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "blind"
 PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
 

@@ -11,6 +11,8 @@ from benchmarks.multibody.session import Plan, played
 from diagnose.diagnosis import diagnose
 from diagnose.residual.observe import observe
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def sound():

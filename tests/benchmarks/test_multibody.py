@@ -34,6 +34,8 @@ from benchmarks.multibody.session import Plan, draw_session, played
 from benchmarks.multibody.sizes import impossible
 from benchmarks.multibody.unknowns.split import CLASSES, DEVELOPMENT, PROOF, WITHDRAWN, classes_of, drawn_split
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "multibody"
 PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
 

@@ -30,6 +30,8 @@ from benchmarks.blind.proof.targets import TARGETS, Cause, causes
 from benchmarks.blind.seal import write_seal
 from benchmarks.blind.staging import exact
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "blind" / "proof"
 PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
 

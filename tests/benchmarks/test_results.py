@@ -12,6 +12,8 @@ from benchmarks.results.__main__ import SECTIONS, page
 from benchmarks.results.row import Row, at_least, at_most
 from optimize.run import optimise
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("seed", [1, 6])
 def test_no_scanned_pose_is_worse_than_the_bound(seed: int) -> None:

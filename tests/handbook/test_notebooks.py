@@ -6,6 +6,8 @@ import pytest
 from handbook.notebooks import as_markdown, executed
 from handbook.sources import NOTEBOOKS, ROOT
 
+pytestmark = pytest.mark.slow
+
 ALL = sorted((ROOT / NOTEBOOKS).glob("*.ipynb"))
 
 

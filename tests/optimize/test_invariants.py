@@ -32,6 +32,7 @@ def test_answer_is_what_it_claims_and_no_worse_than_every_combination_on_its_own
     agreed(random_problem(tmp_path, seed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(max(1, PROBLEMS // 2)))
 def test_with_free_lengths_too(seed: int, tmp_path: Path) -> None:
     agreed(random_problem(tmp_path, 1000 + seed, free=True))
@@ -47,6 +48,7 @@ def test_bounds_from_few_solutions_leave_out_no_better_combination(
     agreed(problem)
 
 
+@pytest.mark.slow
 def test_random_problems_have_answers(tmp_path: Path) -> None:
     """A problem without one says little: nine of ten have one (here the first), and not all are alike."""
     problems = [random_problem(tmp_path, seed) for seed in range(12)]

@@ -11,6 +11,8 @@ from linkwright.cli import run
 from linkwright.paper.output.pages import BEGIN, END, into, tables_markdown
 from linkwright.paper.verdicts import proofs, verdicts
 
+pytestmark = pytest.mark.slow
+
 TABLES = ("clearance", "backlash", "backlash_direction", "material", "shape")
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 

@@ -32,6 +32,8 @@ from linkwright.paper.rows import Column, ExtendedTable
 from linkwright.screen.console import console
 from materials.catalogue import load_catalogue
 
+pytestmark = pytest.mark.slow
+
 SMALL = ExtendedTable("small", "A small one", (Column("who"), Column("how far", "mm")), (("a", 1.5), ("b", None)), "so")
 
 

@@ -13,6 +13,8 @@ from linkwright.paper.output.pages import figure_csv, figures_json
 from linkwright.paper.output.pictures import page
 from tests.linkwright.samples import unpacked
 
+pytestmark = pytest.mark.slow
+
 
 def test_all_five_with_columns_of_one_length(figures):
     """Numbers as in the paper; every column as long as the others."""

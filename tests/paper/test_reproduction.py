@@ -13,6 +13,8 @@ from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import at_digits_of, tally
 from sections import build
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def paper():

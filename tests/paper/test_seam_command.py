@@ -6,6 +6,8 @@ import pytest
 
 from linkwright.cli import run
 
+pytestmark = pytest.mark.slow
+
 ARM = """\
 chain:
   - joint: {range: [-180 deg, 180 deg], backlash: 1 mrad}

@@ -10,6 +10,8 @@ from linkwright.paper.corrected import DEFORMATION, PaperArm, pose_errors, searc
 from linkwright.paper.printed import read_paper
 from linkwright.paper.verdicts import proofs, verdicts
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def arms():

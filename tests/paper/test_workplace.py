@@ -25,6 +25,8 @@ from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
 from materials.catalogue import load_catalogue
 
+pytestmark = pytest.mark.slow
+
 LENGTHS = (0.4, 0.42, 0.42)
 
 

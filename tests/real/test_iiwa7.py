@@ -5,7 +5,7 @@ import pytest
 from benchmarks.real import iiwa7
 from diagnose.result import Finding
 
-pytestmark = pytest.mark.xdist_group("real-iiwa7")
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-iiwa7")]
 
 
 def _turns(finding: Finding) -> tuple[str, tuple[int, ...]]:

@@ -4,6 +4,8 @@ import pytest
 
 from benchmarks.real import printer
 
+pytestmark = pytest.mark.slow
+
 DAYS = list(printer.FILES)
 
 

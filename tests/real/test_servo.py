@@ -4,6 +4,8 @@ import pytest
 
 from benchmarks.real import servo
 
+pytestmark = pytest.mark.slow
+
 
 def test_backlash_loaded() -> None:
     found = servo.loaded()

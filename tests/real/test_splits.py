@@ -10,6 +10,8 @@ from benchmarks.real.data import VARIABLE, NoDataError, data_folder
 from benchmarks.real.model import Equations, Part, fitted, held_out, mean_rms_mm, moved, rms_mm
 from benchmarks.real.pulls import with_pulls
 
+pytestmark = pytest.mark.slow
+
 
 def _parts(rows: int, *widths: int, seed: int = 0) -> list[Part]:
     rng = np.random.default_rng(seed)

@@ -95,6 +95,7 @@ def test_a_budget_is_that_of_the_arm_alone(both, alone):
     assert describe(two.found).title == "two, tip of left: error budget"
 
 
+@pytest.mark.slow
 def test_a_budget_of_both_is_the_worse_of_the_two(tmp_path):
     path = tmp_path / "arm.yaml"
     loose = two_arms.arm_text().replace("joint: {type: revolute,", "joint: {backlash: 1 mrad,")
@@ -126,6 +127,7 @@ def test_poses_that_put_one_of_the_tips_at_a_point(tmp_path):
         lw.inverse(path, *point)
 
 
+@pytest.mark.slow
 def test_the_other_arm_is_kept_clear_of_boxes(tmp_path):
     path = tmp_path / "arm.yaml"
     path.write_text(two_arms.arm_text())
@@ -155,6 +157,7 @@ def test_a_plan_promises_what_least_squares_would(tmp_path):
     assert 4.0 < smallest / deviation < 6.5
 
 
+@pytest.mark.slow
 def test_what_one_arm_has_recorded_counts_for_the_plan_of_the_other(tmp_path):
     """The least that shows of the torso after both, by plain matrices: information of both recordings adds up."""
     (tmp_path / "arm.yaml").write_text(two_arms.arm_text())
@@ -198,6 +201,7 @@ def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
         lw.compare(arm, recordings / "left1.csv", recordings / "right4.csv", without=without)
 
 
+@pytest.mark.slow
 def test_a_torso_is_watched_by_the_recordings_of_both(recordings):
     days = [recordings / f"{tip}{k}.csv" for k, tip in enumerate(("left", "right", "left", "left", "right", "left"))]
     without = [each for each in EFFECTS if each not in QUICK]

@@ -137,6 +137,7 @@ subject_to: {mass: "<= 6 kg", section_size: [20 mm, 140 mm], thickness: [2 mm, 1
 """
 
 
+@pytest.mark.slow
 def test_corners_between_zones_do_not_end_a_search(tmp_path: Path) -> None:
     """The load of the calibration grows with the links and passes from zone to zone, where the error has no derivative:
     a design of round sizes tells how far a search has to come."""

@@ -134,6 +134,7 @@ PATH = "path: [[300 mm, 500 mm], [600 mm, 400 mm], [600 mm, -300 mm]]"
 ROOM = "subject_to: {mass: '<= 14 kg', section_size: [20 mm, 120 mm]}\n"
 
 
+@pytest.mark.slow
 def test_the_design_that_is_best_across_a_seam_gives_more_along_it(tmp_path: Path) -> None:
     whole = optimise(problem_of(tmp_path, ARM, f"workspace: {{{PATH}}}\n{ROOM}"))
     problem = problem_of(tmp_path, ARM, f"workspace: {{{PATH}, error: across}}\n{ROOM}")

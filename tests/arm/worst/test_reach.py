@@ -134,7 +134,12 @@ def test_a_walk_agrees_with_the_ring():
 
 @pytest.mark.parametrize(
     ("start", "end"),
-    [((0.3, 0.9), (-0.9, 0.1)), ((1.0, 0.1), (0.2, -0.1)), ((0.9, 0.5), (0.2, 0.9)), ((0.9, -0.3), (0.4, 0.7))],
+    [
+        pytest.param((0.3, 0.9), (-0.9, 0.1), marks=pytest.mark.slow),
+        pytest.param((1.0, 0.1), (0.2, -0.1), marks=pytest.mark.slow),
+        ((0.9, 0.5), (0.2, 0.9)),
+        ((0.9, -0.3), (0.4, 0.7)),
+    ],
 )
 def test_seams_under_joint_limits_against_a_dense_grid(start, end):
     """Four million poses say which points of the seam have a tip near them."""
@@ -174,6 +179,7 @@ def test_the_very_edge_is_left_undecided():
     assert found.gaps == ((found.proved_to, 1.0),)
 
 
+@pytest.mark.slow
 def test_gaps_beside_each_other_are_one():
     """A seam that touches the hole's edge is undecided around the one point where it does."""
     nearly = (-math.pi + 0.04, math.pi - 0.04)

@@ -172,7 +172,7 @@ def test_an_arm_in_space() -> None:
     check(rods(joints, [0.4, 0.42, 0.42], gravity=(1.0, -9.0, 3.0)), [LoadCase(force=(30.0, 20.0, 50.0))])
 
 
-@pytest.mark.parametrize("play", ["worst", "loaded"])
+@pytest.mark.parametrize("play", ["worst", pytest.param("loaded", marks=pytest.mark.slow)])
 def test_clearance_in_space_is_bounded(play: str) -> None:
     """Large clearance on crossed axes: the pose that is worst with it is not the worst without."""
     joints = (

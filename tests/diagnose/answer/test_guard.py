@@ -87,7 +87,10 @@ def late_sides(seed):
     return file(known), recording(q, seed, errors=-1e-4 * side * [0.0, 1.0], sides=np.roll(side, 1, axis=0))
 
 
-@pytest.mark.parametrize(("made", "seed"), [(angle_error, 1), (crack, 1), (read_early, 0), (late_sides, 0)])
+@pytest.mark.parametrize(
+    ("made", "seed"),
+    [(angle_error, 1), (crack, 1), (read_early, 0), pytest.param(late_sides, 0, marks=pytest.mark.slow)],
+)
 def test_what_repeats_refute_is_not_named_with_confidence(made, seed):
     arm, read = made(seed)
     found = diagnose(arm, read)
@@ -195,7 +198,7 @@ def returning_badly(seed, off, longer=2e-4):
     return recording(q, seed, errors=off * rng.standard_normal(q.shape), lengths=LENGTHS + np.array([longer, 0.0]))
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_an_arm_that_returns_badly_is_named_with_what_visits_scatter_by(seed):
     """Nothing recorded tells the scatter from visit to visit, and it is as large on visits that were not fitted. By a
     rule that has no fit carry over the same names would only describe part of it."""
@@ -209,6 +212,7 @@ def test_an_arm_that_returns_badly_is_named_with_what_visits_scatter_by(seed):
     assert diagnose(file(), read, Options(rules=none)).verdict == "unknown"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 4])
 def test_scatter_beside_a_name_is_little_of_the_mismatch(seed):
     """Less than twice the noise, of which a link 0.1 mm longer leaves a twentieth of the mismatch (sums of squares) and

@@ -86,7 +86,7 @@ def sizes_of(finding: Finding) -> dict[str, float]:
     return {each.parameter: each.value for each in finding.parameters}
 
 
-@pytest.mark.parametrize(("still", "free"), [(2, True), (4, False)])
+@pytest.mark.parametrize(("still", "free"), [(2, True), pytest.param(4, False, marks=pytest.mark.slow)])
 def test_a_tilted_axis_beside_one_that_stands(still: int, free: bool) -> None:
     rng = np.random.default_rng(1)
     q, tilts = visited(rng, still), np.zeros((5, 3))
@@ -98,6 +98,7 @@ def test_a_tilted_axis_beside_one_that_stands(still: int, free: bool) -> None:
     assert np.hypot(sizes["tilt_u"], sizes["tilt_v"]) == pytest.approx(np.hypot(8e-4, 5e-4), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free", [True, False])
 def test_a_drive_that_stands_sags_by_what_hangs_on_it(free: bool) -> None:
     """Joint 2 moves by 4 mrad and its load with joint 3; links that nobody has weighed."""
@@ -116,6 +117,7 @@ def test_a_drive_that_stands_sags_by_what_hangs_on_it(free: bool) -> None:
         assert size.value == pytest.approx(truth, rel=0.25 if free else 0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("still", "free"), [(2, True), (4, False)])
 def test_many_small_causes_make_nothing_large_of_a_joint_that_stands(still: int, free: bool) -> None:
     """Axes askew by 0.5 mrad, zeros, gears and drives that give, joints that return by 0.03 mrad."""

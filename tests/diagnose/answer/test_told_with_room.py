@@ -60,6 +60,7 @@ def test_a_large_cause_beside_eight_small_ones_is_named(tmp_path):
     assert any(note.startswith("What is left, ") for note in found.notes)
 
 
+@pytest.mark.slow
 def test_names_that_foretell_nothing_are_not_excused_by_small_causes(tmp_path):
     """A coupling of far joints that was told by nine names, small causes beside them: three times the noise held out,
     twice what noise leaves there."""
@@ -69,6 +70,7 @@ def test_names_that_foretell_nothing_are_not_excused_by_small_causes(tmp_path):
     assert found.lack_of_fit.held_out_times > 1.35 * found.lack_of_fit.times
 
 
+@pytest.mark.slow
 def test_what_the_library_lacks_beside_a_right_name_stays_unknown(tmp_path):
     """A ripple that grows with the load: no small causes."""
     found = played(tmp_path, 50)
@@ -102,6 +104,7 @@ def by_side(seed, size, wave):
     return recording(q, tips(q, errors=errors) + noise(seed, len(q)), sides=sides)
 
 
+@pytest.mark.slow
 def test_far_above_the_noise_where_no_pose_was_come_back_to_nothing_is_not_the_answer():
     """A fast ripple that nothing foretells, four times the noise: scatter of the arm, it may be, or not."""
     read = by_side(1, 0.25e-3, 41.0)
@@ -110,6 +113,7 @@ def test_far_above_the_noise_where_no_pose_was_come_back_to_nothing_is_not_the_a
     assert found.verdict == "unknown"
 
 
+@pytest.mark.slow
 def test_an_arm_that_scatters_by_twice_the_noise_lacks_nothing():
     found = diagnose(file(), by_side(2, 0.05e-3, 41.0))
     assert 1.5 * found.noise_floor < found.rms_before < 2.2 * found.noise_floor

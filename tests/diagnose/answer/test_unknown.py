@@ -20,7 +20,7 @@ def null(space=False, **changed):
     return arm, recorded(arm, **{**PLAN, **changed})
 
 
-@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+@pytest.mark.parametrize("space", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["plane", "space"])
 def test_a_step_in_time(space):
     """Something slips: the tip is shifted from one visit on."""
     arm, recording = null(space)
@@ -36,6 +36,7 @@ def test_a_step_in_time(space):
     assert found.rms_after < 1.15 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_a_long_recording_is_described_at_all_of_its_readings():
     """Of a long recording some visits are searched; what a controller takes off is told at every reading."""
     arm, recording = null()
@@ -47,6 +48,7 @@ def test_a_long_recording_is_described_at_all_of_its_readings():
     assert compensation_csv(found).count("\n") == len(found.residual_after) + 1
 
 
+@pytest.mark.slow
 def test_a_joint_that_slips():
     """The zero of encoder 2 moves: a step in time again, and not an offset."""
     arm, recording = null()
@@ -60,6 +62,7 @@ def test_a_joint_that_slips():
     assert found.where.joint == 2
 
 
+@pytest.mark.slow
 def test_a_spring_to_a_fixed_point():
     """A hose that pulls towards a hook, through drives and links that give."""
     arm, recording = null()
@@ -87,6 +90,7 @@ def test_a_force_field():
     assert found.unknown.rejected
 
 
+@pytest.mark.slow
 def test_a_periodic_term():
     """A machine next door, or the sun: it comes and goes."""
     arm, recording = null()
@@ -99,6 +103,7 @@ def test_a_periodic_term():
     assert found.rms_after < 1.15 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_forms_and_the_smooth_model_are_judged_on_held_out_rows():
     """The force that grows across the workspace is predicted in parts of it that were not fitted."""
     arm, recording = null(poses=80, payloads=(), repeats=1, sides="one", temperature=None)
@@ -117,6 +122,7 @@ def test_forms_and_the_smooth_model_are_judged_on_held_out_rows():
     assert np.sum(missed**2) < 0.8 * np.sum(truth**2)
 
 
+@pytest.mark.slow
 def test_what_no_form_tells_half_of_is_nothing_simple():
     """Waves over products of the angles, which repeats confirm; a region of the workspace comes nearest."""
     arm, recording = null()

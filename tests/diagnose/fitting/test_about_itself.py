@@ -67,7 +67,7 @@ def test_readings_without_noise_give_the_sizes_themselves(causes):
     assert max(abs(share) for share, _ in off(first, causes).values()) > 1e-3
 
 
-@pytest.mark.parametrize("count", [200, 2000, 10000])
+@pytest.mark.parametrize("count", [200, 2000, pytest.param(10000, marks=pytest.mark.slow)])
 def test_intervals_hold_what_was_planted_however_many_readings(count):
     causes, held = (ZERO, SOFT), 0
     for seed in range(5):

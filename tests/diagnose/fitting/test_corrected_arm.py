@@ -13,6 +13,7 @@ from diagnose.fitting.corrected_arm import corrected_arm
 from diagnose.fitting.refit import Refit
 from diagnose.fitting.terms import Term
 from diagnose.patterns.library import Candidate
+from tests.costs import slow_but
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -39,7 +40,7 @@ def read_back(arm, folder):
     return read_arm(path)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", slow_but(CASES, "backlash held by friction"))
 def test_the_corrected_arm_explains_the_recording(name, tmp_path):
     space, entry, changed = CASES[name]
     arm = made_arm(space)
@@ -51,6 +52,7 @@ def test_the_corrected_arm_explains_the_recording(name, tmp_path):
     assert again.rms_before == pytest.approx(first.rms_after, rel=2e-2)
 
 
+@pytest.mark.slow
 def test_physics_left_out_comes_back_whole(tmp_path):
     arm = made_arm()
     recording = recorded(arm, payloads=(0.0, 20.0), poses=12)

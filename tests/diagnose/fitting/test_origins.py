@@ -116,6 +116,7 @@ def test_a_planar_arms_unknown_transform_is_found_with_what_is_left_out(tmp_path
     assert found.written.rms == pytest.approx(found.rms_promised, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_transform_in_space_is_found(tmp_path: Path) -> None:
     arm, rng, poses = tmp_path / "arm.yaml", np.random.default_rng(4), 36
     arm.write_text(spatial_file())

@@ -56,6 +56,7 @@ def test_intervals_cover():
     assert within(inside[1])
 
 
+@pytest.mark.slow
 def test_intervals_cover_beside_a_lag():
     """The size's interval holds the shape's own uncertainty, and the shape's is its profile's."""
     null = prepared_null(hours=6.0, poses=16, temperature=(293.15, 313.15))
@@ -138,6 +139,7 @@ def test_no_drive_turns_against_its_load():
     assert impossible_term(prepare(observe(arm, recording), Options()), found) is None
 
 
+@pytest.mark.slow
 def test_no_windup_pushes_on():
     """Where play runs with the load alone, chance would have the rest of it run the other way: it is held at nought."""
     below = 0

@@ -55,7 +55,7 @@ def unweighed() -> Arm:
     return Arm("nobody weighed it", joints, tuple(Link(float(length)) for length in LENGTHS))
 
 
-@pytest.mark.parametrize("payloads", [(0.0,), (0.0, 3.0)])
+@pytest.mark.parametrize("payloads", [(0.0,), pytest.param((0.0, 3.0), marks=pytest.mark.slow)])
 def test_the_written_file_keeps_its_promise(payloads: tuple[float, ...]) -> None:
     """All three drives share one set of weights: what is written predicts poses that nobody has recorded; and a payload
     that nobody has recorded where two were."""
@@ -147,7 +147,7 @@ def standing_arm(*, mast: bool) -> Arm:
     [
         (3e-6, 0.0, 0.0, {("base_compliance", ())}),
         (2e-6, 0.0, 2e-5, {("base_compliance", ()), ("joint_compliance", (3,))}),
-        (0.0, 2e-6, 2e-5, {("column_bending", (1,)), ("joint_compliance", (4,))}),
+        pytest.param(0.0, 2e-6, 2e-5, {("column_bending", (1,)), ("joint_compliance", (4,))}, marks=pytest.mark.slow),
         (0.0, 0.0, 2e-5, {("joint_compliance", (3,))}),
     ],
 )
@@ -162,6 +162,7 @@ def test_base_and_mast_share_the_weights_of_the_drives(
     assert predict(found.corrected, on_a_soft_base(4, base, mast, drive)).rms < 1.25 * math.sqrt(3.0) * NOISE
 
 
+@pytest.mark.slow
 def test_a_base_that_is_not_plumb_is_seen_through_products() -> None:
     """Gravity from another side, by hand: the drive sags another way, and the tilt is g x tilt = g' - g."""
     tilted = 9.81 * np.array([0.03, -0.02, -1.0]) / math.sqrt(1.0 + 0.03**2 + 0.02**2)

@@ -104,6 +104,7 @@ def refuted(prepared, members, small=None):
     return refutes(found, RULES.answer)
 
 
+@pytest.mark.slow
 def test_a_right_name_beside_small_causes_is_refuted_alone_and_not_with_room_for_them(null):
     """Ten causes of a third of the noise each beside one of five times: one in three is refuted alone."""
     member = group_of(null, "joint_compliance", (1,))

@@ -40,6 +40,7 @@ def constant(found: Finding) -> FittedParameter:
     return next(each for each in found.parameters if each.parameter == "windup")
 
 
+@pytest.mark.slow
 def test_the_constant_of_a_windup_may_be_play_that_friction_holds(tmp_path: Path) -> None:
     found = wound_up(tmp_path, (2.0, 5.0))
     windup = constant(found)
@@ -52,6 +53,7 @@ def test_the_constant_of_a_windup_may_be_play_that_friction_holds(tmp_path: Path
     assert "part of it may be backlash of the drives" in found.reading
 
 
+@pytest.mark.slow
 def test_play_under_loads_that_no_friction_holds_is_no_part_of_it(tmp_path: Path) -> None:
     """There it would be seated by the load, which shows."""
     windup = constant(wound_up(tmp_path, (60.0, 90.0)))

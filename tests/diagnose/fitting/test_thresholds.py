@@ -33,7 +33,10 @@ def loaded(visits: int, seed: int) -> tuple[Array, Array, Array, Array]:
     return stood, sides, payload, 9.81 * payload * LENGTHS[2] * np.cos(stood.sum(axis=1))
 
 
-@pytest.mark.parametrize(("seed", "share"), [(1, 0.3), (2, 0.45), (3, 0.6), (4, 0.8)])
+@pytest.mark.parametrize(
+    ("seed", "share"),
+    [(1, 0.3), pytest.param(2, 0.45, marks=pytest.mark.slow), pytest.param(3, 0.6, marks=pytest.mark.slow), (4, 0.8)],
+)
 def test_each_reading_stands_on_the_side_of_the_threshold_that_it_stood_on(
     tmp_path: Path, seed: int, share: float
 ) -> None:

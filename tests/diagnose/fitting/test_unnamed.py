@@ -89,6 +89,7 @@ def chosen(prepared, member, count, taken):
     return found
 
 
+@pytest.mark.slow
 def test_intervals_cover_though_names_were_chosen_to_leave_little():
     """Of a dozen small causes what three names take up is chosen; what is left says that next to nothing else is there,
     and the weak names themselves say that there is; so does the room that is usual where so much was found."""
@@ -111,6 +112,7 @@ def test_intervals_cover_though_names_were_chosen_to_leave_little():
     assert within(covered["usual"], trials=trials)
 
 
+@pytest.mark.slow
 def test_intervals_cover_beside_one_more_name_that_was_chosen():
     """Of six small causes one was named beside the large one, for it left least."""
     null = prepared_null()
@@ -175,6 +177,7 @@ def widths_of(offsets, more_findings):
     return [each.parameters[0].interval[1] - each.parameters[0].interval[0] for each in found.findings]
 
 
+@pytest.mark.slow
 def test_a_second_finding_makes_room_and_one_alone_does_not():
     two = (0.0, 2e-3, 1e-3)
     assert all(wide > 1.1 * narrow for wide, narrow in zip(widths_of(two, 2), widths_of(two, 3), strict=True))

@@ -89,6 +89,7 @@ def test_a_tracker_that_wanders_is_no_physics(seed):
     assert any(note.startswith("The instrument wanders") for note in found.notes)
 
 
+@pytest.mark.slow
 def test_a_tracker_that_was_mounted_anew_wanders_on():
     """Two recordings with frames of their own: each walk was taken for physics, as only that of one was looked for."""
     for seed in (0, 2, 4):
@@ -129,6 +130,7 @@ def test_what_does_follow_the_temperature_is_no_walk(seed):
     assert found.unknown.shape == "something that follows the temperature"
 
 
+@pytest.mark.slow
 def test_what_else_goes_with_time_is_no_walk():
     """A frame that drifts evenly, and something that slipped."""
     along = np.array([1.0, 0.5])

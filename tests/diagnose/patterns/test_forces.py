@@ -46,7 +46,16 @@ def place_of(candidate):
     return np.array([candidate.shapes["at_x"], candidate.shapes["at_y"]])
 
 
-@pytest.mark.parametrize(("seed", "cell"), [(1, (3, 2)), (2, (2, 3)), (3, (3, 3)), (4, (3, 1)), (5, (4, 2))])
+@pytest.mark.parametrize(
+    ("seed", "cell"),
+    [
+        pytest.param(1, (3, 2), marks=pytest.mark.slow),
+        pytest.param(2, (2, 3), marks=pytest.mark.slow),
+        (3, (3, 3)),
+        pytest.param(4, (3, 1), marks=pytest.mark.slow),
+        pytest.param(5, (4, 2), marks=pytest.mark.slow),
+    ],
+)
 def test_a_magnet_between_the_points_of_the_grid_is_unknown_and_has_a_place(seed, cell):
     """A grid of 0.4 m would otherwise make it some errors of the joints, or put it 0.2 m away."""
     recording, place = beside_a_magnet(seed, cell)

@@ -41,6 +41,7 @@ def test_a_softened_recording_is_that_of_the_softer_arm():
     assert (found.signature("encoder_offset", offset) == plain.signature("encoder_offset", offset)).all()
 
 
+@pytest.mark.slow
 def test_a_heavier_payload_on_a_softer_drive():
     """They multiply: without going back, the payload comes out 1.43 kg (1.40 to 1.47) and the drive as hardening."""
     arm = made_arm()

@@ -38,6 +38,7 @@ def diagnosed(folder: Path, logged: Array | None, seed: int = 4) -> Diagnosis:
 ROWS = np.arange(180)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("logged", "said"),
     [
@@ -69,6 +70,7 @@ def slack(folder: Path, columns: list[int], seed: int = 4) -> Diagnosis:
     return diagnose(ARM, read_recording(written(folder / "recording.csv", said), ARM, folder / "recording.yaml"))
 
 
+@pytest.mark.slow
 def test_sides_of_two_joints_in_each_others_columns_are_told(tmp_path: Path) -> None:
     found = slack(tmp_path, [0, 2, 1])
     assert found.verdict in ("unknown", "none")
@@ -90,11 +92,13 @@ def test_sides_that_are_right_are_left_alone(tmp_path: Path) -> None:
     assert [each.at for each in found.findings] == [(2,)]
 
 
+@pytest.mark.slow
 def test_sides_in_no_order_at_all_are_not_called_late(tmp_path: Path) -> None:
     """Sides written down at random: no shift of them explains anything."""
     assert diagnosed(tmp_path, np.random.default_rng(8).permutation(180)).labels is None
 
 
+@pytest.mark.slow
 def test_what_the_labels_do_not_touch_says_nothing_against_them(tmp_path: Path) -> None:
     """A zero that is off shows alike whatever the sides: put right or not, it leaves the noise."""
     rng = np.random.default_rng(7)
@@ -130,7 +134,10 @@ def hung(folder: Path, wrong: str) -> Diagnosis:
 
 @pytest.mark.parametrize(
     ("wrong", "said"),
-    [("late", "payload_kg was logged one visit late"), ("swapped", "payloads of 0 kg and 6 kg have changed places")],
+    [
+        ("late", "payload_kg was logged one visit late"),
+        pytest.param("swapped", "payloads of 0 kg and 6 kg have changed places", marks=pytest.mark.slow),
+    ],
 )
 def test_payloads_beside_the_wrong_readings_are_told(tmp_path: Path, wrong: str, said: str) -> None:
     found = hung(tmp_path, wrong)

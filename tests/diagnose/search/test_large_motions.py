@@ -32,7 +32,7 @@ def measured(tmp_path, off, longer=(0.0, 0.0, 0.0), frame="known"):
     return arm, read_recording(path, arm)
 
 
-@pytest.mark.parametrize("frame", ["known", "free"])
+@pytest.mark.parametrize("frame", [pytest.param("known", marks=pytest.mark.slow), "free"])
 def test_a_zero_off_by_two_degrees_is_named_alone(tmp_path, frame):
     off = math.radians(2.0)
     arm, recording = measured(tmp_path, (0.0, off, 0.0), frame=frame)
@@ -45,6 +45,7 @@ def test_a_zero_off_by_two_degrees_is_named_alone(tmp_path, frame):
     assert diagnose(found.corrected, recording).verdict == "none"
 
 
+@pytest.mark.slow
 def test_the_last_joints_zero_is_not_taken_for_the_tool(tmp_path):
     """To first order they are one; a degree of the zero is one number where a tool's offset is two."""
     arm, recording = measured(tmp_path, (0.0, 0.0, math.radians(-1.0)))
@@ -60,6 +61,7 @@ def test_a_zero_and_a_length_together(tmp_path):
     assert found.rms_after < 1.1 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_a_small_zero_on_an_arm_that_sags_far_is_named_alone(tmp_path):
     """Three minutes of arc turn the sag by more than the noise; it is no torque of a counterbalance."""
     off, stiffness = 0.9e-3, 60.0
@@ -79,6 +81,7 @@ def test_a_small_zero_on_an_arm_that_sags_far_is_named_alone(tmp_path):
     assert found.rms_after < 1.1 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_a_link_of_half_its_modulus_is_named_alone():
     """What it gives doubles, far from where a small lack of modulus would be in proportion; by an exact rod, of two
     tubes that bend by some millimetres under their payload."""

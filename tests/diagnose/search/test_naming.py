@@ -38,7 +38,7 @@ def returning_note(found):
     return any("does not return more exactly" in note for note in found.notes)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.slow), 2])
 def test_what_lasts_is_named_where_poses_are_come_back_to(seed):
     """Three visits to each pose tell that the rest, though most of the mismatch, is not there again."""
     found = diagnose(ARM, that_does_not_return(seed, 3))
@@ -51,7 +51,7 @@ def test_what_lasts_is_named_where_poses_are_come_back_to(seed):
     assert returning_note(found)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.slow), 2])
 def test_what_leaves_most_explains_nothing_where_no_pose_is_seen_again(seed):
     """The same arm, each pose visited once: the rest may be there for good, and what was named is small beside it."""
     found = diagnose(ARM, that_does_not_return(seed, 1))

@@ -13,6 +13,8 @@ from benchmarks.fuzz.kinds import kinds
 from benchmarks.fuzz.odd import odd_files
 from units.quantities import InputError
 
+pytestmark = pytest.mark.slow
+
 KINDS = kinds()
 
 

@@ -23,8 +23,14 @@ PROBLEMS = int(os.environ.get("PROBLEMS", "0"))
 KINDS = [kind for kind in product((2, 3), (False, True), (False, True)) if PROBLEMS or kind != (3, True, True)]
 
 
+def slow_kinds():
+    """The dearest kinds are slow."""
+    dear = ((2, True, True), (3, True, False))
+    return [pytest.param(*kind, marks=pytest.mark.slow) if kind in dear else kind for kind in KINDS]
+
+
 @pytest.mark.parametrize("seed", range(max(PROBLEMS, 1)))
-@pytest.mark.parametrize(("links", "box", "free"), KINDS)
+@pytest.mark.parametrize(("links", "box", "free"), slow_kinds())
 def test_designs_are_what_they_claim_by_hand(links: int, box: bool, free: bool, seed: int, tmp_path: Path) -> None:
     held(hostile(tmp_path, seed, links, box=box, free=free))
 
@@ -47,7 +53,7 @@ def test_hand_and_tool_agree_on_the_arm_as_given(tmp_path: Path) -> None:
         assert case.given.worst(np.array([worst.poses[0].q]), case.loads) == pytest.approx(worst.error, rel=1e-9)
 
 
-@pytest.mark.parametrize("figure", ["objective", "share"])
+@pytest.mark.parametrize("figure", ["objective", pytest.param("share", marks=pytest.mark.slow)])
 def test_an_answer_that_claims_too_much_is_noticed(
     figure: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

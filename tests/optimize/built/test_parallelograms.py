@@ -113,6 +113,7 @@ def test_the_best_place_is_that_of_a_scan(tmp_path: Path) -> None:
         assert not own.doubts
 
 
+@pytest.mark.slow
 def test_a_place_that_reaches_less_of_a_path_is_left_out(tmp_path: Path) -> None:
     path = "workspace: {path: [[700 mm, 300 mm], [700 mm, 100 mm]]}\n"
     narrow = RODS.replace("[-100 deg, 0 deg]", "[-40 deg, -30 deg]")

@@ -169,6 +169,7 @@ def _least_sure(arm: Arm) -> float:
     return float(np.linalg.norm(model.cases[0].arrays(q, beam_values(beams_of(arm))).vector, axis=1).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["circle", "tube"])
 def test_limits_hold_and_uniform_links_are_never_better(tmp_path: Path, shape: str) -> None:
     limits = ", first_frequency: '>= 16.5 Hz', safety_factor: '>= 30'"

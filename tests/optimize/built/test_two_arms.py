@@ -87,6 +87,7 @@ def test_no_design_of_a_grid_is_better_for_both_tips(file):
     assert errors(best.arm, best.arm.cases, 25) == pytest.approx(best.objective, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_limits_of_both_arms(file):
     """First frequency, tip stiffness and strength are those of the whole; a lightest design just keeps them."""
     limits = {
@@ -115,6 +116,7 @@ def test_limits_of_both_arms(file):
     assert after.total_mass - after.mass == pytest.approx(14.0)
 
 
+@pytest.mark.slow
 def test_every_design_of_a_front_is_the_worse_of_both_tips(file):
     """A point errs as an evaluation of its arm at either tip, nowhere more over a grid of poses, weighs what its
     bars do, and none is beaten by another."""

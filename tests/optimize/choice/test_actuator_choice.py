@@ -13,6 +13,7 @@ from optimize.choice.actuators import assignments, with_actuators
 from optimize.infeasible.quick import out_of_reach
 from optimize.problem import Problem
 from optimize.run import optimise
+from tests.costs import slow_but
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
 from units.quantities import InputError, NoAnswer
 
@@ -45,6 +46,7 @@ def choosing(folder: Path, limits: str, gears: str = GEARS, more: str = "", mini
     return problem_of(folder, TWO, text)
 
 
+@pytest.mark.slow
 def test_the_choice_is_the_best_of_all_solved_one_by_one(tmp_path: Path) -> None:
     problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
     found = optimise(problem)
@@ -119,6 +121,7 @@ def test_the_drives_count_in_mass_and_cost(priced: Path) -> None:
     assert poor.after.max_error > rich.after.max_error
 
 
+@pytest.mark.slow
 def test_minimising_cost_takes_the_cheapest_drives_that_do(priced: Path) -> None:
     loose = optimise(choosing(priced, "max_error: '<= 2 mm'", "[DEAR, CHEAP]", minimize="cost"))
     tight = optimise(choosing(priced, "max_error: '<= 0.75 mm'", "[DEAR, CHEAP]", minimize="cost"))
@@ -157,6 +160,7 @@ def test_a_torque_limit_without_actuators_is_wrong_input(tmp_path: Path) -> None
         problem_of(tmp_path, TWO, "subject_to: {mass: '<= 6 kg', torque_use: '<= 0.5'}\n")
 
 
+@pytest.mark.slow
 def test_a_search_joint_by_joint_is_told_and_no_worse_than_its_start(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -215,6 +219,7 @@ actuators:
 """
 
 
+@pytest.mark.slow
 def test_a_heavy_drive_may_be_the_better_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Against a force that lifts the tip the weight of a drive between the links helps: what the lightest would err by
     puts no limit out of reach."""
@@ -250,8 +255,8 @@ actuators:
 """
 
 
-@pytest.mark.parametrize("given", ["", ", stiffness: 50 kN*m/rad"])
-@pytest.mark.parametrize("robust", ["worst", "90 %"])
+@pytest.mark.parametrize("given", slow_but(["", ", stiffness: 50 kN*m/rad"], ""))
+@pytest.mark.parametrize("robust", slow_but(["worst", "90 %"], "worst"))
 def test_drives_are_chosen_for_what_is_uncertain(
     given: str, robust: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -129,6 +129,7 @@ def test_how_many_combinations_agree(same: str, expected: int, tmp_path: Path) -
             assert len({material.name for material in pick.materials if material is not None}) == 1
 
 
+@pytest.mark.slow
 def test_same_size_gives_all_links_one_section(tmp_path: Path) -> None:
     chosen = "choose: {section: [tube, rectangle], same: [size]}\n"
     alike = optimise(problem_of(tmp_path, ARM, chosen + CASES + LIMITS))
@@ -141,6 +142,7 @@ def test_same_size_gives_all_links_one_section(tmp_path: Path) -> None:
     assert free.objective < alike.objective
 
 
+@pytest.mark.slow
 def test_walls_and_sizes_of_the_winner_keep_their_bounds(tmp_path: Path) -> None:
     result = optimise(problem_of(tmp_path, ARM, "choose: {section: [rectangular_tube, i_section]}\n" + CASES + LIMITS))
     for link in result.arm.links:

@@ -131,6 +131,7 @@ def test_what_is_ruled_out_at_once_has_no_design(tmp_path: Path) -> None:
     assert told.impossible.sum() > 0.8 * (~kept).sum()
 
 
+@pytest.mark.slow
 def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
     """Materials that differ little, under a limit on the cost: every pair within 3 % of the best is listed."""
     generator = np.random.default_rng(11)

@@ -152,6 +152,7 @@ def test_the_long_link_may_be_the_second(tmp_path: Path) -> None:
     assert rods.error(lengths * (1.0 + 1e-10), sizes)[0] == pytest.approx(result.objective, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_arm_too_short_is_given_lengths_that_reach(tmp_path: Path) -> None:
     """Stretched out, the rods as given end 160 mm before the end of the path, from hypot(350, 500) mm."""
     places, words = path((0.55, 0.25), (0.35, 0.5))
@@ -165,6 +166,7 @@ def test_an_arm_too_short_is_given_lengths_that_reach(tmp_path: Path) -> None:
     assert result.before.max_error >= result.objective
 
 
+@pytest.mark.slow
 def test_where_no_lengths_reach_it_is_said_what_is_short(tmp_path: Path) -> None:
     places, words = path((0.55, 0.25), (0.35, 0.5))
     rods = Rods(places, 2.0, (0.0, 0.0), 1.0, (0.0, 0.0), (0.12, 0.3), (0.01, 0.1), 6.0)

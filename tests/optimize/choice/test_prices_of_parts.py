@@ -142,6 +142,7 @@ def test_work_with_a_mistake(worked: Path, was: str, now: str, message: str):
         read_arm(worked / "arm.yaml")
 
 
+@pytest.mark.slow
 def test_the_cheapest_design_counts_work(worked: Path):
     """Against shapes and materials on a grid of sizes: none that keeps the limit is cheaper, and the bound holds."""
     (worked / "problem.yaml").write_text(

@@ -18,6 +18,7 @@ from optimize.result import OptimizationResult
 from optimize.rounding.options import read_rounding
 from optimize.rounding.rounding import optimise_rounded
 from optimize.run import optimise
+from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged
 
 VERSION = "linkwright 0"
@@ -61,7 +62,7 @@ def searched(problem: Problem, path: Path | None, stop_at: int | None = None) ->
             return None, told
 
 
-@pytest.mark.parametrize("kind", PROBLEMS)
+@pytest.mark.parametrize("kind", slow_but(PROBLEMS, "all at once", "bounds"))
 def test_the_answer_is_that_of_no_stop(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "bounds":
         monkeypatch.setattr(combinations, "MOST_COMBINATIONS", 10)
@@ -122,6 +123,7 @@ def rounded(problem: Problem, path: Path, stop_at: int | None = None) -> tuple[O
             return None, told
 
 
+@pytest.mark.slow
 def test_rounding_goes_on_too(tmp_path: Path) -> None:
     text = "choose: {section: [tube], material: [aluminium-6061-t6]}\n"
     problem = problem_of(tmp_path, ARM, text + f"subject_to: {LIMITS % ', thickness: [1 mm, 8 mm]'}")

@@ -45,6 +45,7 @@ def test_free_lengths_reach_all_of_a_box(tmp_path: Path) -> None:
     assert len(poses_in_region(result, problem)) >= 81**2 - 2  # rounding may take the two corners
 
 
+@pytest.mark.slow
 def test_search_begins_with_lengths_that_reach_all_of_a_box(tmp_path: Path) -> None:
     """The arm as given stops 12 mm short of two corners alone; lengths that reach them are within what is allowed."""
     short = jointed((375, 375), ranged("-120 120", "-10 150"))
@@ -56,6 +57,7 @@ def test_search_begins_with_lengths_that_reach_all_of_a_box(tmp_path: Path) -> N
     assert (result.before.unreached, result.after.unreached) == (None, None)
 
 
+@pytest.mark.slow
 def test_box_that_no_lengths_reach_is_no_certified_answer(tmp_path: Path) -> None:
     """The far corner is 762 mm away and two links of at most 370 mm come to 740 mm; longer ones would do."""
     limits = FREE.replace("900 mm", "370 mm")
@@ -72,6 +74,7 @@ def test_box_that_no_lengths_reach_is_no_certified_answer(tmp_path: Path) -> Non
     assert evaluate(would.arm, would.workspace).unreached is None
 
 
+@pytest.mark.slow
 def test_lengths_that_reach_the_box_but_are_not_allowed_are_told(tmp_path: Path) -> None:
     """The corner is 762 mm away; the arm as given reaches it, and a reach of 750 mm does not."""
     limits = FREE.replace("link_length", "reach: '<= 750 mm', link_length")
@@ -98,6 +101,7 @@ def test_fixed_lengths_that_leave_part_of_a_box_are_certified_over_the_rest_alon
     assert content["unreached_share"] == result.after.unreached.share
 
 
+@pytest.mark.slow
 def test_place_to_reach_leaves_joints_to_spare_as_they_like(tmp_path: Path) -> None:
     """Three links, of which only their sum counts where the corner is: a pose that held on to it as it stood would
     keep them longer."""
@@ -107,6 +111,7 @@ def test_place_to_reach_leaves_joints_to_spare_as_they_like(tmp_path: Path) -> N
     assert sum(found.lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_rounded_lengths_reach_all_of_a_box_too(tmp_path: Path) -> None:
     """Rounded down, the lengths of the optimum would stop short of the corner."""
     rounding = read_rounding("1 mm", "10 mm")
@@ -116,6 +121,7 @@ def test_rounded_lengths_reach_all_of_a_box_too(tmp_path: Path) -> None:
     assert sum(result.rounded.arm.lengths) == pytest.approx(0.77, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_points_of_a_trade_off_reach_all_of_a_box(tmp_path: Path) -> None:
     """From an arm that does not, and with the lightest links as short as the corner allows."""
     short = jointed((375, 375), ranged("-120 120", "-10 150"))
@@ -130,6 +136,7 @@ def test_points_of_a_trade_off_reach_all_of_a_box(tmp_path: Path) -> None:
     assert all(each["unreached_share"] == 0.0 for each in tradeoff_json(front)["points"])
 
 
+@pytest.mark.slow
 def test_trade_off_with_holes_in_a_box_says_so(tmp_path: Path) -> None:
     box = "workspace: {box: [[400 mm, -300 mm], [960 mm, 300 mm]]}\n"
     found = trade_off(question(problem_of(tmp_path, ARM, box + MASS), "mass", "max_error"), accuracy=0.4)

@@ -45,7 +45,7 @@ def _every(problem: Problem, *, alike: bool) -> list[tuple[float, float]]:
     return found
 
 
-@pytest.mark.parametrize("by", [None, "material"])
+@pytest.mark.parametrize("by", [None, pytest.param("material", marks=pytest.mark.slow)])
 def test_front_is_that_of_every_combination(tmp_path: Path, by: By | None) -> None:
     text = TUBES % SIZES + "subject_to: {mass: '<= 5 kg', wall_slenderness: off}\n"
     problem = problem_of(tmp_path, jointed((450, 400), JOINTS), text)

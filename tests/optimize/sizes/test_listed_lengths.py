@@ -39,7 +39,7 @@ def _arms(problem: Problem, lengths: list[tuple[float, ...]]) -> list[Arm]:
     return found
 
 
-@pytest.mark.parametrize("minimize", ["max_error", "mass"])
+@pytest.mark.parametrize("minimize", [pytest.param("max_error", marks=pytest.mark.slow), "mass"])
 def test_no_combination_at_any_length_is_better(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, minimize: str) -> None:
     """Tubes of two materials for two links whose lengths add up to 850 mm: against a grid of 2.5 mm, and of 0.1 mm
     about the best of that."""
@@ -88,6 +88,7 @@ def test_no_combination_at_any_length_is_better(tmp_path: Path, monkeypatch: pyt
     assert not result.doubts
 
 
+@pytest.mark.slow
 def test_limits_that_are_no_sums_are_kept(tmp_path: Path) -> None:
     """Strength and frequency bound nothing where lengths are free; the design keeps them, and is as good as any of a
     coarse grid that does."""
@@ -109,6 +110,7 @@ def test_limits_that_are_no_sums_are_kept(tmp_path: Path) -> None:
     assert result.lower_bound <= result.objective
 
 
+@pytest.mark.slow
 def test_places_in_space_are_looked_for_without_a_bound(tmp_path: Path) -> None:
     joints = ranged("-120 120", "-150 150", more=", mass: 1 kg, stiffness: 500 kN*m/rad")
     text = TUBES % "40 mm, 50 mm" + "workspace: {path: [[500 mm, 100 mm], [600 mm, 0 mm]]}\n"

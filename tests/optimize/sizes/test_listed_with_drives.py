@@ -42,7 +42,10 @@ def best_of_each(problem: Problem) -> dict[tuple[str, ...], float]:
 
 @pytest.mark.parametrize(
     ("minimize", "limits", "most"),
-    [("max_error", "total_mass: '<= 16 kg'", 64), ("mass", "max_error: '<= 1.2 mm', first_frequency: '>= 12 Hz'", 2)],
+    [
+        ("max_error", "total_mass: '<= 16 kg'", 64),
+        pytest.param("mass", "max_error: '<= 1.2 mm', first_frequency: '>= 12 Hz'", 2, marks=pytest.mark.slow),
+    ],
 )
 def test_best_is_that_of_every_choice_of_drives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, minimize: str, limits: str, most: int

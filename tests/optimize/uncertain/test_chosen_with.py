@@ -38,6 +38,7 @@ def test_symbols_and_numbers_of_a_taper_are_one(shape: str, tmp_path: Path) -> N
     np.testing.assert_allclose(np.array(found).ravel(), numbers, rtol=1e-7, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_tapered_arm_that_is_uncertain(tmp_path: Path) -> None:
     """No uniform design is better, no scenario worse than said, and the arm as it is better for none of it."""
     limits = f"subject_to: {{mass: '<= 3 kg', {SIZES}"
@@ -71,6 +72,7 @@ def test_a_balancer_for_drives_that_may_be_softer(tmp_path: Path) -> None:
     assert found.arm.joints[0].counterbalance is not None
 
 
+@pytest.mark.slow
 def test_places_of_motors_for_drives_that_may_be_softer(tmp_path: Path) -> None:
     soft = "robust: worst\nuncertain: {stiffness: 30 %}\n"
     limits = f"subject_to: {{mass: '<= 6 kg', {SIZES}}}\n"

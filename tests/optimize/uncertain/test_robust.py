@@ -119,7 +119,7 @@ def test_confidence_bound_is_the_textbook_rank() -> None:
     assert upper_rank(0.95, 58) is None
 
 
-@pytest.mark.parametrize("kind", ["worst", "90 %"])
+@pytest.mark.parametrize("kind", [pytest.param("worst", marks=pytest.mark.slow), "90 %"])
 def test_no_worse_than_the_nominal_optimum(kind: str, tmp_path: Path) -> None:
     text = f"robust: {kind}\nuncertain: {ALL}\nsubject_to: {{mass: '<= 9 kg', {SIZES}}}\nchoose: {{section: [tube]}}\n"
     problem = problem_of(tmp_path, TWO, text)
