@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.avoid.regions import Region
 from sections.numeric import Array
 
 from .instruments.instrument import NAMES, Instrument, Slots
@@ -51,7 +52,7 @@ class Recording:
     for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
     number), `date` when it was made (`2026-05-16`), `branch` whose tip was measured of several arms on one torso, empty
     where nobody said. `started` is what the file's clock showed at the first reading, s; `earlier` what the arm had
-    been through before it, where another recording tells.
+    been through before it, where another recording tells. `avoid` are regions out of which proposed poses keep the arm.
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
@@ -97,6 +98,7 @@ class Recording:
     branch: str = ""
     started: float | None = None
     earlier: Earlier | None = None
+    avoid: tuple[Region, ...] = ()
 
     @property
     def observed_as(self) -> Slots | None:

@@ -333,6 +333,7 @@ class Diagnosis:
     together (none named: one), `differences` what is not the same in all of them.
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
     recordings that seem to be of different arms (None: they do not).
+    `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell.
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -375,6 +376,7 @@ class Diagnosis:
     shown: Array | None = None
     origins: tuple[FoundOrigin, ...] = ()
     other_arms: OtherArms | None = None
+    next_poses_enough: bool = False
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.stats import qmc
 
+from arm.avoid.poses import NoRoom, drawn, room_of
 from arm.chain.arrays import columns, matrices
 from arm.chain.chain import Arm
 from arm.chain.following import completed
@@ -29,6 +30,7 @@ from .instruments.instrument import ALONG, CAMERA, DISTANCE, PLANE, TILT_X, TILT
 from .instruments.level import stand_of
 from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
+from .rules.rules import RULES
 
 Sides = Literal["both", "one", "random"]
 
@@ -122,7 +124,9 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
 
     Poses are a scrambled Sobol sequence over the joint ranges, in the order in which it runs, so that neighbours in
     time are not neighbours in space. Rows come out as poses * payloads * sides * repeats.
-    Raises what `arm.errors.model.beams_of` raises where the arm lacks a figure, ValueError for a plan without rows.
+    Poses that put the arm where its file has it avoid to are left out, and others taken.
+    Raises what `arm.errors.model.beams_of` raises where the arm lacks a figure, ValueError for a plan without rows,
+    `NoRoom` where what is to be avoided leaves too few poses.
     """
     if plan.poses < 1 or plan.repeats < 1:
         raise ValueError("a recording has at least one pose and one reading of it")
@@ -297,7 +301,7 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         touches=found.label,
         bar_at=found.along if plan.bar else None,
         instrument=named,
-    ).kept(found.keep)
+    ).kept(found.keep & room_of(arm, None).allows(arm, q))
     last = since_the_reading_before(whole.q)
     return replace(whole, row=np.arange(1, whole.size + 1), last_moves=last)
 
@@ -305,10 +309,20 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
 def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     """Joint coordinates and conditions of every reading, the tip still to come."""
     sobol = qmc.Sobol(arm.size, scramble=True, rng=random)
-    low = np.array([joint.range[0] for joint in arm.joints])
-    span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
-    unit = sobol.random_base2(max(1, math.ceil(math.log2(plan.poses))))[: plan.poses]
-    poses = completed(arm, _written(low + span * unit, arm))
+    ends, room = np.array([joint.range for joint in arm.joints]), room_of(arm, None)
+    many = 2 ** max(1, math.ceil(math.log2(plan.poses)))
+
+    def allowed(q: Array) -> Array:
+        whole = completed(arm, _written(q, arm))
+        return whole[room.allows(arm, whole)]
+
+    draws = RULES.plan.searched
+    poses = drawn(
+        room, (ends[:, 0], ends[:, 1]), lambda low, high: low + (high - low) * sobol.random(many), allowed,
+        plan.poses, draws,
+    )  # fmt: skip
+    if len(poses) < plan.poses:
+        raise NoRoom(f"what is to be avoided leaves {len(poses)} poses of the {plan.poses} asked for, of many tried")
     payloads = plan.payloads or (None,)
     q, sides, mass = [], [], []
     for payload in payloads:

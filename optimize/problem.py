@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Literal, cast, get_args
 
 from arm.actuators import Actuator, load_actuators
+from arm.avoid.regions import Region
 from arm.chain.chain import Arm, Calibrated, LoadCase, askew
 from arm.chain.vectors import ZERO
 from arm.errors.parts import Part
+from arm.files.avoid import read_avoid
 from arm.files.branches import tip_named
 from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import read_arm, read_load
@@ -50,7 +52,7 @@ class Problem:
     the sections that each link may have (none for rigid ones); None leaves their dimensions free. `taper` is the least
     and the greatest size of a link's far end over that at its joint; None keeps links as uniform as they are.
     `balances` are the numbers to choose of counterweights and counterbalances, which `arm` marks as chosen; `motors`
-    the places to choose from for joints' motors.
+    the places to choose from for joints' motors. `avoid` are regions out of which proposed poses keep the arm.
     """
 
     file: str
@@ -72,6 +74,7 @@ class Problem:
     taper: tuple[float, float] | None = None
     balances: tuple[Balance, ...] = ()
     motors: tuple[MotorChoice, ...] = ()
+    avoid: tuple[Region, ...] = ()
 
     @property
     def objective(self) -> Figure:
@@ -120,6 +123,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
         limits, ranges, off = _subject_to(mapping, arm, figures)
+        avoid = read_avoid(mapping)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, same, actuators, sizes = chosen
@@ -150,6 +154,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         taper=ranges.get("taper"),
         balances=balances,
         motors=motors,
+        avoid=avoid,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     _check(mapping, problem)

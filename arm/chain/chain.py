@@ -21,6 +21,7 @@ from .vectors import IDENTITY, ZERO, Rotation, Scalar
 
 if TYPE_CHECKING:
     from arm.actuators import Actuator
+    from arm.avoid.regions import Region
     from materials.material import Material
     from sections.section import Section
 
@@ -215,7 +216,7 @@ class Arm:
 
     `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
     count. `leave_out` names physics that the model does without; `effects` adds some. `machining` is what work on the
-    links costs.
+    links costs. `avoid` are regions into which no pose that is proposed puts any of it.
     """
 
     name: str
@@ -233,6 +234,7 @@ class Arm:
     machining: Machining = Machining()
     branches: tuple[Branch, ...] = ()
     every_tip: bool = False
+    avoid: tuple[Region, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.links) or not self.joints:

@@ -16,6 +16,7 @@ from units.quantities import format_quantity, shown
 from units.reading import Mapping, load_yaml, nearest
 from units.temperature import REFERENCE_TEMPERATURE
 
+from .avoid import read_avoid
 from .branches import read_branches, tip_named
 from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section
 from .following import tied
@@ -75,6 +76,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
             tool=tool,
             machining=read_machining(mapping),
             branches=branches.each,
+            avoid=read_avoid(mapping),
         )
         if branches.each:
             _refuse_with_branches(mapping, arm)

@@ -17,6 +17,7 @@ from sections.section import Section
 from units.files import write_whole
 from units.quantities import format_quantity
 
+from .avoid import avoid_to_list
 from .following import following_text
 from .heights import height_to_value
 from .origin import origin_given, origin_to_value
@@ -78,6 +79,8 @@ def arm_to_yaml(arm: Arm) -> str:
     if arm.effects:
         lines.append("effects:")
         lines += [f"  - {_flow(_effect(arm, entry))}" for entry in arm.effects]
+    if arm.avoid:
+        lines.append(f"avoid: {_flow(avoid_to_list(arm.avoid))}")
     return "\n".join(lines) + "\n"
 
 

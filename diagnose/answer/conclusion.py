@@ -96,7 +96,7 @@ class Conclusion(Confirmed):
         corrected, origins = found_origins(self.prepared, self.refit, self.outside, corrected, room, self.search)
         corrected, of_weights = with_weights(self.observed, corrected)
         self.tell("next poses", 0.95)
-        poses, note = next_poses(
+        proposed = next_poses(
             self.namer,
             [*self.found, *self.forms],
             list(zip(self.found, self.alternatives, strict=True)),
@@ -138,8 +138,9 @@ class Conclusion(Confirmed):
             rejected_forms=rejected_forms(self.namer, self.found, self.forms) if self._anything else (),
             detectable=self._detectable(),
             invisible=self._invisible(),
-            next_poses=poses,
-            next_poses_note=note,
+            next_poses=proposed.poses,
+            next_poses_note=proposed.note,
+            next_poses_enough=proposed.enough,
             null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
             figures=iso_figures(self.observed.recording, arm, rules=self.rules) if self._whole_places() else (),

@@ -2,31 +2,52 @@
 
 Criterion: the smallest non-centrality over all pairs (named effect, alternative), as in T-optimal designs
 (A. C. Atkinson & V. V. Fedorov, Biometrika 62 (1975) 57, doi:10.1093/biomet/62.1.57): of the poses, payloads and sides
-tried, the one is taken that adds most to the pair least told, again and again.
+tried, the one is taken that adds most to the pair least told, again and again. Tried are poses where the arm may be put
+(`arm.avoid.poses.Room`), under payloads that it has carried.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from arm.avoid.poses import Room, drawn, room_of
 from arm.chain.following import completed
 from diagnose.fitting.fit import fit
 from diagnose.fitting.prepare import nuisances
 from diagnose.instruments.instrument import POINT
 from diagnose.patterns.library import columns_of
+from diagnose.plan.tried import approach
 from diagnose.recording import Recording, since_the_reading_before
 from diagnose.residual.observe import observe
 from diagnose.residual.observed import Observed
 from diagnose.result import NextPose
+from diagnose.rules.answer_rules import AnswerRules
 from diagnose.search.aliases import Rival
 from diagnose.search.naming import Namer
 from diagnose.several.recordings import Several
 from sections.numeric import Array
 
 from .sentences import label_of
+
+_Name = tuple[int, int]
+_HOPELESS = "No pose tells {}: only another sensor would."
+_BEYOND = (
+    "No pose where the arm was recorded tells {}; some beyond that would: say what to keep clear of (`avoid` in "
+    "recording.yaml or the arm file), and such poses are proposed."
+)
+
+
+@dataclass(frozen=True)
+class NextPoses:
+    """`poses` worth recording next, whether once is `enough` to tell the names that they help to tell, and a `note` on
+    that and on where they lie, or on what would help where they do not."""
+
+    poses: tuple[NextPose, ...] = ()
+    enough: bool = False
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -44,37 +65,88 @@ class _Pair:
 
 def next_poses(
     namer: Namer, members: Sequence[int], alternatives: Sequence[tuple[int, Sequence[Rival]]], seed: int
-) -> tuple[tuple[NextPose, ...], str]:
-    """Poses worth recording next, and a sentence on what they would decide."""
+) -> NextPoses:
+    """Poses worth recording next, by how much they tell names apart; none that would not."""
     asked = [(member, rival.member) for member, rivals in alternatives for rival in rivals[:3]]
     if not asked:
-        return (), ""
-    rules = namer.prepared.observed.rules.answer
-    if not _can_be_tried(namer.prepared.observed):
-        return (), (
-            "Poses worth recording next are worked out for positions, and for heights and distances from a known place."
+        return NextPoses()
+    observed = namer.prepared.observed
+    if not _can_be_tried(observed):
+        return NextPoses(
+            note="Poses worth recording next are worked out for positions, and for heights and distances from a known "
+            "place."
         )
-    tried = _tried(namer.prepared.observed, seed)
+    room = room_of(observed.arm_given, observed.recording.q, observed.recording.avoid)
+    found = _choice(namer, members, asked, room, seed)
+    if found is None:
+        return NextPoses(note="What is to be avoided leaves no pose to record next.")
+    lost = [each for each in found.pairs if each not in found.helped]
+    beyond = _choice(namer, members, lost, Room(), seed) if lost and room.within is not None else None
+    notes = [
+        (_BEYOND if beyond is not None and each in beyond.helped else _HOPELESS).format(found.pairs[each].label)
+        for each in lost
+    ]
+    if not found.helped:
+        return NextPoses(note=" ".join(notes))
+    before, after = (found.least(rows) for rows in ([], found.taken))
+    enough = after >= observed.rules.answer.told
+    raised = (
+        f"The poses listed raise the smallest non-centrality between names from {_figure(before)} to {_figure(after)}: "
+        f"{'enough' if enough else 'repeat them'}."
+    )
+    return NextPoses(found.poses(), enough, " ".join((raised, *notes, _where(room))))
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """Readings `tried` somewhere, those `taken` (by their numbers), all `pairs` of names, and those of them that these
+    help to tell."""
+
+    tried: Observed
+    taken: Sequence[int]
+    pairs: Mapping[_Name, _Pair]
+    helped: Mapping[_Name, _Pair]
+
+    def least(self, rows: Sequence[int]) -> float:
+        """The smallest non-centrality of the pairs that are helped, with some of the readings tried."""
+        width = self.tried.residual.shape[1]
+        return min(_noncentrality(pair, rows, width) for pair in self.helped.values())
+
+    def poses(self) -> tuple[NextPose, ...]:
+        """The poses taken, each with the pair that it tells most of."""
+        width, pairs = self.tried.residual.shape[1], list(self.helped.values())
+        return tuple(_as_pose(self.tried.recording, row, pairs, width) for row in self.taken)
+
+
+def _choice(namer: Namer, members: Sequence[int], asked: Sequence[_Name], room: Room, seed: int) -> _Choice | None:
+    """The readings to take of those in a room; None where there is no pose."""
+    tried = _tried(namer.prepared.observed, room, seed)
+    if tried is None:
+        return None
     width = tried.residual.shape[1]
-    pairs: list[_Pair] = []
-    hopeless: list[str] = []
-    for member, other in asked:
-        pair = _pair(namer, tried, members, member, other)
-        if pair is None:
-            continue
-        gain = _row_gains(pair, width)
-        if float(gain.max(initial=0.0)) < rules.hopeless:
-            hopeless.append(pair.label)
-        else:
-            pairs.append(pair)
-    taken = _greedy(pairs, width, rules.taken) if pairs else []
-    poses = tuple(_as_pose(tried.recording, row, pairs, width) for row in taken)
-    return poses, _note(pairs, hopeless, taken, width, rules.told)
+    made = {each: _pair(namer, tried, members, *each) for each in dict.fromkeys(asked)}
+    pairs = {each: pair for each, pair in made.items() if pair is not None}
+    taken, helped = _worth_taking(pairs, width, tried.rules.answer)
+    return _Choice(tried, taken, pairs, helped)
+
+
+def _worth_taking(pairs: Mapping[_Name, _Pair], width: int, rules: AnswerRules) -> tuple[list[int], dict[_Name, _Pair]]:
+    """The readings to take, and the pairs that they help to tell. Pairs that these together hardly raise, however much
+    each would by itself, are left aside one after the other, the least raised first."""
+    helped = {each: p for each, p in pairs.items() if float(_row_gains(p, width).max(initial=0.0)) >= rules.hopeless}
+    while helped:
+        taken = _greedy(list(helped.values()), width, rules.taken)
+        gains = {each: _noncentrality(p, taken, width) - _noncentrality(p, [], width) for each, p in helped.items()}
+        least = min(gains, key=lambda each: gains[each])
+        if gains[least] >= rules.hopeless * len(taken):
+            return taken, helped
+        del helped[least]
+    return [], {}
 
 
 def _greedy(pairs: Sequence[_Pair], width: int, poses: int) -> list[int]:
     taken: list[int] = []
-    for _ in range(poses):
+    for _ in range(min(poses, len(pairs[0].tried_signal) // width)):
         reached = [_noncentrality(pair, taken, width) for pair in pairs]
         weakest = pairs[int(np.argmin(reached))]
         gain = _row_gains(_with_rows(weakest, taken, width), width)
@@ -118,15 +190,27 @@ def _can_be_tried(observed: Observed) -> bool:
     return bool((recording.slots == recording.slots[0]).all()) and int(recording.slots.max()) < POINT
 
 
-def _tried(observed: Observed, seed: int) -> Observed:
-    """Readings at random poses within the joint ranges, with each payload on hand and from either side."""
-    rng, count = np.random.default_rng(seed), observed.rules.answer.tried
+def _tried(observed: Observed, room: Room, seed: int) -> Observed | None:
+    """Readings at random poses within the joint ranges that keep to their room, there and where they are come from,
+    without payload and with the heaviest that the arm has carried, from either side; None where there is no such
+    pose."""
+    rng, rules = np.random.default_rng(seed), observed.rules
     arm, recording = observed.arm_given, observed.recording
-    low = np.array([joint.range[0] for joint in arm.joints])
-    high = np.array([joint.range[1] for joint in arm.joints])
-    q = completed(arm, np.round(rng.uniform(low, high, (count, arm.size)), 4))
+    ends = np.array([joint.range for joint in arm.joints])
+    run = approach(arm, rules.plan)
+    q = drawn(
+        room,
+        (ends[:, 0], ends[:, 1]),
+        lambda low, high: rng.uniform(low, high, (rules.answer.tried, arm.size)),
+        lambda points: room.kept(arm, completed(arm, np.round(points, 4)), run),
+        rules.answer.tried,
+        rules.plan.searched,
+    )
+    count = len(q)
+    if not count:
+        return None
     payload = arm.payload.mass if recording.payload_mass is None else float(recording.payload_mass.max())
-    loads = np.array([0.0, payload if payload > 0.0 else 5.0])
+    loads = np.unique([0.0, max(payload, 0.0)])
     sides = rng.choice([-1.0, 1.0], count)
     end = 0.0 if recording.time is None else float(recording.time.max())
     later: Array = end + 60.0 * np.arange(1.0, count + 1.0)
@@ -199,15 +283,18 @@ def _as_pose(recording: Recording, row: int, pairs: Sequence[_Pair], width: int)
     return NextPose(q, payload, side, pairs[int(np.argmax(gains))].label)
 
 
-def _note(pairs: Sequence[_Pair], hopeless: Sequence[str], taken: Sequence[int], width: int, told: float) -> str:
-    sentences: list[str] = []
-    if pairs:
-        before = min(_noncentrality(pair, [], width) for pair in pairs)
-        after = min(_noncentrality(pair, taken, width) for pair in pairs)
-        enough = "enough" if after >= told else "repeat them"
-        sentences.append(
-            f"The poses listed raise the smallest non-centrality between names from {before:.1f} to {after:.1f}: "
-            f"{enough}."
+def _figure(value: float) -> str:
+    return f"{value:.1f}" if value >= 1.0 else f"{value:.2f}"
+
+
+def _where(room: Room) -> str:
+    """Where poses were proposed, and what nobody looked at."""
+    if room.within is None:
+        return (
+            "They keep clear of what is to be avoided, there and where they are come from, not on the ways between; "
+            "nothing else is checked."
         )
-    sentences += [f"No pose tells {label}: only another sensor would." for label in dict.fromkeys(hopeless)]
-    return " ".join(sentences)
+    return (
+        "They stay in the box in which the joints and the tip were recorded, as nobody says what to keep clear of "
+        "(`avoid`), and are not checked for collisions."
+    )

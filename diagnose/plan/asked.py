@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from arm.avoid.poses import Room
 from arm.chain.chain import Arm
 from diagnose.instruments.instrument import Instrument
 from diagnose.rules.rules import RULES, Rules
@@ -30,8 +31,6 @@ _OUT_OF_PLANE = ("z", "tilt y", "z of a point", "z of a bar")
 
 Place = tuple[str, tuple[int, ...]]
 """An effect and the joints or links (from 0; none: wherever) where it acts."""
-Box = tuple[tuple[float, float, float], tuple[float, float, float]]
-"""Two corners, m, in the base frame."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,8 @@ class Asked:
     place or wherever it acts; `pairs_only` where they are to be told from each other and from nothing else.
 
     `sigma` is what each component scatters by (m, of tilts rad; of a camera across its view, `camera_noise` being that
-    of its depths, m, and turns, rad), `payloads` kg, `frame` and `tool` say what is fitted along, `avoid`
-    are boxes that the arm keeps out of. `seed` fixes all draws. Where a height or a distance is read, `slots` (see
+    of its depths, m, and turns, rad), `payloads` kg, `frame` and `tool` say what is fitted along, `room`
+    is where the arm may be put. `seed` fixes all draws. Where a height or a distance is read, `slots` (see
     `instruments.instrument`) and `reads` say so: along which direction, from which anchor, which the recording may not
     tell (`anchor_free`); so they do of tilts and cameras. Bars are touched at places `bar` along them, m, and lie
     in `bars` places at most (0: as many as there are touches enough for). `torque_noise` (n,; none: they are not read)
@@ -56,7 +55,7 @@ class Asked:
     payloads: tuple[float, ...] = (0.0,)
     frame: Literal["known", "free"] = "known"
     tool: Literal["known", "free"] = "known"
-    avoid: tuple[Box, ...] = ()
+    room: Room = field(default_factory=Room)
     seed: int = 1
     pairs_only: bool = False
     slots: tuple[int, ...] = ()

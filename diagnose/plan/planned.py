@@ -94,6 +94,23 @@ class Planned:
         found = sorted(((one.told, one.pairs) for one in self.random), key=lambda each: each[0] / max(each[1], 1))
         return found[len(found) // 2] if found else (0, 0)
 
+    @property
+    def tells_more(self) -> bool:
+        """Whether it tells more of its pairs of causes apart, as a share, than any of the plans at random of theirs."""
+        return bool(self.random) and _share(self.promise) > max(map(_share, self.random))
+
+    @property
+    def smaller(self) -> float:
+        """How many times smaller the sizes are that it shows than those at random, on average (geometric mean) over
+        the causes that both show; nan where there are none."""
+        sizes = [(self.at_random(each), each.smallest) for each in self.promise.shown]
+        gains = [math.log(random / own) for random, own in sizes if math.isfinite(random)]
+        return math.exp(sum(gains) / len(gains)) if gains else math.nan
+
+
+def _share(promise: Promise) -> float:
+    return promise.told / max(promise.pairs, 1)
+
 
 def _same(one: Shown, other: Shown) -> bool:
     """Whether two are one cause by sizes of one kind (of a sine and a cosine either may show least)."""

@@ -47,7 +47,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
 
     `after` is a recording that is there already, or several as one: what it shows counts, and the plan goes on from it.
     An interrupt that `tell` raises once there are as many visits as asked for leaves the best of them so far.
-    Raises ValueError where the boxes to avoid leave too few poses or the instrument sees nothing of a planar arm,
+    Raises `NoRoom` where that leaves too few poses, ValueError where the instrument sees nothing of a planar arm,
     `NothingToSee`, and what `arm.errors.model.beams_of` raises.
     """
     began = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Visits that may be chosen: poses within the joint ranges and clear of boxes, every payload, sides of approach."""
+"""Visits that may be chosen: poses within the joint ranges that keep to their room, each payload, sides of approach."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from arm.chain.arrays import columns, nominal
-from arm.chain.branches import ways
+from arm.avoid.poses import NoRoom, Room, drawn
+from arm.chain.arrays import nominal
 from arm.chain.chain import Arm
 from arm.chain.following import completed
-from arm.chain.kinematics import place
 from diagnose.instruments.touching import touched
 from diagnose.rules.plan_rules import PlanRules
 from sections.numeric import Array
 from units.quantities import InputError
 
-from .asked import Asked, Box
+from .asked import Asked
 
 _WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
 
@@ -52,7 +51,7 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     """Poses spread over the joint ranges (a Sobol sequence) and at their corners, each under every payload and from two
     opposite sides, each joint's drawn by itself.
 
-    Raises ValueError where the boxes leave fewer poses than are asked for, `TooFewPostures` for what touches.
+    Raises `NoRoom` where that leaves fewer poses than are asked for, `TooFewPostures` for what touches.
     """
     rules, rng = asked.rules.plan, np.random.default_rng(asked.seed)
     low = np.array([joint.range[0] for joint in arm.joints])
@@ -60,31 +59,32 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     run = approach(arm, rules)
     low, high = low + run, high - run
     sobol = qmc.Sobol(arm.size, scramble=True, rng=rng)
-    poses: list[Array] = []
-    count = 0
-    for _ in range(rules.searched if asked.avoid else 1):
-        unit = sobol.random(2 ** math.ceil(math.log2(rules.tried)))
-        found = _clear(arm, low + (high - low) * unit, run, asked.avoid)
-        poses.append(found)
-        count += len(found)
-        if count >= rules.tried:
-            break
-    spread = count = min(count, rules.tried)
+    many = 2 ** math.ceil(math.log2(rules.tried))
+    poses = drawn(
+        asked.room,
+        (low, high),
+        lambda least, most: least + (most - least) * sobol.random(many),
+        lambda q: _clear(arm, q, run, asked.room),
+        rules.tried,
+        rules.searched,
+    )
+    spread = len(poses)
     moving = np.flatnonzero(high > low)
     ends = itertools.islice(itertools.product((0.0, 1.0), repeat=len(moving)), 2 * rules.corners * len(moving) + 2)
     corners = np.array(list(ends)).reshape(-1, len(moving))
     corners = corners[rng.permutation(len(corners))[: rules.corners]]
     at_ends = np.tile(0.5 * (low + high), (len(corners), 1))
     at_ends[:, moving] = low[moving] + (high - low)[moving] * corners
-    ends_clear = _clear(arm, at_ends, run, asked.avoid)
-    q = np.concatenate([np.concatenate(poses)[:count], ends_clear])
+    ends_clear = _clear(arm, at_ends, run, asked.room)
+    q = np.concatenate([poses, ends_clear])
     random, label, along = np.arange(len(q)) < spread, np.zeros(len(q), dtype=np.int64), np.zeros(len(q))
     if asked.touches:
         q, random, label, along = _touching(arm, q, random, run, asked)
         if len(q) < asked.poses:
             raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")
     if len(q) < asked.poses:
-        raise ValueError(f"the boxes to avoid leave {len(q)} poses of the {asked.poses} asked for, of many tried")
+        kept = "what is to be avoided leaves" if asked.room.within is None else "where the arm was recorded there are"
+        raise NoRoom(f"{kept} {len(q)} poses of the {asked.poses} asked for, of many tried")
     sides = rng.choice([-1.0, 1.0], (len(q), arm.size))
     each = [
         (q, sign * sides, np.full(len(q), payload), random, label, along)
@@ -114,17 +114,16 @@ def _touching(
             f"touches nothing again within the joint ranges{'; a shorter one may do' if asked.bar else ''}"
         ) from None
     clear = found.keep & _may_be_come_to(found.q, run, arm, asked)
-    whole = _clear(arm, found.q[clear], run, ())
+    whole = _clear(arm, found.q[clear], run, Room())
     return whole, random[clear], found.label[clear], found.along[clear]
 
 
 def _may_be_come_to(q: Array, run: Array, arm: Arm, asked: Asked) -> NDArray[np.bool_]:
-    """Which poses keep clear of the boxes and can be come to from both sides."""
+    """Which poses keep to their room and can be come to from both sides."""
     low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
     inside = np.asarray(((q >= low + run - 1e-9) & (q <= high - run + 1e-9)).all(axis=1), dtype=np.bool_)
-    if asked.avoid:
-        for sign in (0.0, 1.0, -1.0):
-            inside &= ~meets(arm, completed(arm, q + sign * run), asked.avoid)
+    for sign in () if asked.room.everywhere else (0.0, 1.0, -1.0):
+        inside &= asked.room.allows(arm, completed(arm, q + sign * run))
     return inside
 
 
@@ -135,41 +134,9 @@ def approach(arm: Arm, rules: PlanRules) -> Array:
     return np.minimum(far, rules.most_run * span)
 
 
-def _clear(arm: Arm, q: Array, run: Array, boxes: tuple[Box, ...]) -> Array:
-    """Whole poses (P, n) as they are written, without those where the arm, there or on either way to it, meets a
-    box."""
+def _clear(arm: Arm, q: Array, run: Array, room: Room) -> Array:
+    """Whole poses (P, n) as they are written, without those where the arm, there or where it is come from, leaves its
+    room."""
     step = np.array([_WRITTEN_ANGLE if joint.revolute else _WRITTEN_LENGTH for joint in arm.joints])
     whole = completed(arm, np.round(q / step) * step)
-    if not boxes:
-        return whole
-    keep = np.ones(len(whole), dtype=bool)
-    for sign in (0.0, 1.0, -1.0):
-        keep &= ~meets(arm, completed(arm, whole + sign * run), boxes)
-    return whole[keep]
-
-
-def meets(arm: Arm, q: Array, boxes: tuple[Box, ...]) -> NDArray[np.bool_]:
-    """Whether the straight lines from joint to joint, up to each tip, meet one of some boxes at poses q (P, n)."""
-    hit = np.zeros(len(q), dtype=bool)
-    for way in ways(arm):
-        frames, point = place(way.arm, [q[:, joint] for joint in way.joints]), np.zeros((len(q), 3))
-        for joint, link in zip(frames.joints, frames.links, strict=True):
-            for step in (joint.lead, link.vector):
-                along = columns(step, len(q))
-                for box in boxes:
-                    hit |= _crosses(point, along, np.array(box))
-                point = point + along
-    return hit
-
-
-def _crosses(start: Array, along: Array, box: Array) -> NDArray[np.bool_]:
-    """Whether segments from `start` (P, 3) by `along` (P, 3) have a point in a box (2, 3): where they are within all
-    three pairs of planes at once."""
-    low, high = box.min(axis=0), box.max(axis=0)
-    still = np.abs(along) < 1e-12
-    unit = np.where(still, 1.0, along)
-    first, last = (low - start) / unit, (high - start) / unit
-    inside = (start >= low) & (start <= high)
-    enter = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(first, last))
-    leave = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(first, last))
-    return np.maximum(enter.max(axis=1), 0.0) <= np.minimum(leave.min(axis=1), 1.0)
+    return room.kept(arm, whole, run)

@@ -119,6 +119,7 @@ def assembled(
         other=MappingProxyType(strangers),
         settings=held.file,
         unit=held.unit,
+        avoid=held.avoid,
         branch=arm.tip,
         date=held.date,
         slots=None if sights is None else sights.slots,

@@ -12,6 +12,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
+from arm.avoid.regions import Region
+from arm.files.avoid import read_avoid
 from diagnose.instruments.instrument import Instrument
 from diagnose.instruments.settings import read_instrument
 from units.quantities import InputError, shown
@@ -38,7 +40,7 @@ class ReadingSettings:
     the rows where each joint went straight from row to row. `seat` is the key `orientation`: free uses orientations,
     how the target is turned on the tool being free. `unit` says which arm of a type was recorded, `date` when (ISO
     8601: `2026-05-16`). `instrument` is what is observed, None where nobody said: the tip's place. `tip` is
-    which of several arms on one torso it is of.
+    which of several arms on one torso it is of. `avoid` are regions out of which proposed poses keep the arm.
     """
 
     file: str = ""
@@ -58,6 +60,7 @@ class ReadingSettings:
     date: str = ""
     instrument: Instrument | None = None
     tip: str = ""
+    avoid: tuple[Region, ...] = ()
 
 
 def find_settings(recording: Path) -> Path | None:
@@ -122,6 +125,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             date=_date(mapping),
             instrument=instrument,
             tip=_name(mapping, "tip"),
+            avoid=read_avoid(mapping),
         )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from arm.chain.chain import Arm
+from arm.files.avoid import avoid_to_list
 from diagnose.instruments.instrument import BAR, CAMERA, DISTANCE, KINDS, LABELS, NAMES, TILT_X, TILT_Y, Slots
 from diagnose.recording import Recording
 from sections.numeric import Array
@@ -45,6 +46,8 @@ def settings_text(recording: Recording) -> str:
         for key, value in (("tip", recording.branch), ("unit", recording.unit), ("date", recording.date))
         if value
     ]
+    if recording.avoid:
+        lines.append(f"avoid: {json.dumps(avoid_to_list(recording.avoid))}\n")
     return "".join([*lines, *_instrument(recording)])
 
 

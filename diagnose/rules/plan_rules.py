@@ -17,9 +17,7 @@ class PlanRules:
     corners: int = rule(
         64, "poses", "At the ends of the joint ranges, beside those.", TIME, rows="They are tried, not recorded."
     )
-    searched: int = rule(
-        16, "times `tried`", "Poses looked at, at most, for those that keep clear of the boxes to avoid.", TIME
-    )
+    searched: int = rule(16, "times `tried`", "Poses looked at, at most, for those that keep to their room.", TIME)
     run: float = rule(0.0873, "rad", "A joint comes from as far (5 deg): beyond any play.", "usual")
     slide_run: float = rule(0.01, "m", "A slide comes from as far.", "usual")
     most_run: float = rule(0.05, "share of the range", "No joint comes from farther.", JUDGED)

@@ -206,6 +206,7 @@ def together(
         rejected=tuple(rejected),
         warnings=(*said, *notes),
         other=MappingProxyType({n: np.concatenate([each.other[n] for each in recordings]) for n in sorted(common)}),
+        avoid=tuple(dict.fromkeys(region for each in recordings for region in each.avoid)),
         which=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
         each=tuple(recordings),
         names=names,

@@ -9,6 +9,7 @@ from dataclasses import replace as replaced
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
+from arm.avoid.poses import NoRoom
 from arm.chain.chain import EffectEntry
 from arm.files.read import arm_from
 from diagnose.instruments.asked import observed_by
@@ -226,7 +227,10 @@ def simulate(
         **observed_by(arm=given.model, **reads),
         at=readings,
     )
-    made = simulated(given.model, plan)
+    try:
+        made = simulated(given.model, plan)
+    except NoRoom as error:
+        raise InputError("", "avoid", str(error)) from None
     recording = plan.declared_in(made.recording) if declare_sigma else made.recording
     return Simulation(given, recording, made, plan)
 

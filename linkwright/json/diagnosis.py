@@ -236,6 +236,6 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "rejected_forms": _rejected(diagnosis.rejected_forms),
         "splits": {name: in_mm(value) for name, value in diagnosis.splits.items()},
         "iso_figures": [covered_json(each) for each in diagnosis.figures],
-        **fields(diagnosis, "next_poses_note", "null_vectors", "notes", "seconds"),
+        **fields(diagnosis, "next_poses_note", "next_poses_enough", "null_vectors", "notes", "seconds"),
         "warnings": recording.warnings,
     }

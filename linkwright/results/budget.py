@@ -101,6 +101,11 @@ def _rests_on(found: Budget) -> tuple[str, ...]:
         "uniform and independent.",
         f"Play counts as the arm file says: {found.arm.play}.",
     ]
+    if found.room.avoid:
+        lines.append(
+            "Poses that put joints, links or the tip in what is to be avoided do not count here (in evaluate they do); "
+            "of the others the worst is that of the poses tried."
+        )
     if found.unwarmed:
         numbers = ", ".join(str(k + 1) for k in found.unwarmed)
         lines.append(f"How much link {numbers} grows with temperature is not known and not in it.")

@@ -14,6 +14,8 @@ from .document import Column, Description, Fact, Facts, Item, Lines, Value, coun
 from .figures_in_words import figure, mm, percent, pose
 
 _FIRST = 12
+_SMALLER = 1.005
+"""Times; what is less reads as 1 in three figures."""
 
 
 def cause(effect: str, at: Sequence[int]) -> str:
@@ -24,15 +26,12 @@ def cause(effect: str, at: Sequence[int]) -> str:
 def describe(found: Planned) -> Description:
     """The plan: figures, what will be seen, what is told from what, the visits."""
     asked, promise = found.asked, found.promise
-    gains = _gains(found)
-    better = math.exp(sum(map(math.log, gains)) / len(gains)) if gains else math.nan
-    pairs, told = promise.pairs, promise.told
     facts = Facts(
         (
             Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
             *_noise(found),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
-            Fact("smaller than at random", number(better, 3), "times, on average"),
+            Fact("smaller than at random", number(found.smaller, 3), "times, on average"),
             *_apart(found),
         )
     )
@@ -60,9 +59,7 @@ def describe(found: Planned) -> Description:
     items.append(section("What it will not tell", Lines(_not_told(seen, promise.unseen))))
     items.append(section("Visits", _visits(found), detail=True))
     items.append(Lines(_how(found)))
-    headline = f"{asked.poses} visits tell {told} of {pairs} pairs of causes apart"
-    if gains:
-        headline += f" and show sizes {figure(better, 3)} times smaller than poses at random"
+    headline = _headline(found)
     if found.interrupted:
         headline += "; stopped, so this is the best plan until then"
     name = f"{found.arm.name}, tip of {found.arm.tip}" if found.arm.branches else found.arm.name
@@ -95,10 +92,18 @@ def _noise(found: Planned) -> tuple[Fact, ...]:
     )
 
 
-def _gains(found: Planned) -> list[float]:
-    """How many times smaller each size is than at random, where both show it."""
-    sizes = [(found.at_random(each), each.smallest) for each in found.promise.shown]
-    return [random / smallest for random, smallest in sizes if math.isfinite(random)]
+def _headline(found: Planned) -> str:
+    """What it tells apart and shows, and whether that is more than poses at random do."""
+    promise, smaller = found.promise, found.smaller
+    told = f"{found.asked.poses} visits tell {promise.told} of {promise.pairs} pairs of causes apart"
+    if not found.random:
+        return told
+    if smaller > _SMALLER:
+        more = "" if found.tells_more else ", no more than poses at random,"
+        return f"{told}{more} and show sizes {figure(smaller, 3)} times smaller than poses at random"
+    if found.tells_more:
+        return f"{told}, more than poses at random, and show sizes no smaller than those"
+    return f"{told} and are no better than poses at random"
 
 
 def _returns(found: Planned) -> str:
@@ -234,6 +239,22 @@ def _scatter(found: Planned) -> str:
     return format_quantity(asked.sigma, "angle", digits=3) if asked.instrument == "tilt" else mm(asked.sigma, 3)
 
 
+def _kept_to(found: Planned) -> str:
+    """Where the arm may be put, and what nobody looked at."""
+    room, where = found.asked.room, "at each visit and where it is come from, not on the ways between visits"
+    if room.avoid:
+        return f"What is to be avoided is kept clear of by joints, links and tip, {where}; nothing else is checked."
+    if room.within is not None:
+        return (
+            f"Joints and tip stay in the box in which they were recorded, {where}, as nobody says what to keep clear "
+            "of (`avoid`); not checked for collisions."
+        )
+    return (
+        "Poses are taken from the whole of the joint ranges, and not checked for collisions: say what to keep clear of "
+        "(`avoid` in the arm file, or --avoid 'below z 0 mm')."
+    )
+
+
 def _how(found: Planned) -> tuple[str, ...]:
     asked = found.asked
     lines = [
@@ -245,9 +266,7 @@ def _how(found: Planned) -> tuple[str, ...]:
         f"and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
         f"proven best. {_compared(found)}",
     ]
-    if asked.avoid:
-        where = "at each visit and where it is come from, not on the ways between visits"
-        lines.append(f"Boxes are kept clear by the lines from joint to joint, {where}.")
+    lines.append(_kept_to(found))
     if found.after is not None:
         lines.append(f"With what {found.after.file} shows already; sizes are those of both together.")
         if not asked.effects:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.avoid.poses import NoRoom, Room, room_of
+from arm.avoid.regions import Region
 from arm.chain.chain import Arm, LoadCase
 from arm.errors.model import beam_values, beams_of, error_model
 from arm.worst.search import WorstSearch
@@ -67,7 +69,8 @@ class Budget:
     None where the draws are too few), `median` that of half of them, `average` the root mean square over arms and
     poses; `nominal` the worst of the arm exactly as on paper. `pose` and `load_case` (from 1) are where the share of
     arms errs most, `at_worst` by how much. `halved` are joints and links made twice as good, `options` parts to be
-    bought, both by what they bring. `samples` are the worst errors of all arms, sorted.
+    bought, both by what they bring. `samples` are the worst errors of all arms, sorted. `room` is
+    where the poses looked at may put the arm.
     """
 
     arm: Arm
@@ -87,6 +90,7 @@ class Budget:
     options: tuple[Gain, ...]
     samples: tuple[float, ...]
     unwarmed: tuple[int, ...]
+    room: Room
 
 
 def budget(
@@ -95,20 +99,24 @@ def budget(
     workspace: Workspace | None = None,
     load_cases: Sequence[LoadCase] = (),
     *,
+    avoid: Sequence[Region] = (),
     progress: Heard | None = None,
 ) -> Budget:
-    """The budget of an arm over a workspace (its joint ranges by default) and load cases (its own payload by default).
+    """The budget of an arm over a workspace (its joint ranges by default) and load cases (its own payload by default),
+    at poses that keep out of what the arm's file and `avoid` name.
 
     Raises `PropertyNeeded` or `MissingProperty` where the arm lacks a figure, `Unreachable` where the workspace cannot
-    be reached, `InputError` where errors count from a calibrated state.
+    be reached, `NoRoom` where what is to be avoided leaves no pose, `InputError` where errors count from a
+    calibrated state.
     """
     cases = tuple(load_cases) or arm.cases
     if any(case.relative_to is not None for case in cases):
         raise InputError("", "relative_to", "goes without a budget, which is of the whole error")
     heard = progress or _silent
-    poses = _poses(arm, sheet, workspace or Workspace(), cases)
+    room = room_of(arm, None, avoid)
+    poses, evenly = _poses(arm, sheet, workspace or Workspace(), cases, room)
     parts = parts_of(arm, sheet, poses, cases)
-    spread = _spread(len(poses), len(cases))
+    spread = _spread(len(poses), evenly, len(cases))
     named = causes(parts)
     if not named:
         would_do = "stiffness, backlash or clearance of joints, sections of links, or a sheet with tolerances"
@@ -162,6 +170,7 @@ def budget(
         options=tuple(sorted(options, key=_worth)),
         samples=tuple(samples.tolist()),
         unwarmed=parts.unwarmed,
+        room=room,
     )
 
 
@@ -183,9 +192,9 @@ def _figures(found: Array, share: float, spread: NDArray[np.bool_]) -> tuple[flo
     return float(quantile(found.max(axis=1), share)), _root_mean_square(found[:, spread])
 
 
-def _spread(poses: int, loads: int) -> NDArray[np.bool_]:
+def _spread(poses: int, evenly: int, loads: int) -> NDArray[np.bool_]:
     """Which states are those spread over the workspace: the last of each load case. The average is over them alone."""
-    return np.tile(np.arange(poses) >= poses - _POSES, loads)
+    return np.tile(np.arange(poses) >= poses - evenly, loads)
 
 
 def _with_option(
@@ -196,13 +205,19 @@ def _with_option(
     return _figures(found, option.sheet.share, spread)
 
 
-def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCase]) -> Array:
-    """The worst poses of the arm as on paper and of some drawn arms; then others spread over its workspace."""
+def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCase], room: Room) -> tuple[Array, int]:
+    """The worst poses of the arm as on paper and of some drawn arms, as far as these keep to their room; then others
+    spread over its workspace, and how many those are."""
     search = WorstSearch(error_model(arm, cases), workspace)
     p = beam_values(beams_of(arm, cases))
-    worst = [pose.q for pose in search.worst(p, certify=False).poses]
-    many = np.vstack([search.poses(p, _LOOKED_AT), np.array(worst)])
+    worst = np.array([pose.q for pose in search.worst(p, certify=False).poses])
+    worst = worst[room.allows(arm, worst)]
+    many = search.poses(p, _LOOKED_AT)
+    many = np.vstack([many[room.allows(arm, many)], worst])
+    evenly = search.poses(p, _POSES) if room.everywhere else many[: len(many) - len(worst)][:_POSES]
+    if not len(evenly):
+        raise NoRoom(f"what is to be avoided leaves none of {_LOOKED_AT} poses of the workspace")
     parts = parts_of(arm, sheet, many, cases)
     found = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
     of_arms = many[np.unique(found.argmax(axis=1) % len(many))]
-    return np.vstack([np.array(worst), of_arms, search.poses(p, _POSES)])
+    return np.vstack([worst, of_arms, evenly]), min(len(evenly), _POSES)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -25,7 +25,7 @@ from linkwright.commands.options import (
 )
 from linkwright.commands.simulate import listed, numbers, refuse_others_settings
 from linkwright.output.files import OUTPUT, check_target, write_result
-from units.quantities import InputError
+from units.quantities import InputError, shown
 
 HELP = """Which poses, payloads and sides are worth recording, in which order, and what they will show.
 
@@ -82,7 +82,11 @@ def plan(
     tool: Annotated[str, typer.Option("--tool", help="Where the target sits on the tool: known, or free.")] = "known",
     avoid: Annotated[
         list[str] | None,
-        typer.Option("--avoid", metavar="BOX", help="'0.5 m, -1 m, 0 m to 2 m, 1 m, 0.4 m'; may be repeated."),
+        typer.Option(
+            "--avoid",
+            metavar="REGION",
+            help="'0.5 m, -1 m, 0 m to 2 m, 1 m, 0.4 m', 'below z 0 mm' or 'above z 2 m'; may be repeated.",
+        ),
     ] = None,
     after: Annotated[
         list[Path] | None,
@@ -119,7 +123,7 @@ def plan(
             payloads=payload,
             frame=frame,  # pyright: ignore[reportArgumentType] - what it can be is checked there
             tool=tool,  # pyright: ignore[reportArgumentType]
-            avoid=[_box(text) for text in avoid or []],
+            avoid=[_region(text) for text in avoid or []],
             after=after[0] if after and len(after) == 1 else after,
             direction=None if direction is None else numbers(direction),
             anchor=listed(anchor),
@@ -148,7 +152,13 @@ def plan(
         raise KeyboardInterrupt
 
 
-def _box(text: str) -> tuple[list[str], list[str]]:
-    """Two corners, as `--avoid` has them."""
-    low, _, high = text.partition(" to ")
-    return low.split(","), high.split(",")
+def _region(text: str) -> dict[str, Any] | tuple[list[str], list[str]]:
+    """A half-space, or a box by two corners, as `--avoid` has them."""
+    words = text.split(maxsplit=2)
+    if len(words) == 3 and words[0] in ("below", "above"):
+        return {words[0]: {words[1]: words[2]}}
+    low, to, high = text.partition(" to ")
+    if not to:
+        would_do = "two corners, '0.5 m, -1 m, 0 m to 2 m, 1 m, 0.4 m', or a side, 'below z 0 mm'"
+        raise InputError("", "--avoid", f"needs {would_do}, not {shown(text)}")
+    return [each.strip() for each in low.split(",")], [each.strip() for each in high.split(",")]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from arm.avoid.poses import NoRoom
 from arm.chain.chain import Arm as Model
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File, plain
@@ -103,8 +104,9 @@ def budget(
     """What an arm is to be expected to err by, cause by cause, before anything is bought or built.
 
     `sheet` is a file, or its keys as a mapping, with what data sheets and drawings say (docs/workshop.md): tolerances,
-    repeatability, temperature, and better parts with their prices. `problem` lends its workspace and load cases. Of
-    several arms on one torso the worst of all tips counts, or that which the arm was read for (`read_arm(..., tip=)`).
+    repeatability, temperature, and better parts with their prices. `problem` lends its workspace, its load cases and
+    what it avoids. Of several arms on one torso the worst of all tips counts, or that which the arm was read for
+    (`read_arm(..., tip=)`).
     Seeded, so the same again. Raises `InputError`, `MissingProperty`, `NoAnswer`.
 
     >>> import linkwright as lw
@@ -115,15 +117,18 @@ def budget(
     """
     given = arm_of(arm, tips="every")
     asked = sheet_of(given, sheet)
-    space, loads = None, ()
+    space, loads, avoid = None, (), ()
     if problem is not None:
         own = problem_of(problem).model
         if own.arm.size != given.model.size:
             message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
             raise InputError(own.file, "arm", message)
-        space, loads = own.workspace, cases_at(own, given)
+        space, loads, avoid = own.workspace, cases_at(own, given), own.avoid
     with told(progress) as hear:
-        return Budget(given, budgeted(given.model, asked, space, loads, progress=hear))
+        try:
+            return Budget(given, budgeted(given.model, asked, space, loads, avoid=avoid, progress=hear))
+        except NoRoom as error:
+            raise InputError("", "avoid", str(error)) from None
 
 
 def sheet_of(given: Arm, sheet: Mapping[str, object] | File | None) -> Sheet:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from arm.avoid.poses import NoRoom, room_of
+from arm.avoid.regions import Region
 from arm.effects import EFFECTS
+from arm.files.avoid import read_avoid
 from diagnose.instruments.asked import observed_by
 from diagnose.instruments.instrument import Instrument
-from diagnose.plan.asked import INSTRUMENTS, Asked, Box, Place, seen_axes
+from diagnose.plan.asked import INSTRUMENTS, Asked, Place, seen_axes
 from diagnose.plan.planned import Planned
 from diagnose.plan.planning import NothingToSee
 from diagnose.plan.planning import plan as planned
@@ -27,7 +30,7 @@ from diagnose.several.recordings import Several
 from diagnose.simulate import Plan as Noise
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
-from linkwright.face.given import File, Quantity, in_si
+from linkwright.face.given import File, Quantity, in_si, plain
 from linkwright.face.progress import Progress, interrupts, told
 from linkwright.face.recording import Recording, recording_columns, torque_noise
 from linkwright.face.result import Result, figure_of
@@ -35,6 +38,7 @@ from linkwright.json.planning import plan_json
 from linkwright.output.files import write_file
 from linkwright.results.planning import cause
 from units.quantities import InputError, NoAnswer, shown
+from units.reading import Mapping as Reader
 from units.reading import nearest
 
 if TYPE_CHECKING:
@@ -139,7 +143,7 @@ def plan(
     payloads: Sequence[Quantity] | None = None,
     frame: Literal["known", "free"] = "known",
     tool: Literal["known", "free"] = "known",
-    avoid: Sequence[tuple[Sequence[Quantity], Sequence[Quantity]]] = (),
+    avoid: Sequence[Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]] = (),
     after: Recording | Diagnosis | File | Sequence[Recording | File] | None = None,
     direction: Sequence[float] | None = None,
     anchor: Sequence[Quantity] | None = None,
@@ -170,7 +174,9 @@ def plan(
     measured torque scatters by (text, or N m; one for each joint, of a slide a force), reads those as well: what
     they will tell of weights and friction is planned for beside the causes. `payloads` are masses (text, or kg); by
     default none and the arm's own.
-    `avoid` holds boxes by two corners (text, or m), in the base frame. `after` is a recording that is there
+    `avoid` holds regions as an arm file does (`{"below": {"z": "0 mm"}}`), or boxes by two corners (text, or m), in
+    the base frame, beside those of the arm file and of what it goes on from; where nobody says any, a plan `after` a
+    recording stays in the box in which that has the joints and the tip. `after` is a recording that is there
     already, or several, or their diagnosis: what that could not tell apart is planned for, with frame and tool free
     where they were. The same `seed` gives the same plan. Ctrl-C, once there are as many visits as asked for, ends the
     choice with the best so far, marked `interrupted`. Of several arms on one torso it is for the tip that the arm was
@@ -196,7 +202,7 @@ def plan(
         if value not in ("known", "free"):
             raise InputError("", key, f"is known or free, not {shown(value)}")
     many = _bars(bars, instrument, poses)
-    boxes = tuple(_box(each) for each in avoid)
+    regions = _avoid(avoid)
     masses = _payloads(payloads, given)
     held = torque_noise(torques, given)
     _refuse_unknown_weights(held, given)
@@ -224,8 +230,11 @@ def plan(
     if reads.instrument == "camera":
         # Where camera and target are nobody knows: that is what the arm tells.
         frame = tool = "free"
+    recorded = None if before is None else before.recording
+    regions = (*regions, *(() if recorded is None else recorded.avoid))
+    room = room_of(given.model, None if recorded is None else recorded.q, regions)
     asked = Asked(
-        poses, effects or apart, reads.instrument, noise, repeats, masses, frame, tool, boxes, seed,
+        poses, effects or apart, reads.instrument, noise, repeats, masses, frame, tool, room, seed,
         pairs_only=bool(apart), camera_noise=reads.of_camera(noise), torque_noise=held, bars=many, **reads.asked,
     )  # fmt: skip
     with told(progress) as hear, interrupts() as check:
@@ -235,12 +244,12 @@ def plan(
             hear(text, share)
 
         try:
-            found = planned(given.model, asked, heard, None if before is None else before.recording)
+            found = planned(given.model, asked, heard, recorded)
         except NothingToSee:
             raise NoAnswer("nothing of what is asked for moves anything that this instrument sees") from None
         except TooFewPostures as error:
             raise InputError("", "instrument", f"{shown(reads.instrument)} {error}") from None
-        except ValueError as error:
+        except NoRoom as error:
             raise InputError("", "avoid", str(error)) from None
     return Plan(given, found)
 
@@ -416,11 +425,13 @@ def _place(name: str, arm: Arm) -> Place:
     return effect, (int(number) - 1,)
 
 
-def _box(corners: tuple[Sequence[Quantity], Sequence[Quantity]]) -> Box:
-    if len(corners) != 2 or any(len(corner) != 3 for corner in corners):
-        raise InputError("", "avoid", "needs two corners of three coordinates each, e.g. 0 m, 0 m, 0 m")
-    low, high = (tuple(in_si(each, "length", "avoid") for each in corner) for corner in corners)
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+def _avoid(given: Sequence[Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]]) -> tuple[Region, ...]:
+    """Regions as an arm file holds them; a pair of corners is a box."""
+    entries = [each if isinstance(each, Mapping) else {"box": [list(corner) for corner in each]} for each in given]
+    try:
+        return read_avoid(Reader({"avoid": plain(entries)}, file=""))
+    except InputError as error:
+        raise InputError("", "avoid", f"{error.key.removeprefix('avoid')}: {error.message}") from None
 
 
 def _payloads(given: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:

@@ -132,7 +132,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         lines.append(f"To find the cause, {diagnosis.unknown.decide}.")
     if diagnosis.next_poses:
         number = len(diagnosis.next_poses)
-        lines.append(f"Record the {number} poses listed below, which tell the names apart, and diagnose again.")
+        told = "which tell" if diagnosis.next_poses_enough else "each several times, which helps to tell"
+        lines.append(f"Record the {number} poses listed below, {told} the names apart, and diagnose again.")
     if diagnosis.unknown is None and diagnosis.findings:
         whose = "these recordings" if diagnosis.recordings else "this recording"
         promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of {whose})"

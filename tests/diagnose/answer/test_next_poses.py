@@ -5,7 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.answer.next_poses import _greedy, _noncentrality, _pair, _tried, next_poses  # pyright: ignore[reportPrivateUsage]
+from arm.avoid.poses import Room, frames_and_tips, meets
+from arm.avoid.regions import between, beyond
+from diagnose.answer.next_poses import (  # pyright: ignore[reportPrivateUsage]
+    _greedy,
+    _noncentrality,
+    _Pair,
+    _pair,
+    _tried,
+    _worth_taking,
+    next_poses,
+)
 from diagnose.diagnosis import diagnose
 from diagnose.fitting.prepare import prepare
 from diagnose.options import Options
@@ -42,7 +52,7 @@ def asked():
 def test_greedy_choice_beats_random_poses(asked):
     """In the smallest non-centrality over all pairs of names."""
     namer, member, others = asked
-    tried = _tried(namer.prepared.observed, 1)
+    tried = _tried(namer.prepared.observed, Room(), 1)
     width = tried.residual.shape[1]
     pairs = [_pair(namer, tried, [member], member, other) for other in others]
     assert None not in pairs
@@ -63,7 +73,7 @@ def test_greedy_choice_beats_random_poses(asked):
 def test_noncentrality_is_what_the_other_name_misses(asked):
     """By hand: least squares of the other name's columns on old and new readings together."""
     namer, member, others = asked
-    tried = _tried(namer.prepared.observed, 1)
+    tried = _tried(namer.prepared.observed, Room(), 1)
     width = tried.residual.shape[1]
     pair = _pair(namer, tried, [member], member, others[0])
     rows = [3, 17]
@@ -77,22 +87,87 @@ def test_noncentrality_is_what_the_other_name_misses(asked):
 def test_poses_lie_in_the_ranges_and_say_what_they_decide(asked):
     namer, member, others = asked
     rivals = [Rival(other, 0.99, 1.0) for other in others]
-    poses, note = next_poses(namer, [member], [(member, rivals)], 1)
-    assert len(poses) == 6
-    for pose in poses:
+    found = next_poses(namer, [member], [(member, rivals)], 1)
+    assert len(found.poses) == 6
+    for pose in found.poses:
         for value, joint in zip(pose.q, namer.prepared.observed.arm.joints, strict=True):
             assert joint.range[0] <= value <= joint.range[1]
         assert pose.side in (-1, 1)
         assert "compliance of the drives at joint 2 from" in pose.decides
-    assert "non-centrality" in note
+    assert "non-centrality" in found.note
+    assert found.enough == (": enough" in found.note)
 
 
 def test_exact_aliases_need_another_sensor(asked):
     namer, member, _ = asked
     droop = group_of(namer.prepared, "servo_droop", (1,))
-    poses, note = next_poses(namer, [member], [(member, [Rival(droop, 1.0, 0.0)])], 1)
-    assert poses == ()
-    assert "only another sensor would" in note
+    found = next_poses(namer, [member], [(member, [Rival(droop, 1.0, 0.0)])], 1)
+    assert found.poses == ()
+    assert not found.enough
+    assert "only another sensor would" in found.note
+    assert "non-centrality" not in found.note
+
+
+def proposed(namer, member, others, avoid=()):
+    """The poses asked for, of a recording whose settings name regions to avoid."""
+    observed = namer.prepared.observed
+    told = replace(observed, recording=replace(observed.recording, avoid=avoid))
+    again = namer.with_prepared(replace(namer.prepared, observed=told))
+    return next_poses(again, [member], [(member, [Rival(other, 0.99, 1.0) for other in others])], 1)
+
+
+def test_where_nobody_says_what_to_avoid_poses_stay_where_the_arm_was(asked):
+    """Joints and tip, in the box of theirs over the recording: of a corner of the workspace a small one."""
+    namer, member, others = asked
+    arm, recording = namer.prepared.observed.arm_given, namer.prepared.observed.recording
+    found = proposed(namer, member, others)
+    there, here = (frames_and_tips(arm, q).reshape(-1, 3) for q in (recording.q, np.array([p.q for p in found.poses])))
+    assert (here >= there.min(axis=0) - 1e-8).all()
+    assert (here <= there.max(axis=0) + 1e-8).all()
+    assert "not checked for collisions" in found.note
+
+
+def test_poses_keep_clear_of_what_is_to_be_avoided(asked):
+    """Then the whole of the joint ranges is open: with a floor a little below the base half of it."""
+    namer, member, others = asked
+    arm, floor = namer.prepared.observed.arm_given, beyond("below", "y", -0.15)
+    found = proposed(namer, member, others, (floor,))
+    q = np.array([pose.q for pose in found.poses])
+    assert len(q) == 6
+    assert not meets(arm, q, (floor,)).any()
+    recorded = frames_and_tips(arm, namer.prepared.observed.recording.q)
+    assert np.abs(frames_and_tips(arm, q)).max() > 1.1 * np.abs(recorded[..., 1]).max()
+    assert "nothing else is checked" in found.note
+    everywhere = between((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))
+    nothing = proposed(namer, member, others, (everywhere,))
+    assert nothing.poses == ()
+    assert nothing.note == "What is to be avoided leaves no pose to record next."
+
+
+def test_no_payload_is_proposed_that_was_not_carried(asked):
+    namer, member, others = asked
+    carried = namer.prepared.observed.recording.payload_mass
+    payloads = {pose.payload_mass for pose in proposed(namer, member, others).poses}
+    assert payloads <= {0.0, float(carried.max())}
+
+
+def test_no_gain_no_advice():
+    """A rival of two sizes of which the recorded readings see one: each reading by itself seems to tell (what they do
+    not see is left at nought), but with any of them the rival fits all. One that differs is told in any case."""
+    rng = np.random.default_rng(5)
+    seen, unseen = rng.standard_normal((40, 2)).T
+    recorded = rng.standard_normal(12)
+    alike = _Pair(
+        "this from that", 0.7 * recorded, 0.7 * seen + 0.4 * unseen,
+        np.column_stack([recorded, np.zeros(12)]), np.column_stack([seen, unseen]),
+    )  # fmt: skip
+    differs = replace(alike, label="this from another", tried_signal=alike.tried_signal + rng.standard_normal(40))
+    rules = RULES.answer
+    assert _worth_taking({(0, 1): alike}, 1, rules) == ([], {})
+    taken, helped = _worth_taking({(0, 1): alike, (0, 2): differs}, 1, rules)
+    assert list(helped) == [(0, 2)]
+    assert len(taken) == rules.taken
+    assert _noncentrality(differs, taken, 1) > _noncentrality(differs, [], 1) + 1.0
 
 
 def test_nothing_is_asked_where_nothing_is_doubtful():

@@ -8,6 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arm.avoid.poses import NoRoom, Room, frames_and_tips, meets, room_of
+from arm.avoid.regions import between
+from arm.chain.chain import Link
 from arm.chain.kinematics import tip_position
 from diagnose.diagnosis import diagnose
 from diagnose.plan.asked import Asked, seen_axes
@@ -15,7 +18,7 @@ from diagnose.plan.design import Patterns, _Score, chosen_visits
 from diagnose.plan.order import in_order, returns_of, with_time
 from diagnose.plan.planning import NothingToSee, plan
 from diagnose.plan.promise import _sound, promised, rivals_of
-from diagnose.plan.tried import meets, tried_visits
+from diagnose.plan.tried import approach, tried_visits
 from diagnose.plan.written import plan_text, read_plan, to_record
 from diagnose.rules.rules import RULES
 from diagnose.search.aliases import likenesses
@@ -158,6 +161,7 @@ def test_out_of_the_plane_there_is_nothing_to_see():
 
 
 BOX = ((0.5, 0.2, -0.1), (0.8, 0.7, 0.1))
+REGION = between(*BOX)
 
 
 @settings(max_examples=60, deadline=None)
@@ -165,6 +169,7 @@ BOX = ((0.5, 0.2, -0.1), (0.8, 0.7, 0.1))
 def test_boxes_are_met_where_points_of_the_arm_are_inside(seed):
     """By points along the links, from the tips of the arm cut off behind each of them; a hair aside of the edges."""
     arm, rng = made_arm(), np.random.default_rng(seed)
+    arm = arm.with_links(tuple(Link(link.length, mass=1.0) for link in arm.links))  # lines, of no known section
     q = rng.uniform([joint.range[0] for joint in arm.joints], [joint.range[1] for joint in arm.joints])
     ends = [np.zeros(3)]
     for count in range(1, arm.size + 1):
@@ -175,17 +180,32 @@ def test_boxes_are_met_where_points_of_the_arm_are_inside(seed):
     low, high = np.array(BOX)
     depth = np.minimum(points - low, high - points).min(axis=1).max()  # of the deepest point within all planes
     if abs(depth) > 1e-3:
-        assert bool(meets(arm, q[None, :], (BOX,))[0]) == bool(depth > 0.0)
+        assert bool(meets(arm, q[None, :], (REGION,))[0]) == bool(depth > 0.0)
 
 
 def test_poses_keep_clear_of_boxes():
-    arm, asked = made_arm(), replace(ASKED, avoid=(BOX,))
+    arm, asked = made_arm(), replace(ASKED, room=Room((REGION,)))
     free, kept = tried_visits(arm, ASKED), tried_visits(arm, asked)
-    assert meets(arm, free.q, (BOX,)).any()
-    assert not meets(arm, kept.q, (BOX,)).any()
-    everywhere = ((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))
-    with pytest.raises(ValueError, match="leave 0 poses"):
-        tried_visits(arm, replace(ASKED, avoid=(everywhere,)))
+    assert meets(arm, free.q, (REGION,)).any()
+    assert not meets(arm, kept.q, (REGION,)).any()
+    everywhere = Room((between((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0)),))
+    with pytest.raises(NoRoom, match="leaves 0 poses"):
+        tried_visits(arm, replace(ASKED, room=everywhere))
+
+
+def test_a_plan_after_a_recording_stays_where_that_was():
+    """Joints and tip in the box of theirs, there and where they are come from; a small one holds poses enough."""
+    arm = made_arm()
+    recorded = np.random.default_rng(4).uniform(0.2, 0.6, (12, arm.size))
+    room = room_of(arm, recorded)
+    held = np.concatenate([frames_and_tips(arm, recorded), np.zeros((12, 1, 3))], axis=1).reshape(-1, 3)
+    found = tried_visits(arm, replace(ASKED, room=room))
+    run = approach(arm, FAST.plan)
+    for q in (found.q, found.q + run, found.q - run):
+        points = frames_and_tips(arm, q)
+        assert (points >= held.min(axis=0) - 1e-8).all()
+        assert (points <= held.max(axis=0) + 1e-8).all()
+    assert found.size >= 4 * FAST.plan.tried
 
 
 def random_patterns(rng, visits=40, columns=7, nuisances=2):

@@ -1,11 +1,17 @@
 """`linkwright plan`: its file and figures, the loop from `one of several` to a name, and wrong input in one line."""
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import linkwright as lw
+from arm.avoid.poses import meets
+from arm.avoid.regions import between, beyond
 from linkwright.results.planning import describe
 
 ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"
@@ -124,7 +130,7 @@ def test_figures_are_those_of_the_plan(tmp_path):
         (("--poses", "9", "--instrument", "z"), "out of the plane"),
         (("--poses", "9", "--instrument", "tracking"), "tracker"),
         (("--poses", "9", "--avoid", "0 m, 0 m"), "two corners"),
-        (("--poses", "9", "--avoid", "-3 m, -3 m, -3 m to 3 m, 3 m, 3 m"), "leave 0 poses"),
+        (("--poses", "9", "--avoid", "-3 m, -3 m, -3 m to 3 m, 3 m, 3 m"), "leaves 0 poses"),
         (("--poses", "9", "--payload", "-1 kg"), "not negative"),
         (("--poses", "9", "--sigma", "0 um"), "positive"),
         (("--poses", "9", "--frame", "loose"), "known or free"),
@@ -176,3 +182,45 @@ def test_wrong_input_is_told_before_what_was_recorded_is_diagnosed(linkwright, b
     status, out, err = linkwright("plan", "arm.yaml", "--poses", "20", "--after", "r.csv", *option)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith(named)
+
+
+def headline_of(found, random):
+    """What is said of a plan beside such plans at random."""
+    return describe(replace(found, random=tuple(random))).headline
+
+
+def test_a_plan_that_is_no_better_than_random_poses_says_so():
+    """Of causes told apart and of sizes by themselves; 629 of 819 is not more than 630 of them."""
+    found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3).found
+    own = found.promise
+    coarse = replace(own, shown=tuple(replace(each, smallest=2.0 * each.smallest) for each in own.shown))
+    hard = [replace(each, rivals=tuple(replace(r, told=math.inf) for r in each.rivals)) for each in own.shown]
+    worse = replace(own, shown=tuple(hard))
+    assert 0 < worse.told < own.told
+    assert headline_of(found, [own] * 3).endswith("and are no better than poses at random.")
+    assert headline_of(found, [worse, own, worse]).endswith("and are no better than poses at random.")
+    assert ", more than poses at random, and show sizes no smaller" in headline_of(found, [worse] * 3)
+    both = replace(own, shown=tuple(replace(each, smallest=2.0 * each.smallest) for each in hard))
+    assert headline_of(found, [both] * 3).endswith("apart and show sizes 2 times smaller than poses at random.")
+    assert ", no more than poses at random, and show sizes 2 times smaller" in headline_of(found, [coarse] * 3)
+    assert "random" not in headline_of(found, [])
+
+
+def test_a_plan_says_where_its_poses_were_taken_from(linkwright, tmp_path):
+    """All of the joint ranges, or clear of a half-space by the option or the arm file."""
+    arguments = ("--poses", "8", "--for", "encoder_offset", "--repeats", "1", "--payload", "1 kg")
+    status, said, _ = linkwright("plan", str(ARM), *arguments)
+    assert status == 0
+    assert "whole of the joint ranges, and not checked for collisions" in " ".join(said.split())
+    arm = tmp_path / "arm.yaml"
+    arm.write_text(ARM.read_text(encoding="utf-8") + "avoid: [{below: {x: -0.1 m}}]\n", encoding="utf-8")
+    out = tmp_path / "plan.csv"
+    option = ("--avoid", "below y -50 mm", "--avoid", "0.6 m, 0.2 m to 1 m, 0.6 m", "--out", str(out))
+    status, said, err = linkwright("plan", str(arm), *arguments, *option)
+    assert (status, err) == (0, "")
+    assert "kept clear of by joints, links and tip" in " ".join(said.split())
+    model = lw.read_arm(arm).model
+    regions = (*model.avoid, beyond("below", "y", -0.05), between((0.6, 0.2), (1.0, 0.6)))
+    q = np.radians(pd.read_csv(out)[["q1_deg", "q2_deg", "q3_deg"]].to_numpy())
+    assert not meets(model, q, regions).any()
+    assert meets(model, np.radians([[0.0, -20.0, 0.0]]), regions).all()

@@ -1,0 +1,1 @@
+"""Regions of space that an arm keeps out of, and which poses do."""

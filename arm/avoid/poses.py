@@ -1,0 +1,145 @@
+"""Poses that keep an arm out of some regions, or within one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain.arrays import columns
+from arm.chain.branches import ways
+from arm.chain.chain import Arm, Link
+from arm.chain.following import completed
+from arm.chain.kinematics import place
+from sections.numeric import Array
+from sections.section import Section
+from sections.taper import Tapered
+
+from .regions import Region, around
+
+
+class NoRoom(Exception):
+    """What is to be avoided leaves too few poses, or none; the text is a clause that says so."""
+
+
+Draw = Callable[[Array, Array], Array]
+Allowed = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Room:
+    """Where poses may put an arm: out of the regions to `avoid`, and with all joints' frames and tips `within` one
+    (None: anywhere). `spans` are the joint coordinates (rad, m; least and greatest) at which that one was gone
+    through."""
+
+    avoid: tuple[Region, ...] = ()
+    within: Region | None = None
+    spans: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether any pose will do."""
+        return not self.avoid and self.within is None
+
+    def allows(self, arm: Arm, q: Array) -> NDArray[np.bool_]:
+        """Which of some whole poses q (P, n), rad and m, put nothing of an arm where it may not be."""
+        if self.everywhere:
+            return np.ones(len(q), dtype=np.bool_)
+        allowed = ~meets(arm, q, self.avoid) if self.avoid else np.ones(len(q), dtype=np.bool_)
+        if self.within is not None:
+            allowed &= self.within.holds(frames_and_tips(arm, q)).all(axis=1)
+        return allowed
+
+    def kept(self, arm: Arm, q: Array, run: Array) -> Array:
+        """Those of some whole poses q (P, n) that are allowed, and so is where the arm comes to them from, on either
+        side by `run` (n,), rad and m."""
+        keep = self.allows(arm, q)
+        for way in () if self.everywhere else (run, -run):
+            keep &= self.allows(arm, completed(arm, q + way))
+        return q[keep]
+
+
+def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Region] = ()) -> Room:
+    """Where proposed poses may put an arm: out of what its file and others say is to be avoided; where nobody says
+    anything, within the box of all joints' frames and tips at the poses that were `recorded` (N, n)."""
+    said = tuple(dict.fromkeys((*arm.avoid, *avoid)))
+    if said or recorded is None:
+        return Room(said)
+    spans = tuple(zip(recorded.min(axis=0).tolist(), recorded.max(axis=0).tolist(), strict=True))
+    return Room(within=around(frames_and_tips(arm, recorded)), spans=spans)
+
+
+def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, count: int, draws: int) -> Array:
+    """The first `count` poses (P, n) that are allowed, fewer where so many draws bring no more.
+
+    A draw gives points in a box of joint coordinates, its least and greatest (n,): by turns the whole `box`, and what
+    of it was gone through where the arm is to stay there. `allowed` gives whole poses of those points, less those that
+    may not be.
+    """
+    low, high = box
+    boxes = [box]
+    if room.spans:
+        least, most = np.array(room.spans).T
+        boxes.append((np.clip(least, low, high), np.clip(most, low, high)))
+    found: list[Array] = []
+    for number in range(1 if room.everywhere else draws):
+        found.append(allowed(draw(*boxes[number % len(boxes)])))
+        if sum(map(len, found)) >= count:
+            break
+    return np.concatenate(found)[:count]
+
+
+def meets(arm: Arm, q: Array, regions: Sequence[Region]) -> NDArray[np.bool_]:
+    """Whether a joint's frame, a link or a tip is in one of some regions at poses q (P, n). A link is a cylinder about
+    the line from joint to joint, as thick as its section is in any direction; of unknown section it is the line.
+
+    What no pose moves, the base up to the first joint, is not asked, and there the first link's thickness begins.
+    """
+    hit = np.zeros(len(q), dtype=np.bool_)
+    for fixed, start, along, radius in _pieces(arm, q):
+        thick = start, along
+        if fixed:
+            length = np.linalg.norm(along, axis=1, keepdims=True)
+            shift = np.minimum(radius / np.where(length > 0.0, length, 1.0), 1.0) * along
+            thick = start + shift, along - shift
+        for region in regions:
+            hit |= region.crosses(start, along)
+            if radius > 0.0:
+                hit |= region.crosses(*thick, radius)
+    return hit
+
+
+def frames_and_tips(arm: Arm, q: Array) -> Array:
+    """Where the frames of all joints and the tips are at poses q (P, n): (P, F, 3), m."""
+    return np.stack([start + along for _, start, along, _ in _pieces(arm, q, everything=True)], axis=1)
+
+
+def _pieces(arm: Arm, q: Array, *, everything: bool = False) -> Iterator[tuple[bool, Array, Array, float]]:
+    """The straight pieces of an arm at poses q (P, n): whether it begins where no pose moves it, its beginning and
+    itself (P, 3) and its radius, m. The piece from the base to a joint that turns is the same at all poses and comes
+    only with `everything`."""
+    for way in ways(arm):
+        frames, point = place(way.arm, [q[:, joint] for joint in way.joints]), np.zeros((len(q), 3))
+        for index, (joint, link) in enumerate(zip(frames.joints, frames.links, strict=True)):
+            still = index == 0 and way.arm.joints[0].revolute
+            lead, reach = columns(joint.lead, len(q)), columns(link.vector, len(q))
+            if everything or not still:
+                yield False, point, lead, 0.0
+            point = point + lead
+            yield still, point, reach, half_size(way.arm.links[index])
+            point = point + reach
+        yield False, point, columns(frames.tool, len(q)), 0.0
+
+
+def half_size(link: Link) -> float:
+    """How far a link's section reaches from its axis at most, m; 0 where the section is not known."""
+    if link.section is None:
+        return 0.0
+    ends = (link.section.near, link.section.far) if isinstance(link.section, Tapered) else (link.section,)
+    return max(map(_farthest, ends))
+
+
+def _farthest(section: Section) -> float:
+    return max(float(np.linalg.norm(ring, axis=1).max()) for ring in section.outline())

@@ -1,0 +1,64 @@
+"""Regions to keep out of, as arm files, recordings' settings and problems hold them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+from arm.avoid.regions import AXES, Region, between, beyond
+from units.quantities import format_quantity, read_quantity, shown
+from units.reading import Mapping
+
+_EXAMPLE = "{below: {z: 0 mm}} or {box: [[0 m, -1 m, 0 m], [1 m, 1 m, 0.4 m]]}"
+_SIDES: tuple[Literal["below", "above"], ...] = ("below", "above")
+
+
+def read_avoid(mapping: Mapping) -> tuple[Region, ...]:
+    """The regions under `avoid`, none where it is absent: `{box: [corner, corner]}`, and `{below: {z: 0 mm}}` or
+    `above`, of x, y or z. Raises `InputError`."""
+    return tuple(_region(entry) for entry in mapping.mappings("avoid")) if mapping.has("avoid") else ()
+
+
+def _region(entry: Mapping) -> Region:
+    with entry.reading():
+        kinds = [name for name in ("box", *_SIDES) if entry.has(name)]
+        if len(kinds) != 1:
+            raise entry.error("", f"needs one of box, below and above, e.g. {_EXAMPLE}")
+        if kinds[0] == "box":
+            corners = entry.items("box")
+            found = [_corner(entry, value, number) for number, value in enumerate(corners, start=1)]
+            if len(found) != 2 or len(found[0]) != len(found[1]):
+                raise entry.error("box", f"needs two corners of as many coordinates, e.g. {_EXAMPLE}")
+            return between(*found)
+        side = _SIDES[0] if kinds[0] == _SIDES[0] else _SIDES[1]
+        with entry.mapping(side).reading() as body:
+            axes = [axis for axis in AXES if body.has(axis)]
+            if len(axes) != 1:
+                raise body.error("", f"needs one of x, y and z, e.g. {_EXAMPLE}")
+            return beyond(side, axes[0], body.quantity(axes[0], "length"))
+
+
+def _corner(entry: Mapping, value: object, number: int) -> list[float]:
+    key = entry.path_of(f"box[{number}]")
+    if not isinstance(value, list) or len(value) not in (2, 3):  # pyright: ignore[reportUnknownArgumentType]
+        raise entry.error(f"box[{number}]", f"is a corner of two or three coordinates, not {shown(value)}")
+    parts: list[object] = list(value)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+    return [
+        read_quantity(part, "length", file=entry.file, key=f"{key}[{place}]") for place, part in enumerate(parts, 1)
+    ]
+
+
+def avoid_to_list(regions: tuple[Region, ...]) -> list[dict[str, Any]]:
+    """Regions as a file holds them."""
+    return [_to_mapping(region) for region in regions]
+
+
+def _to_mapping(region: Region) -> dict[str, Any]:
+    ends = list(zip(AXES, region.low, region.high, strict=True))
+    open_ = [math.isinf(low) or math.isinf(high) for _, low, high in ends]
+    if sum(open_) == len(ends):
+        axis, low, high = next(each for each in ends if math.isfinite(each[1]) or math.isfinite(each[2]))
+        side, value = ("below", high) if math.isinf(low) else ("above", low)
+        return {side: {axis: format_quantity(value, "length")}}
+    width = 2 if open_[2] else 3
+    return {"box": [[format_quantity(x, "length") for x in corner[:width]] for corner in (region.low, region.high)]}
