@@ -56,7 +56,8 @@ class Joint:
     it. `cost` (EUR) is what the joint costs with its drive, as of `cost_date` (`2026-01`); None: what its drive does.
     `passive` says that it has no drive: it is turned by hand, or by what holds the tip, and an encoder reads it.
     `origin_free` names what nobody knows of where its frame stands on the link before (see `OriginPart`): a diagnosis
-    finds it, and the figures here are a guess.
+    finds it, and the figures here are a guess. `name` is what other programs call it; `effort` (N*m or N) and
+    `velocity` (rad/s or m/s) are the greatest that its drive gives, which they ask for and no figure here rests on.
     """
 
     type: JointType = "revolute"
@@ -80,6 +81,9 @@ class Joint:
     balancer_chosen: str = field(default="", compare=False)
     passive: bool = False
     origin_free: tuple[OriginPart, ...] = ()
+    name: str = ""
+    effort: float | None = None
+    velocity: float | None = None
 
     @property
     def driven(self) -> bool:
@@ -104,7 +108,9 @@ class Link:
     material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
     machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`). One that `runs_out` slides along
     itself out of a sleeve where its joint, a slide, stands at zero: it is a cantilever as long as its joint's
-    coordinate (with its `zero`), and what has not run out stays in the sleeve and weighs there.
+    coordinate (with its `zero`), and what has not run out stays in the sleeve and weighs there. `name` is what other
+    programs call it. `inertia` of a rigid link (kg*m^2; xx, yy, zz, xy, xz, yz along the axes of its frame) is that of
+    all that weighs on it (`mass` and `masses`, but motors of joints) about their common centre; None: not known.
     """
 
     length: float
@@ -122,6 +128,8 @@ class Link:
     cost: float | None = None
     cost_date: str = ""
     runs_out: bool = False
+    name: str = ""
+    inertia: tuple[float, float, float, float, float, float] | None = None
 
     @property
     def elastic(self) -> bool:
@@ -319,6 +327,13 @@ class Arm:
         """What a column of a joint (from 0) is called in a recording: `q2`, of a branch `left_q1`."""
         own = next((each for each in self.branches if each.first <= index < each.end), None)
         return f"{base}{index + 1}" if own is None else f"{own.name}_{base}{index - own.first + 1}"
+
+    def entry(self, index: int) -> str:
+        """Where a joint (from 0) and its link stand in an arm file: `chain[2]`, of a branch `branches[1].chain[2]`."""
+        for number, each in enumerate(self.branches, start=1):
+            if each.first <= index < each.end:
+                return f"branches[{number}].chain[{index - each.first + 1}]"
+        return f"chain[{index + 1}]"
 
     @property
     def to_tip(self) -> tuple[int, ...]:

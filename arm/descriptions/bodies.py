@@ -19,6 +19,8 @@ from sections.taper import Tapered
 
 _NODES = 12
 """Gauss points along a taper, whose second moments are smooth."""
+_ROUNDING = 1e-6
+"""Of the greatest moment: by so much tensors are off that are written with six digits."""
 _STEEL = 7850.0
 """kg/m^3, of the balls that stand for masses of unknown shape."""
 
@@ -30,6 +32,18 @@ class Mass:
     mass: float
     center: Array
     inertia: Array
+
+    @property
+    def moments(self) -> Array:
+        """The principal moments of inertia (3; kg*m^2), least first."""
+        return np.asarray(np.linalg.eigvalsh(self.inertia), dtype=float)
+
+    @property
+    def possible(self) -> bool:
+        """Whether a body can have this tensor: no moment is negative, or greater than the two others together."""
+        least, middle, greatest = self.moments
+        rounding = _ROUNDING * max(abs(least), abs(greatest))
+        return bool(least >= -rounding and greatest <= least + middle + rounding)
 
     def moved(self, step: Vector) -> Mass:
         """The same in a frame whose origin is a `step` (m) further."""
@@ -80,6 +94,38 @@ def rod(link: Link, beam: Beam, axes: Array, material: MaterialValues | None) ->
     # Second moments about the width (which resists bending along the height) and about the height.
     own = np.diag([about[0] + about[1], slender + about[1], slender + about[0]])
     return Mass(mass, balance * length * along, axes @ own @ axes.T)
+
+
+def known_body(link: Link, beam: Beam, axes: Array) -> Mass | None:
+    """All that weighs on a rigid link whose tensor is known (but motors of joints), in the frame of its joint; None for
+    other links, and for a tensor that no simulator takes."""
+    if link.inertia is None or negative_moment(link) is not None:
+        return None
+    point = np.zeros((3, 3))
+    parts = [Mass(float(beam.lumped_mass), float(beam.lumped_at) * axes[:, 0], point)]
+    for each in link.masses:
+        if each.motor_of is None:
+            from_joint = axes @ np.array(each.at)
+            end = link.length * axes[:, 0] if each.on == "end" else 0.0
+            parts.append(Mass(each.mass, from_joint + end, point))
+    whole = together(parts)
+    if whole is None:
+        return None
+    return Mass(whole.mass, whole.center, _tensor(link))
+
+
+def negative_moment(link: Link) -> float | None:
+    """A principal moment (kg*m^2) of a link's tensor that is below zero, as no body has it; None where all are not."""
+    if link.inertia is None:
+        return None
+    moments = np.linalg.eigvalsh(_tensor(link))
+    return float(moments[0]) if moments[0] < -_ROUNDING * moments[2] else None
+
+
+def _tensor(link: Link) -> Array:
+    assert link.inertia is not None
+    xx, yy, zz, xy, xz, yz = link.inertia
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _along(section: Section) -> tuple[float, Array]:

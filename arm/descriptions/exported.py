@@ -30,11 +30,13 @@ from arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
 from arm.effects.elastic.torsion import TORSION
 from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
+from arm.errors.unknown_mass import of_unknown_mass, without_unknown
 from sections.numeric import Array
 from sections.taper import Tapered
 from units.quantities import InputError
 
-from .bodies import Mass, ball, rod, together
+from .bodies import Mass, ball, known_body, negative_moment, rod, together
+from .names import Names, names_of
 from .urdf import Frame
 
 OUTER = 5.0 / 6.0
@@ -69,23 +71,22 @@ class Piece:
 
 @dataclass(frozen=True)
 class End:
-    """A tip: its name, the piece `on` which it stands and where, and the payload there (kg). `prefix` begins the names
-    of what is its own, where there are several."""
+    """A tip: its name, the piece `on` which it stands and where, the payload there (kg), and the name of the fixed
+    joint that holds it."""
 
     name: str
     on: str
     frame: Frame
     payload: float
-    prefix: str = ""
+    joint: str
 
 
 @dataclass(frozen=True)
 class Structure:
     """An arm in pieces, those nearer the base before those that stand on them, with the `tips` on the last of each
-    branch. `stiffness` are the drives' (None: rigid).
+    branch. `stiffness` are the drives' (None: rigid), `unweighed` the links (from 1) whose mass nobody knows.
 
-    `carried` says what was taken along beyond frames, limits and masses, `lost` what the format or the pieces cannot
-    hold, `assumed` what stands there because something has to.
+    `lost` says what the format or the pieces cannot hold, `assumed` what stands there because something has to.
     """
 
     arm: Arm
@@ -94,12 +95,15 @@ class Structure:
     stiffness: tuple[float | None, ...]
     lost: tuple[str, ...]
     assumed: tuple[str, ...]
+    names: Names
+    unweighed: tuple[int, ...]
 
 
-def structure(arm: Arm, *, springs: bool) -> Structure:
+def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
     """The pieces of an arm; with `springs`, elastic links are two pieces each.
 
-    Raises `InputError` for angles that are absolute, `PropertyNeeded` for links of unknown mass.
+    Raises `InputError` for angles that are absolute, `PropertyNeeded` for links of unknown mass; these may be where it
+    need not be `weighed`, and are pieces without a mass then.
     """
     if arm.angles == "absolute":
         message = "are absolute: each drive holds its link against the base, which no such format knows"
@@ -107,13 +111,14 @@ def structure(arm: Arm, *, springs: bool) -> Structure:
     if any(link.runs_out for link in arm.links):
         message = "runs out of a sleeve (bends_over), and no such format knows parts whose length changes"
         raise InputError("", f"link {[link.runs_out for link in arm.links].index(True) + 1}", message)
-    arm = _found_geometry(arm)
-    beams = beams_of(arm)
+    arm, names = _found_geometry(arm), names_of(arm)
+    unknown = () if weighed else of_unknown_mass(arm)
+    beams = beams_of(without_unknown(arm, unknown))
     pieces: list[Piece] = []
     before = _before(arm)
     ends: dict[int | None, tuple[str, Frame]] = {None: ("", (IDENTITY, ZERO))}
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
-        name = f"link{index + 1}"
+        name = names.links[index]
         on, place = ends[before[index]]
         axes = _axes(joint, link)
         given = _springs(arm, beams[index], axes) if springs else ()
@@ -128,12 +133,14 @@ def structure(arm: Arm, *, springs: bool) -> Structure:
             pieces.append(Piece(f"{name}_outer", name, (IDENTITY, middle), None, given, far))
             ends[index] = (f"{name}_outer", (end[0], middle))
         else:
-            pieces.append(Piece(name, on, origin, index, (), together([*inner, *outer])))
+            own = None if index in unknown else together([*inner, *outer])
+            pieces.append(Piece(name, on, origin, index, (), own))
             ends[index] = (name, end)
     compliance = [drive_compliance(arm, index) for index in range(arm.size)]
     stiffness = tuple(1.0 / each if each > 0.0 else None for each in compliance)
-    lost = _lost(arm, beams, springs=springs)
-    return Structure(arm, tuple(pieces), _tips(arm, ends), stiffness, lost, _assumed(arm))
+    lost = (*_lost(arm, beams, springs=springs), *names.lost)
+    numbers = tuple(index + 1 for index in unknown)
+    return Structure(arm, tuple(pieces), _tips(arm, ends, names), stiffness, lost, _assumed(arm), names, numbers)
 
 
 def _before(arm: Arm) -> list[int | None]:
@@ -143,15 +150,15 @@ def _before(arm: Arm) -> list[int | None]:
     return [None if index == 0 else foot if index in firsts else index - 1 for index in range(arm.size)]
 
 
-def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]]) -> tuple[End, ...]:
+def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]], names: Names) -> tuple[End, ...]:
     if not arm.branches:
         on, place = ends[arm.size - 1]
-        return (End("tip", on, _onward(place, (IDENTITY, arm.tool)), arm.payload.mass),)
+        return (End(names.tips[0], on, _onward(place, (IDENTITY, arm.tool)), arm.payload.mass, names.tools[0]),)
     found: list[End] = []
-    for branch in arm.branches:
+    for branch, name, tool in zip(arm.branches, names.tips, names.tools, strict=True):
         on, place = ends[branch.end - 1]
         frame = _onward(place, (IDENTITY, branch.tool))
-        found.append(End(f"{branch.name}_tip", on, frame, branch.payload.mass, f"{branch.name}_"))
+        found.append(End(name, on, frame, branch.payload.mass, tool))
     return tuple(found)
 
 
@@ -199,7 +206,8 @@ def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> t
     inner: list[Mass] = []
     outer: list[Mass] = []
     material = None if link.material is None else link.material.at(arm.temperature)
-    body = rod(link, beam, axes, material)
+    known = known_body(link, beam, axes)
+    body = known or rod(link, beam, axes, material)
     if halved:
         halves = _halves(body, beam, axes[:, 0])
         inner.append(halves[0])
@@ -207,6 +215,8 @@ def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> t
     else:
         outer.append(body)
     for each in link.masses:
+        if known is not None and each.motor_of is None:
+            continue
         place = axes @ np.array(each.at)
         (inner if each.on == "joint" else outer).append(
             ball(each.mass, place + (0.0 if each.on == "joint" else np.array(vector)))
@@ -301,6 +311,10 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     ]
     of_joints("that joints follow others: what is asked of each here is its turn against the link before", told)
     of_joints("that joints are passive", [joint.passive for joint in arm.joints])
+    for number, link in enumerate(arm.links, start=1):
+        if (moment := negative_moment(link)) is not None:
+            said = f"a principal moment of {moment:.4g} kg*m^2, which no body has; a rod's stands there"
+            found.append(f"the inertia of link {number}: {said}")
     if any(arm.payload.force) or any(arm.payload.moment):
         found.append("the force and moment at the tip")
     found += [
@@ -325,11 +339,14 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
 
 def _assumed(arm: Arm) -> tuple[str, ...]:
     found: list[str] = []
-    if rigid := [str(number) for number, link in enumerate(arm.links, start=1) if not link.elastic and link.mass]:
+    shapeless = [
+        link for link in arm.links if not link.elastic and (link.inertia is None or negative_moment(link) is not None)
+    ]
+    if rigid := [str(number) for number, link in enumerate(arm.links, start=1) if link in shapeless and link.mass]:
         found.append(f"links of unknown section ({', '.join(rigid)}) have the inertia of slender rods")
-    carried = any(link.masses for link in arm.links) or any(joint.mass for joint in arm.joints) or arm.payload.mass
-    carried = carried or any(branch.payload.mass for branch in arm.branches)
-    if carried:
+    hung = [each for link in arm.links for each in link.masses if link.inertia is None or each.motor_of is not None]
+    tips = [arm.payload.mass, *(branch.payload.mass for branch in arm.branches)]
+    if hung or any(tips) or any(joint.mass for joint in arm.joints):
         found.append("masses without a shape have the inertia of steel balls")
     if any(joint.motor_on_base for joint in arm.joints):
         found.append("motors on the base are left to the base")

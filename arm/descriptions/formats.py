@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from arm.chain.chain import Arm, FloatVector
+from arm.chain.chain import Arm, FloatVector, Joint
 from arm.chain.following import turn_range
 from arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
 from arm.errors.model import beams_of
@@ -27,7 +27,9 @@ DAMPING_TIME = 1e-3
 HELD = 1e-9
 """rad or m; a rigid drive gives no more than this under the arm's whole weight at its whole reach."""
 _LEAST_MASS, _LEAST_INERTIA = 1e-9, 1e-12
+_ROUNDING = 1e-9
 _DOWN: FloatVector = (0.0, 0.0, -9.81)
+_CARRIED = "names, frames, limits, efforts, speeds, masses and inertias"
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,58 @@ def _drive_words(found: Structure) -> tuple[str, ...]:
     return tuple(words)
 
 
+def _greatest(joint: Joint) -> tuple[float | None, float | None]:
+    """The greatest effort and speed of a joint's drive, as far as they are known."""
+    rated = None if joint.actuator is None else joint.actuator.rated_torque
+    return rated if joint.effort is None else joint.effort, joint.velocity
+
+
+def _greatest_words(arm: Arm) -> tuple[str, ...]:
+    """Efforts and speeds where a position servo has no place for them."""
+    said: list[str] = []
+    for number, joint in enumerate(arm.joints, start=1):
+        kinds = ("torque", "angular_speed") if joint.revolute else ("force", "speed")
+        for kind, greatest in zip(kinds, (joint.effort, joint.velocity), strict=True):
+            if greatest is not None:
+                said.append(f"joint {number}: {format_quantity(greatest, kind, digits=6)}")
+    return (f"the greatest efforts and speeds of the drives ({', '.join(said)})",) if said else ()
+
+
+def _unweighed_words(found: Structure) -> tuple[str, ...]:
+    if not found.unweighed:
+        return ()
+    links = ", ".join(map(str, found.unweighed))
+    return (f"what links of unknown mass weigh (link {links}): simulators take them for weightless",)
+
+
+def _for_mujoco(found: Structure) -> tuple[dict[str, str], list[str]]:
+    """What MuJoCo's compiler has to be told, so that it takes masses and tensors as they are or mends what no body can
+    have, and what it then does, in words."""
+    asked: dict[str, str] = {}
+    words: list[str] = []
+    weightless = [piece.name for piece in found.pieces if not _moves_mass(piece)]
+    if weightless:
+        asked |= {"boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
+        said = f"at least {_LEAST_MASS:g} kg and {_LEAST_INERTIA:g} kg*m^2"
+        words.append(f"MuJoCo is to give what weighs nothing, or has no inertia, {said} ({', '.join(weightless)})")
+    impossible = [each.name for each in found.pieces if each.mass is not None and not _loads(each.mass)]
+    if impossible:
+        asked |= {"balanceinertia": "true", "boundinertia": f"{_LEAST_INERTIA:g}"}
+        said = "where one principal moment is more than the others together"
+        words.append(f"MuJoCo is to put a ball's inertia {said} ({', '.join(impossible)})")
+    return asked, words
+
+
+def _loads(mass: Mass) -> bool:
+    """Whether MuJoCo takes a tensor: it allows no rounding where one moment is as much as the others together."""
+    least, middle, greatest = mass.moments
+    return bool(least >= 0.0 and greatest <= (least + middle) * (1.0 - _ROUNDING))
+
+
+def _moves_mass(piece: Piece) -> bool:
+    return piece.mass is not None and bool(np.all(np.diag(piece.mass.inertia) > 0.0))
+
+
 def _written(root: Element, arm: Arm, lines: tuple[str, ...], lost: tuple[str, ...], assumed: tuple[str, ...]) -> str:
     """The document, with what it does not hold as its first comment."""
     words = [f"{_name(arm)}, written by linkwright. Units: m, kg, s, rad, N."]
@@ -113,41 +167,47 @@ def _written(root: Element, arm: Arm, lines: tuple[str, ...], lost: tuple[str, .
 
 
 def _urdf(arm: Arm) -> Exported:
-    found = structure(arm, springs=False)
-    arm = found.arm
+    found = structure(arm, springs=False, weighed=False)
+    arm, names = found.arm, found.names
     root = Element("robot", {"name": _name(arm)})
-    base = "base"
+    simulated, for_mujoco = _for_mujoco(found)
+    if simulated:
+        SubElement(SubElement(root, "mujoco"), "compiler", simulated)
+    base = names.base
     mounting = _mounting(arm)
     if mounting != IDENTITY:
         SubElement(root, "link", {"name": "world"})
-        _fixed(root, "mounting", "world", base, (mounting, ZERO))
+        _fixed(root, names.mounting, "world", base, (mounting, ZERO))
     SubElement(root, "link", {"name": base})
     for piece in found.pieces:
         assert piece.drive is not None  # without springs every piece has a drive
         _inertial(SubElement(root, "link", {"name": piece.name}), piece.mass)
         driven = arm.joints[piece.drive]
         kind = "revolute" if driven.revolute else "prismatic"
-        joint = SubElement(root, "joint", {"name": f"joint{piece.drive + 1}", "type": kind})
+        joint = SubElement(root, "joint", {"name": names.joints[piece.drive], "type": kind})
         SubElement(joint, "origin", _pose(piece.origin))
         SubElement(joint, "parent", {"link": piece.on or base})
         SubElement(joint, "child", {"link": piece.name})
         SubElement(joint, "axis", {"xyz": _numbers(driven.axis)})
         low, high = turn_range(arm, piece.drive)
-        limits = {"lower": _numbers([low]), "upper": _numbers([high]), "effort": "0", "velocity": "0"}
-        if driven.actuator is not None:
-            limits["effort"] = _numbers([driven.actuator.rated_torque])
+        limits = {"lower": _numbers([low]), "upper": _numbers([high])}
+        for name, greatest in zip(("effort", "velocity"), _greatest(driven), strict=True):
+            limits[name] = "0" if greatest is None else _numbers([greatest])
         SubElement(joint, "limit", limits)
         if (tie := mimicked(arm, piece.drive)) is not None:
             of = {"multiplier": _numbers([tie[1]]), "offset": _numbers([tie[2]])}
-            SubElement(joint, "mimic", {"joint": f"joint{tie[0] + 1}", **of})
+            SubElement(joint, "mimic", {"joint": names.joints[tie[0]], **of})
     for end in found.tips:
         tip = SubElement(root, "link", {"name": end.name})
         if end.payload:
             _inertial(tip, ball(end.payload, ZERO))
-        _fixed(root, f"{end.prefix}tool", end.on, end.name, end.frame)
-    lost = (*found.lost, *_gravity_words(arm))
-    assumed = (*found.assumed, "efforts and velocities of 0 are not known")
-    carried = ("frames, limits, masses and inertias",)
+        _fixed(root, end.joint, end.on, end.name, end.frame)
+    lost = (*found.lost, *_gravity_words(arm), *_unweighed_words(found))
+    none = [str(number) for number, joint in enumerate(arm.joints, 1) if None in _greatest(joint)]
+    assumed = (*found.assumed, *for_mujoco)
+    if none:
+        assumed = (*assumed, f"efforts and velocities of 0 are not known (joint {', '.join(none)})")
+    carried = (_CARRIED,)
     return Exported(arm, "urdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
 
 
@@ -168,47 +228,50 @@ def _inertial(link: Element, mass: Mass | None) -> None:
 
 def _sdf(arm: Arm) -> Exported:
     found = structure(arm, springs=False)
-    arm = found.arm
+    arm, names = found.arm, found.names
     root = Element("sdf", {"version": "1.11"})
-    model = SubElement(root, "model", {"name": _name(arm), "canonical_link": "base"})
-    SubElement(model, "link", {"name": "base"})
-    mount = SubElement(model, "joint", {"name": "mounting", "type": "fixed"})
+    model = SubElement(root, "model", {"name": _name(arm), "canonical_link": names.base})
+    SubElement(model, "link", {"name": names.base})
+    mount = SubElement(model, "joint", {"name": names.mounting, "type": "fixed"})
     SubElement(mount, "parent").text = "world"
-    SubElement(mount, "child").text = "base"
+    SubElement(mount, "child").text = names.base
     mounting = _mounting(arm)
     if mounting != IDENTITY:
         model.insert(0, _sdf_pose((mounting, ZERO), None))
     for piece in found.pieces:
         assert piece.drive is not None  # without springs every piece has a drive
-        name = f"joint{piece.drive + 1}"
+        name = names.joints[piece.drive]
         driven = arm.joints[piece.drive]
         joint = SubElement(model, "joint", {"name": name, "type": "revolute" if driven.revolute else "prismatic"})
-        joint.append(_sdf_pose(piece.origin, piece.on or "base"))
-        SubElement(joint, "parent").text = piece.on or "base"
+        joint.append(_sdf_pose(piece.origin, piece.on or names.base))
+        SubElement(joint, "parent").text = piece.on or names.base
         SubElement(joint, "child").text = piece.name
         axis = SubElement(joint, "axis")
         SubElement(axis, "xyz").text = _numbers(driven.axis)
         limit = SubElement(axis, "limit")
         for tag, value in zip(("lower", "upper"), turn_range(arm, piece.drive), strict=True):
             SubElement(limit, tag).text = _numbers([value])
+        for tag, greatest in zip(("effort", "velocity"), _greatest(driven), strict=True):
+            if greatest is not None:
+                SubElement(limit, tag).text = _numbers([greatest])
         if (tie := mimicked(arm, piece.drive)) is not None:
-            mimic = SubElement(axis, "mimic", {"joint": f"joint{tie[0] + 1}"})
+            mimic = SubElement(axis, "mimic", {"joint": names.joints[tie[0]]})
             for tag, value in (("multiplier", tie[1]), ("offset", tie[2]), ("reference", 0.0)):
                 SubElement(mimic, tag).text = _numbers([value])
         link = SubElement(model, "link", {"name": piece.name})
         link.append(_sdf_pose((IDENTITY, ZERO), name))
         _sdf_inertial(link, piece.mass)
     for end in found.tips:
-        tool = SubElement(model, "joint", {"name": f"{end.prefix}tool", "type": "fixed"})
+        tool = SubElement(model, "joint", {"name": end.joint, "type": "fixed"})
         tool.append(_sdf_pose(end.frame, end.on))
         SubElement(tool, "parent").text = end.on
         SubElement(tool, "child").text = end.name
         tip = SubElement(model, "link", {"name": end.name})
-        tip.append(_sdf_pose((IDENTITY, ZERO), f"{end.prefix}tool"))
+        tip.append(_sdf_pose((IDENTITY, ZERO), end.joint))
         _sdf_inertial(tip, ball(end.payload, ZERO) if end.payload else None)
     lost = (*found.lost, *_gravity_words(arm))
     assumed = (*found.assumed, f"links without weight have {_LEAST_MASS:g} kg")
-    carried = ("frames, limits, masses and inertias",)
+    carried = (_CARRIED,)
     return Exported(arm, "sdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
 
 
@@ -230,13 +293,13 @@ def _sdf_inertial(link: Element, mass: Mass | None) -> None:
 
 def _mjcf(arm: Arm) -> Exported:
     found = structure(arm, springs=True)
-    arm = found.arm
+    arm, names = found.arm, found.names
     root = Element("mujoco", {"model": _name(arm)})
     compiler = {"angle": "radian", "boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
     SubElement(root, "compiler", {**compiler, "balanceinertia": "true"})
     option = {"gravity": _numbers(arm.gravity), "integrator": "implicitfast", "timestep": repr(DAMPING_TIME)}
     SubElement(root, "option", option)
-    bodies = {"": SubElement(SubElement(root, "worldbody"), "body", {"name": "base"})}
+    bodies = {"": SubElement(SubElement(root, "worldbody"), "body", {"name": names.base})}
     for piece in found.pieces:
         body = SubElement(bodies[piece.on], "body", {"name": piece.name, **_mujoco_frame(piece.origin)})
         bodies[piece.name] = body
@@ -246,7 +309,7 @@ def _mjcf(arm: Arm) -> Exported:
             kind = "hinge" if driven.revolute else "slide"
             span = _numbers(turn_range(arm, piece.drive))
             about = {"axis": _numbers(driven.axis), "range": span, "limited": "false"}
-            SubElement(body, "joint", {"name": f"joint{piece.drive + 1}", "type": kind, **about})
+            SubElement(body, "joint", {"name": names.joints[piece.drive], "type": kind, **about})
         _mujoco_springs(body, piece)
     for end in found.tips:
         tip = SubElement(bodies[end.on], "body", {"name": end.name, **_mujoco_frame(end.frame)})
@@ -259,8 +322,9 @@ def _mjcf(arm: Arm) -> Exported:
         gain = rigid if stiffness is None else stiffness
         gains = {"kp": _numbers([gain]), "kv": _numbers([DAMPING_TIME * gain])}
         asked = {"ctrlrange": _numbers(turn_range(arm, number - 1)), "ctrllimited": "true"}
-        SubElement(actuators, "position", {"name": f"drive{number}", "joint": f"joint{number}", **gains, **asked})
-    carried = ["frames, limits, masses and inertias", "gravity"]
+        joint = {"joint": names.joints[number - 1]}
+        SubElement(actuators, "position", {"name": f"drive{number}", **joint, **gains, **asked})
+    carried = ["names, frames, limits, masses and inertias", "gravity"]
     if any(found.stiffness):
         carried.append("stiffness of the drives, as position servos: what is asked of a joint goes to `ctrl`")
     if any(piece.springs for piece in found.pieces):
@@ -268,9 +332,11 @@ def _mjcf(arm: Arm) -> Exported:
     assumed = [*found.assumed, f"damping is {DAMPING_TIME:g} s times the stiffness; no armature is known"]
     if None in found.stiffness:
         assumed.append(f"rigid drives hold to {HELD:g} rad or m under the whole weight at full reach")
+    assumed += _for_mujoco(found)[1]
     lines = tuple(f"Carried: {each}" for each in carried)
-    text = _written(root, arm, lines, found.lost, tuple(assumed))
-    return Exported(arm, "mjcf", text, tuple(carried), found.lost, tuple(assumed))
+    lost = (*found.lost, *_greatest_words(arm))
+    text = _written(root, arm, lines, lost, tuple(assumed))
+    return Exported(arm, "mjcf", text, tuple(carried), lost, tuple(assumed))
 
 
 def _rigid(arm: Arm) -> float:

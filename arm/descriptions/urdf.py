@@ -1,7 +1,7 @@
 """URDF, the Unified Robot Description Format, as links and joints (http://wiki.ros.org/urdf/XML).
 
-Only what an arm is made of is read: frames, limits, mimics, masses. Pictures, collisions and transmissions are passed
-over, and no mesh is opened.
+Only what an arm is made of is read: frames, limits, mimics, masses, and which shapes a link is drawn by. Collisions and
+transmissions are counted and passed over.
 """
 
 from __future__ import annotations
@@ -9,10 +9,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal, cast, get_args
+
+import numpy as np
 
 from arm.chain.chain import FloatVector
 from arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
+from sections.numeric import Array
 from units.quantities import InputError, shown
 from units.reading import nearest
 
@@ -23,23 +27,67 @@ Frame = tuple[Rotation, FloatVector]
 """A rotation and a translation (m): where a frame stands in another."""
 
 NO_STEP: Frame = (IDENTITY, ZERO)
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "box": ("size",),
+        "cylinder": ("radius", "length"),
+        "capsule": ("radius", "length"),
+        "sphere": ("radius",),
+        "mesh": ("filename", "scale"),
+    }
+)
+"""The shapes that a link can be drawn by, with the attributes of each."""
+_HELD = ("effort", "velocity")
+_OF_A_LINK = ("inertial", "visual", "collision")
+_OF_A_ROBOT = ("link", "joint", "material")
 
 
 @dataclass(frozen=True)
 class Inertial:
-    """A link's mass (kg) and its centre in the link's frame (m)."""
+    """A link's mass (kg) and its centre in the link's frame (m), with its `inertia` (3, 3; kg*m^2) about that centre
+    along the link's axes; None where the file has none."""
 
     mass: float
     center: FloatVector
+    inertia: Array | None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What a link is drawn by: a `kind` (box, cylinder, sphere, capsule, mesh) with its `sizes` (m; of a mesh its
+    scale), where it stands in the link's frame, and the `file` of a mesh as the URDF names it."""
+
+    kind: str
+    sizes: tuple[float, ...]
+    origin: Frame
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class UrdfLink:
+    """A link: its weight (None where the file says nothing of it), what it is drawn by, and the tags of what else
+    stands in it."""
+
+    inertial: Inertial | None
+    shapes: tuple[Shape, ...]
+    beside: tuple[str, ...]
+
+    @property
+    def mass(self) -> float:
+        """The mass (kg) that the file gives it, 0 where it says nothing."""
+        return 0.0 if self.inertial is None else self.inertial.mass
 
 
 @dataclass(frozen=True)
 class Limits:
-    """A joint's least and greatest coordinate (rad or m), and its greatest effort (N*m or N; None where not said)."""
+    """A joint's least and greatest coordinate (rad or m), its greatest effort (N*m or N) and speed (rad/s or m/s); None
+    where not said."""
 
     lower: float
     upper: float
     effort: float | None
+    velocity: float | None
 
 
 @dataclass(frozen=True)
@@ -83,10 +131,12 @@ class Robot:
     name: str
     file: Path
     root: str
-    links: Mapping[str, Inertial | None]
+    links: Mapping[str, UrdfLink]
     joints: Mapping[str, UrdfJoint]
     above: Mapping[str, UrdfJoint]
     below: Mapping[str, tuple[UrdfJoint, ...]]
+    beside: tuple[str, ...] = ()
+    """The tags of what else stands in the file beside links and joints, once each."""
 
 
 def read_urdf(path: Path | str) -> Robot:
@@ -100,12 +150,12 @@ def read_urdf(path: Path | str) -> Robot:
     for tag in ("xacro:include", "xacro:macro", "xacro:property", "include"):
         if (found := next(top.all(tag), None)) is not None:
             raise found.error("is a macro, not URDF; expand it first: xacro FILE.xacro > arm.urdf")
-    links: dict[str, Inertial | None] = {}
+    links: dict[str, UrdfLink] = {}
     for element in top.all("link"):
         name = element.text("name", 'name="forearm", say')
         if name in links:
             raise element.error("is there already; names are unique")
-        links[name] = _inertial(element)
+        links[name] = UrdfLink(_inertial(element), _shapes(element), _beside(element, _OF_A_LINK))
     if not links:
         raise InputError(file, "", "holds no <link>")
     joints: dict[str, UrdfJoint] = {}
@@ -135,7 +185,13 @@ def read_urdf(path: Path | str) -> Robot:
     if reached < len(links):
         raise InputError(file, "", "has joints that form a ring; an arm's links form one tree")
     name = " ".join(top.attributes.get("name", "").split()) or file.stem
-    return Robot(name, file, roots[0], links, joints, above, {key: tuple(value) for key, value in below.items()})
+    tree = {key: tuple(value) for key, value in below.items()}
+    return Robot(name, file, roots[0], links, joints, above, tree, _beside(top, _OF_A_ROBOT))
+
+
+def _beside(element: Element, read: tuple[str, ...]) -> tuple[str, ...]:
+    """The tags of children that are not read, once each, in their order."""
+    return tuple(dict.fromkeys(child.tag for child in element.children if child.tag not in read))
 
 
 def _frame(element: Element | None) -> Frame:
@@ -154,7 +210,46 @@ def _inertial(link: Element) -> Inertial | None:
     value = mass.number("value")
     if value < 0.0:
         raise mass.error("cannot be negative")
-    return Inertial(value, _frame(element.one("origin"))[1])
+    turn, center = _frame(element.one("origin"))
+    tensor = element.one("inertia")
+    if tensor is None:
+        return Inertial(value, center, None)
+    own = {name: tensor.number(name, 0.0) for name in _MOMENTS}
+    held = np.array(
+        [
+            [own["ixx"], own["ixy"], own["ixz"]],
+            [own["ixy"], own["iyy"], own["iyz"]],
+            [own["ixz"], own["iyz"], own["izz"]],
+        ]
+    )
+    axes = np.array(turn, dtype=float)
+    return Inertial(value, center, axes @ held @ axes.T)
+
+
+def _shapes(link: Element) -> tuple[Shape, ...]:
+    """What a link is drawn by: its visuals, or its collisions where it has none."""
+    for tag in ("visual", "collision"):
+        found: list[Shape] = []
+        for drawn in link.all(tag):
+            if (geometry := drawn.one("geometry")) is not None:
+                origin = _frame(drawn.one("origin"))
+                found += [_shape(form, origin) for form in geometry.children if form.tag in _SIZES]
+        if found:
+            return tuple(found)
+    return ()
+
+
+def _shape(form: Element, origin: Frame) -> Shape:
+    """A shape; without sizes where they cannot be read, for no arm depends on them."""
+    file = form.attributes.get("filename", "")
+    try:
+        if form.tag == "box":
+            return Shape("box", form.triple("size", ZERO), origin)
+        if form.tag == "mesh":
+            return Shape("mesh", form.triple("scale", (1.0, 1.0, 1.0)), origin, file)
+        return Shape(form.tag, tuple(form.number(name, 0.0) for name in _SIZES[form.tag]), origin)
+    except InputError:
+        return Shape(form.tag, (), origin, file)
 
 
 def _joint(element: Element, links: list[str]) -> UrdfJoint:
@@ -210,5 +305,5 @@ def _limits(joint: Element, kind: str) -> Limits | None:
     lower, upper = (element.number(name, 0.0, finite=False) for name in ("lower", "upper"))
     if lower > upper:
         raise element.error("lower is above upper; turn them round")
-    effort = element.number("effort", finite=False) if "effort" in element.attributes else None
-    return Limits(lower, upper, effort)
+    held = [element.number(name, finite=False) if name in element.attributes else None for name in _HELD]
+    return Limits(lower, upper, held[0], held[1])

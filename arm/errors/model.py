@@ -66,6 +66,17 @@ class PropertyNeeded(MissingProperty):
         return PropertyNeeded, (self.message,)
 
 
+def mass_needed(arm: Arm, index: int, why: str) -> str:
+    """That the mass of a link (from 0) is not known, where its key stands and what would do."""
+    others = [k + 1 for k, link in enumerate(arm.links) if link.section is None and link.mass is None and k != index]
+    name = f", {arm.links[index].name}," if arm.links[index].name else ""
+    also = f" (of link{'s' * (len(others) > 1)} {', '.join(map(str, others))} too)" if others else ""
+    return (
+        f"{arm.entry(index)}.link.mass: the mass of link {index + 1}{name} is unknown{also}, and {why}; "
+        "write mass: 12 kg, say"
+    )
+
+
 def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
     """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane.
 
@@ -103,7 +114,7 @@ def _with_balance(arm: Arm, index: int, beam: Beam) -> Beam:
 def _beam(arm: Arm, index: int, link: Link, shear: bool = False, calibrated_at: float | None = None) -> Beam:
     if link.section is None:
         if link.mass is None:
-            raise PropertyNeeded(f"link {index + 1} has neither a section nor a known mass")
+            raise PropertyNeeded(mass_needed(arm, index, "this needs its weight"))
         center = 0.5 * link.length if link.center_of_mass is None else link.center_of_mass
         return Beam(length=link.length, lumped_mass=link.mass, lumped_at=center)
     if link.material is None:

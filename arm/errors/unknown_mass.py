@@ -18,7 +18,7 @@ from arm.chain.statics import PoseState, solve
 from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
 from sections.numeric import Array
 
-from .model import PropertyNeeded, beams_of
+from .model import PropertyNeeded, beams_of, mass_needed
 from .tip import ActiveEffect, active_effects, carried_to_tip
 
 _POSES, _SEED = 8, 1
@@ -33,6 +33,11 @@ def of_unknown_mass(arm: Arm) -> tuple[int, ...]:
     return tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
 
 
+def without_unknown(arm: Arm, unknown: Sequence[int]) -> Arm:
+    """The arm with these links (from 0) weightless."""
+    return _with_masses(arm, unknown, {})
+
+
 def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
     """The arm with its links of unknown mass weightless, where that changes nothing of its tip's error.
 
@@ -41,7 +46,7 @@ def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
     unknown = of_unknown_mass(arm)
     if not unknown:
         return arm
-    bare = _with_masses(arm, unknown, {})
+    bare = without_unknown(arm, unknown)
     if not any(arm.gravity):
         return bare
     told = _without_what_products_say(bare)
@@ -52,11 +57,17 @@ def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
         heavier = _with_masses(told, unknown, {link: 1.0})
         for active in active_effects(told):
             if any(_differ(told, heavier, active, q, case) for case in cases):
-                raise PropertyNeeded(
-                    f"link {link + 1} has neither a section nor a known mass, and {_named(active)} moves the tip by "
-                    "its weight; say its mass, or take what a diagnosis finds of it"
-                )
+                why = f"{_named(active)} moves the tip by its weight"
+                said = mass_needed(arm, link, why)
+                raise PropertyNeeded(f"{said}, or take what a diagnosis finds of it")
     return bare
+
+
+def weighs_nothing(arm: Arm) -> bool:
+    """Whether an arm that stands under gravity has no weight of its own: 0 kg in every link and joint."""
+    bare = all(link.section is None and link.mass == 0.0 for link in arm.links)
+    own = arm.carried_mass - sum(each.payload.mass for each in arm.branches if each.name != arm.tip)
+    return bare and own == 0.0 and any(arm.gravity)
 
 
 def gives_unknown(arm: Arm) -> tuple[str, ...]:

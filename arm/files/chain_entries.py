@@ -133,8 +133,16 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             cost=cost,
             cost_date=cost_date,
             passive=_passive(mapping),
+            name=mapping.text("name", ""),
+            effort=_greatest(mapping, "effort", "torque" if turns else "force"),
+            velocity=_greatest(mapping, "velocity", "angular_speed" if turns else "speed"),
         )
         return joint, motor
+
+
+def _greatest(mapping: Mapping, name: str, kind: str) -> float | None:
+    """The most that a drive gives; none where the file does not say it."""
+    return not_negative(mapping, name, kind, 0.0) if mapping.has(name) else None
 
 
 def _passive(mapping: Mapping) -> bool:
@@ -183,7 +191,7 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
         cost, cost_date = read_cost(mapping)
-        link = replace(link, cost=cost, cost_date=cost_date)
+        link = replace(link, cost=cost, cost_date=cost_date, name=mapping.text("name", ""))
         rigid = mapping.boolean("rigid", False)
         link = _height(mapping, link)
         direction = read_vector(mapping, "direction", "dimensionless", ZERO)
@@ -195,6 +203,8 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         if mapping.has("section"):
             if rigid:
                 raise mapping.error("rigid", "contradicts section: a link with a section gives")
+            if mapping.has("inertia"):
+                raise mapping.error("inertia", "is that of section and material already; leave it out")
             section, name = _section(mapping)
             raw = mapping.raw("material", "a material's name, e.g. steel-s355")
             material = catalogue.read(raw, file=mapping.file, key=mapping.path_of("material"))
@@ -210,6 +220,12 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         else:
             mass = not_negative(mapping, "mass", "mass", 0.0)
         center = mapping.optional_quantity("center_of_mass", "length")
+        if mapping.has("inertia"):
+            if mass is None:
+                raise mapping.error(
+                    "inertia", "goes with a mass that is known; leave it out, or write mass: 1.2 kg, say"
+                )
+            link = replace(link, inertia=_inertia(mapping.mapping("inertia")))
         return replace(link, mass=mass, center_of_mass=center)
 
 
@@ -224,6 +240,14 @@ def _height(mapping: Mapping, link: Link) -> Link:
         return replace(link, height_up=True)
     height = read_vector(mapping, "height_direction", "dimensionless", ZERO)
     return replace(link, height_direction=unit(height)) if any(height) else link
+
+
+def _inertia(mapping: Mapping) -> tuple[float, float, float, float, float, float]:
+    """Moments of inertia, and products where there are any, about the centre of what weighs on a link."""
+    with mapping.reading():
+        xx, yy, zz = (mapping.quantity(name, "inertia") for name in ("xx", "yy", "zz"))
+        xy, xz, yz = (mapping.quantity(name, "inertia", 0.0) for name in ("xy", "xz", "yz"))
+    return xx, yy, zz, xy, xz, yz
 
 
 def _section(mapping: Mapping) -> tuple[Section, str | None]:

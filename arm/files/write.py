@@ -37,6 +37,15 @@ _COUNTERBALANCES = MappingProxyType(
     }
 )
 """The kinds of quantity of a counterbalance's figures."""
+_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "angle": ("deg", "arcmin", "mrad"),
+        "length": ("mm", "um"),
+        "angular_speed": ("deg/s", "rad/s"),
+        "speed": ("mm/s", "m/s"),
+    }
+)
+"""The units in which figures are tried."""
 
 
 def arm_to_yaml(arm: Arm) -> str:
@@ -127,7 +136,8 @@ def load_to_mapping(load: LoadCase) -> dict[str, Any]:
 
 def _joint(joint: Joint) -> dict[str, Any]:
     motion = "angle" if joint.revolute else "length"
-    out: dict[str, Any] = {"type": joint.type}
+    out: dict[str, Any] = {"name": joint.name} if joint.name else {}
+    out["type"] = joint.type
     if joint.axis != ((0.0, 0.0, 1.0) if joint.revolute else (1.0, 0.0, 0.0)):
         out["axis"] = list(joint.axis)
     if joint.driven:
@@ -153,6 +163,10 @@ def _joint(joint: Joint) -> dict[str, Any]:
         out["passive"] = True
     if joint.zero:
         out["zero"] = format_quantity(joint.zero, motion)
+    if joint.effort is not None:
+        out["effort"] = format_quantity(joint.effort, "torque" if joint.revolute else "force")
+    if joint.velocity is not None:
+        out["velocity"] = _neatest(joint.velocity, "angular_speed" if joint.revolute else "speed")
     if joint.counterbalance is not None:
         kinds = _COUNTERBALANCES
         out["balancer"] = {
@@ -162,9 +176,8 @@ def _joint(joint: Joint) -> dict[str, Any]:
 
 
 def _neatest(value: float, kind: str) -> str:
-    """A length or angle in whichever usual unit takes the fewest digits: `3.4 arcmin`, not 0.989019909463 mrad."""
-    units = ("deg", "arcmin", "mrad") if kind == "angle" else ("mm", "um")
-    return min((format_quantity(value, kind, unit) for unit in units), key=lambda text: len(text.split()[0]))
+    """A quantity in whichever usual unit takes the fewest digits: `3.4 arcmin`, not 0.989019909463 mrad."""
+    return min((format_quantity(value, kind, unit) for unit in _UNITS[kind]), key=lambda text: len(text.split()[0]))
 
 
 def _angles(rotation: Rotation) -> list[str]:
@@ -172,7 +185,8 @@ def _angles(rotation: Rotation) -> list[str]:
 
 
 def _link(link: Link, number: int, height: object) -> dict[str, Any]:
-    body: dict[str, Any] = {"length": format_quantity(link.length, "length")}
+    body: dict[str, Any] = {"name": link.name} if link.name else {}
+    body["length"] = format_quantity(link.length, "length")
     if link.direction != (1.0, 0.0, 0.0):
         body["direction"] = list(link.direction)
     if link.end_rotation != IDENTITY:
@@ -189,11 +203,19 @@ def _link(link: Link, number: int, height: object) -> dict[str, Any]:
         body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
         if link.center_of_mass is not None:
             body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
+        if link.inertia is not None:
+            body["inertia"] = _inertia(link.inertia)
     if link.cost is not None:
         body["cost"] = cost_to_value(link.cost, link.cost_date)
     if _masses(link):
         body["masses"] = _masses(link)
     return body
+
+
+def _inertia(tensor: tuple[float, ...]) -> dict[str, str]:
+    """Moments of inertia, and the products that are not zero."""
+    named = zip(("xx", "yy", "zz", "xy", "xz", "yz"), tensor, strict=True)
+    return {name: format_quantity(value, "inertia") for name, value in named if value or name[0] == name[1]}
 
 
 def _masses(link: Link) -> list[dict[str, Any]]:

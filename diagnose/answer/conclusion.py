@@ -54,6 +54,7 @@ from .sentences import (
     reading_of,
     recording_of,
     refutation,
+    said_of_no_weight,
     verdict_sentence,
     what_differs,
     what_was_free,
@@ -114,7 +115,8 @@ class Conclusion(Confirmed):
             arm=arm,
             recording=self.observed.recording,
             verdict=self._verdict(),
-            sentence=self._sentence(findings, unknown, rms_before, rms_after, p_value)
+            sentence=said_of_no_weight(arm, self._verdict())
+            + self._sentence(findings, unknown, rms_before, rms_after, p_value)
             + what_differs(apart, each, rules=self.rules.answer)
             + what_was_free(origins),
             noise_floor=self.noise.rms_m,

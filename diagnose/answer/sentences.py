@@ -8,6 +8,7 @@ import numpy as np
 
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
+from arm.errors.unknown_mass import weighs_nothing
 from diagnose.fitting.prepare import Prepared
 from diagnose.patterns.library import Candidate
 from diagnose.recording import Recording
@@ -22,6 +23,7 @@ from diagnose.result import (
     OfRecording,
     SmallBeside,
     Unknown,
+    Verdict,
 )
 from diagnose.rules.answer_rules import AnswerRules
 from diagnose.rules.fitting_rules import FittingRules
@@ -32,6 +34,19 @@ from units.quantities import format_quantity
 _MANY_PARAMETERS = 8
 _MANY_FINDINGS = 4
 """Findings up to which the plain answer names each with its size; more are summed up by their cause."""
+
+
+WEIGHTLESS = "all links weigh 0 kg here"
+
+
+def said_of_no_weight(arm: Arm, verdict: Verdict) -> str:
+    """That nothing of an arm has a weight, where something was found: whatever sags under it goes by other names."""
+    if verdict in ("none", "insufficient_data") or not weighs_nothing(arm):
+        return ""
+    would_do = "Write their masses, or `mass: unknown` at each, and diagnose again"
+    return (
+        f"{WEIGHTLESS[:1].upper()}{WEIGHTLESS[1:]}: what sags under their weight goes by other names here. {would_do}. "
+    )
 
 
 def place_of(effect: str, at: Sequence[int]) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from arm.chain.chain import Link
+from arm.chain.chain import Joint, Link
 from arm.descriptions.formats import Exported
-from arm.descriptions.imported import Imported
+from arm.descriptions.imported_arm import Imported
 from linkwright.version import program_version
 
 
@@ -30,10 +30,15 @@ def import_json(found: Imported) -> dict[str, Any]:
                 ],
                 "length_mm": 1e3 * link.length,
                 "mass_kg": weight(link),
+                "inertia_kg_m2": None if link.inertia is None else list(link.inertia),
+                "effort_Nm" if joint.revolute else "effort_N": joint.effort,
+                "velocity_deg_per_s" if joint.revolute else "velocity_mm_per_s": _speed(joint),
             }
             for name, carried, joint, link in chain
         ],
         "notes": list(found.notes),
+        "doubts": list(found.doubts),
+        "not_carried": list(found.lost),
         "lacking": [
             {"what": each.what, "at": list(each.at), "shows": each.shows, "add": each.add} for each in found.lacking
         ],
@@ -53,6 +58,12 @@ def export_json(found: Exported) -> dict[str, Any]:
     }
 
 
-def weight(link: Link) -> float:
-    """The mass (kg) of an imported link."""
-    return (link.mass or 0.0) + sum(each.mass for each in link.masses)
+def weight(link: Link) -> float | None:
+    """The mass (kg) of an imported link; None where it is not known."""
+    return None if link.mass is None else link.mass + sum(each.mass for each in link.masses)
+
+
+def _speed(joint: Joint) -> float | None:
+    if joint.velocity is None:
+        return None
+    return math.degrees(joint.velocity) if joint.revolute else 1e3 * joint.velocity

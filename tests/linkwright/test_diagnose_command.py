@@ -13,9 +13,11 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
+from arm.chain.chain import Link
 from arm.effects import EFFECTS
 from arm.effects.elastic.joint_compliance import drive_compliance
 from arm.files.read import read_arm
+from diagnose.answer.sentences import said_of_no_weight
 from diagnose.result import Alternative, Detectable, FittedParameter
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
@@ -171,6 +173,27 @@ def test_the_answer_has_at_most_thirty_words(effect):
 
 def test_the_answer_of_every_verdict_is_short(diagnosis):
     assert len(answer(diagnosis).split()) <= 30
+
+
+def test_an_arm_without_weight_is_told_first():
+    """Before the largest cause, with what to write; not where gravity is none, a link weighs, or nothing was found."""
+    made = made_diagnosis("named")
+    bare = tuple(Link(link.length, mass=0.0) for link in made.arm.links)
+    light = replace(made.arm, links=bare, joints=tuple(replace(joint, mass=0.0) for joint in made.arm.joints))
+    said = answer(replace(made, arm=light))
+    assert said.startswith("All links weigh 0 kg here; left out: ")
+    assert len(said.split()) <= 30
+    assert "`mass: unknown`" in to_do(replace(made, arm=light))[0]
+    assert said_of_no_weight(light, "unknown").startswith("All links weigh 0 kg")
+    for arm in (
+        replace(light, gravity=(0.0, 0.0, 0.0)),
+        light.with_links((*bare[:-1], replace(bare[-1], mass=0.1))),
+        light.with_links((*bare[:-1], replace(bare[-1], mass=None))),
+        made.arm,
+    ):
+        assert not said_of_no_weight(arm, "named")
+        assert "weigh 0 kg" not in answer(replace(made, arm=arm))
+    assert not said_of_no_weight(light, "none")
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,11 @@ class Export(Result):
         return self.found.text
 
     @property
+    def not_carried(self) -> tuple[str, ...]:
+        """What of the arm the format has no place for."""
+        return self.found.lost
+
+    @property
     def table(self) -> pd.DataFrame:
         """What is carried, what is not, and what had to be assumed."""
         import pandas as pd

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from arm.chain.chain import Arm as Model
 from arm.chain.kinematics import place
-from arm.descriptions.imported import Imported as Found
 from arm.descriptions.imported import import_urdf
+from arm.descriptions.imported_arm import Imported as Found
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.result import Result, figure_of
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Import(Result):
-    """An arm from another description, and what its file lacks; `found` in SI."""
+    """An arm from another description, what of it an arm file cannot hold, and what it lacks; `found` in SI."""
 
     _command = "import"
 
@@ -49,6 +49,16 @@ class Import(Result):
         import pandas as pd
 
         return pd.DataFrame(self._content()["lacking"])
+
+    @property
+    def not_carried(self) -> tuple[str, ...]:
+        """What of the description an arm file has no place for."""
+        return self.found.lost
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Weights that no body of that size has, with their figures."""
+        return self.found.doubts
 
     def plot(self) -> go.Figure:
         """The joints and the tip with all joints at 0."""

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from arm.effects.effect import Condition
-from diagnose.answer.sentences import chief, put_right
+from diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from diagnose.recording import Recording
 from diagnose.result import Diagnosis, Finding, FittedParameter
 from linkwright.results.figures_in_words import figure, mm
@@ -37,6 +37,8 @@ _COLUMNS: MappingProxyType[Condition, str] = MappingProxyType(
 def answer(diagnosis: Diagnosis) -> str:
     """The answer in at most `MOST_WORDS` words: the largest cause, where it sits, and its share of the mismatch."""
     clauses = _clauses(diagnosis)
+    if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
+        clauses = [WEIGHTLESS, *(clause if clause[:1] in ";," else f"; {clause}" for clause in clauses)]
     said = clauses[0]
     for clause in clauses[1:]:
         # What follows belongs to what stands before it: after a clause without room there is no further one.
@@ -118,6 +120,8 @@ def main_and_small(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tu
 def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     """What to do next, the most useful first; columns of a recording by their names."""
     lines: list[str] = []
+    if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
+        lines.append("Write the links' masses into the arm file, or `mass: unknown` at each, and diagnose again.")
     if diagnosis.labels is not None:
         lines.append(f"Look whether {diagnosis.labels.said}; put that right in the recording, and diagnose again.")
     if diagnosis.other_arms is not None:

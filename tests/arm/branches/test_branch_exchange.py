@@ -156,7 +156,7 @@ def test_a_two_armed_urdf_is_a_torso_with_branches(tmp_path):
     path = tmp_path / "robot.urdf"
     path.write_text(ROBOT)
     lw.import_arm(path, tip=["l_tool", "r_tool"]).save(tmp_path / "arm.yaml")
-    assert "# joint 4: r_shoulder, link r_upper" in (tmp_path / "arm.yaml").read_text()
+    assert "- joint: {name: r_shoulder," in (tmp_path / "arm.yaml").read_text()
     names = ["yaw", "l_shoulder", "l_elbow", "r_shoulder", "r_elbow", "r_wrist"]
     arms = {tip: read_arm(tmp_path / "arm.yaml", tip=tip) for tip in ("l_tool", "r_tool")}
     settings = '<mujoco><compiler fusestatic="false" boundinertia="1e-9"/></mujoco></robot>'

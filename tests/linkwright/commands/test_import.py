@@ -49,3 +49,37 @@ def test_several_tips_are_one_line(linkwright, empty):
     status, _, err = linkwright("import", "nothing.urdf")
     assert status == 2
     assert "nothing.urdf: there is no such file" in err
+
+
+WITHOUT = (
+    '<robot name="r"><link name="base"/>{}<joint name="slew" type="revolute"><parent link="base"/><child link="post"/>'
+    '<limit lower="-3" upper="3" effort="0" velocity="0"/><axis xyz="0 0 1"/></joint>'
+    '<joint name="lift" type="revolute"><parent link="post"/><child link="boom"/>'
+    '<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>'
+    '<limit lower="-1" upper="1" effort="0" velocity="0"/></joint><joint name="end" type="fixed"><parent link="boom"/>'
+    '<child link="tip"/><origin xyz="0.8 0 0"/></joint></robot>'
+).format("".join(f'<link name="{name}"/>' for name in ("post", "boom", "tip")))
+
+
+def test_without_weights_commands_say_which_are_needed(linkwright, empty):
+    """A URDF that says no weight: `unknown`, and the link and its key in one line of what needs it."""
+    (empty / "robot.urdf").write_text(WITHOUT, encoding="utf-8")
+    status, out, _ = linkwright("import", "robot.urdf", "--json", "found.json")
+    assert status == 0
+    assert "nothing of its weight is known" in out
+    content = json.loads((empty / "found.json").read_text(encoding="utf-8"))
+    assert [joint["mass_kg"] for joint in content["joints"]] == [None, None]
+    assert isinstance(content["not_carried"], list)
+    assert linkwright("evaluate", "arm.yaml")[0] == 0
+    for asked in (
+        ("budget", "arm.yaml"),
+        ("export", "arm.yaml", "--to", "mjcf"),
+        ("export", "arm.yaml", "--to", "bom"),
+    ):
+        status, out, err = linkwright(*asked)
+        assert (status, out) == (2, "")
+        assert err.startswith("arm.yaml: chain[1].link.mass: the mass of link 1, post, is unknown (of link 2 too)")
+        assert err.count("\n") == 1
+    status, out, _ = linkwright("export", "arm.yaml", "--to", "urdf")
+    assert status == 0
+    assert "links of unknown mass" in " ".join(out.split())

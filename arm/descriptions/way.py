@@ -1,0 +1,382 @@
+"""One way through a URDF's tree, from a base to a tip, as an arm."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from arm.chain.balance import PointMass
+from arm.chain.chain import Arm, FloatVector, Joint, Link
+from arm.chain.following import Following, Tie
+from arm.chain.kinematics import section_directions
+from arm.chain.vectors import (
+    IDENTITY,
+    ZERO,
+    about,
+    add,
+    compose,
+    dot,
+    norm,
+    rotate,
+    scale,
+    subtract,
+    transpose,
+    unit,
+)
+from units.quantities import InputError, shown
+
+from .bodies import Mass, together
+from .imported_arm import Imported, Lacking, one_line
+from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint
+
+_STANDARD = 9.81
+_TURN = (-math.pi, math.pi)
+_ENDLESS = 100.0
+"""Limits beyond this (rad) are written where there are none."""
+_ON_LINE = 1e-12
+_OF_A_JOINT = ("origin", "parent", "child", "axis", "limit", "mimic", "dynamics")
+
+
+def way_to(robot: Robot, start: str, end: str) -> list[UrdfJoint]:
+    """The joints from one link out to another."""
+    found: list[UrdfJoint] = []
+    here = end
+    while here != start:
+        joint = robot.above.get(here)
+        if joint is None:
+            raise InputError(robot.file, "tip", f"link {shown(end)} is not beyond {shown(start)}; name another --base")
+        found.append(joint)
+        here = joint.parent
+    return found[::-1]
+
+
+def after(first: Frame, second: Frame) -> Frame:
+    """Where a frame stands that stands at `second` in a frame that stands at `first`."""
+    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
+
+
+@dataclass
+class Body:
+    """What moves as one: its frame stands at its joint, `links` are those of the file that are rigid with it, each
+    where it stands. `masses` are what they weigh, in the body's frame."""
+
+    joint: UrdfJoint
+    origin: Frame
+    masses: list[Mass] = field(default_factory=list[Mass])
+    end: Frame = NO_STEP
+    flange: Frame | None = None
+    links: list[tuple[str, Frame]] = field(default_factory=list[tuple[str, Frame]])
+    without_inertia: list[str] = field(default_factory=list[str])
+
+    @property
+    def whole(self) -> Mass | None:
+        """All of it as one mass; None where the file says nothing of its weight."""
+        return together(self.masses)
+
+
+@dataclass
+class Way:
+    """The work of one import: a `chain` of joints from the link `start` to the link `end`."""
+
+    robot: Robot
+    start: str
+    end: str
+    chain: list[UrdfJoint]
+    beyond: frozenset[str] = frozenset()
+    """Joints of other arms, whose weights are theirs."""
+
+    def __post_init__(self) -> None:
+        self.notes: list[str] = []
+        self.folded: list[str] = []
+        self.held: list[str] = []
+
+    def made(self) -> Imported:
+        """The arm of this way."""
+        bodies = self._bodies()
+        if not bodies:
+            message = f"no joint between {shown(self.start)} and {shown(self.end)} moves; name another --tip"
+            raise InputError(self.robot.file, "tip", message)
+        unknown = self._unknown(bodies)
+        joints: list[Joint] = []
+        links: list[Link] = []
+        for index, body in enumerate(bodies):
+            joint = _joint(body, first=index == 0)
+            if body.joint.mimic is not None:
+                joint = self._following(body.joint, body.joint.mimic, joint, bodies[:index], joints)
+            joints.append(joint)
+            last = index + 1 == len(bodies)
+            onward = body.flange or body.end if last else bodies[index + 1].origin
+            links.append(_link(body, joint, onward, last=last, unknown=index in unknown))
+        tool = ZERO
+        last = bodies[-1]
+        if last.flange is not None:
+            tool = rotate(transpose(last.end[0]), subtract(last.end[1], last.flange[1]))
+        arm = Arm(
+            name=one_line(self.robot.name) or "arm",
+            joints=tuple(joints),
+            links=tuple(links),
+            gravity=self._gravity(),
+            tool=tool,
+        )
+        if self.folded:
+            self.notes.insert(0, f"Fixed joints are folded into frames and tool: {', '.join(self.folded)}")
+        if self.held:
+            told = "Joints that do not lead to the tip stand at 0, their weight counts"
+            self.notes.append(f"{told}: {', '.join(self.held)}")
+        return Imported(
+            arm,
+            self.robot.file,
+            self.start,
+            self.end,
+            tuple(body.joint.name for body in bodies),
+            tuple(body.joint.child for body in bodies),
+            tuple(self.notes),
+            self._lacking(bodies, unknown),
+            self._lost(bodies),
+        )
+
+    def _following(self, urdf: UrdfJoint, mimic: Mimic, joint: Joint, bodies: list[Body], joints: list[Joint]) -> Joint:
+        """A joint that mimics one nearer the base; of one that itself mimics, what that follows."""
+        leader = next((k for k, body in enumerate(bodies) if body.joint.name == mimic.joint), None)
+        if leader is None:
+            would_do = "take the mimic out, or name a --base and a --tip with both on the way"
+            message = f"mimics {shown(mimic.joint)}, which does not lead to it from the base"
+            raise urdf.element.error(f"{message}; {would_do}")
+        if joints[leader].revolute != joint.revolute:
+            raise urdf.element.error(f"mimics {shown(mimic.joint)}, but one of them turns and the other slides")
+        if mimic.multiplier == 0.0:
+            raise urdf.element.error("mimics with a multiplier of 0; make it fixed")
+        tie, constant = Tie(leader, mimic.multiplier), mimic.offset
+        if (above := joints[leader].follows) is not None:
+            tie = Tie(above.ties[0].joint, mimic.multiplier * above.ties[0].weight)
+            constant = mimic.offset + mimic.multiplier * above.constant
+        ends = sorted(tie.weight * end + constant for end in joints[tie.joint].range)
+        self.notes.append(f"Joint {urdf.name} mimics {mimic.joint} and has no drive of its own")
+        return replace(joint, follows=Following((tie,), constant), range=(ends[0], ends[1]))
+
+    def _bodies(self) -> list[Body]:
+        found: list[Body] = []
+        step = NO_STEP
+        on_way = {joint.name for joint in self.chain} | self.beyond
+        for joint in self.chain:
+            step = after(step, joint.origin)
+            value = self._standing(joint)
+            if value is None:
+                if found:
+                    found[-1].end = step
+                found.append(Body(joint, step))
+                step = NO_STEP
+            else:
+                step = after(step, _moved(joint, value))
+            if found:
+                self._weigh(found[-1], joint.child, step, on_way)
+                body = found[-1]
+                if value is not None and body.flange is None and norm(step[1]) > 0.0:
+                    body.flange = step
+        if found:
+            found[-1].end = step
+        return found
+
+    def _standing(self, joint: UrdfJoint) -> float | None:
+        """The coordinate of a joint on the way that does not move; None of one that does."""
+        if joint.kind == "fixed":
+            self.folded.append(joint.name)
+            return 0.0
+        if not joint.moves:
+            raise joint.element.error(f"is {joint.kind}; an arm has revolute, continuous and prismatic joints")
+        if joint.mimic is not None:
+            return None
+        if joint.limits is not None and joint.kind != "continuous" and joint.limits.lower == joint.limits.upper:
+            self.notes.append(f"Joint {joint.name} has lower = upper and is held there")
+            return joint.limits.lower
+        return None
+
+    def _weigh(self, body: Body, link: str, step: Frame, on_way: set[str]) -> None:
+        """The masses of a link and of all that hangs on it beside the way to the tip."""
+        pending = [(link, step)]
+        while pending:
+            name, frame = pending.pop()
+            body.links.append((name, frame))
+            inertial = self.robot.links[name].inertial
+            if inertial is not None and inertial.mass > 0.0:
+                place, axes = after(frame, (IDENTITY, inertial.center))[1], np.array(frame[0], dtype=float)
+                own = np.zeros((3, 3)) if inertial.inertia is None else axes @ inertial.inertia @ axes.T
+                body.masses.append(Mass(inertial.mass, np.array(place, dtype=float), own))
+                if inertial.inertia is None:
+                    body.without_inertia.append(name)
+            for joint in self.robot.below[name]:
+                if joint.name in on_way:
+                    continue
+                value = 0.0
+                if joint.moves:
+                    value = 0.0 if joint.mimic is None else joint.mimic.offset
+                if joint.kind != "fixed":
+                    self.held.append(joint.name)
+                pending.append((joint.child, after(after(frame, joint.origin), _moved(joint, value))))
+
+    def _gravity(self) -> FloatVector:
+        """Down along z of the root, all joints before the base at 0."""
+        turned = IDENTITY
+        before = way_to(self.robot, self.robot.root, self.start)
+        for joint in before:
+            turned = compose(turned, joint.origin[0])
+        if any(joint.kind != "fixed" for joint in before):
+            self.notes.append("Gravity is that with all joints before the base at 0")
+        x, y, z = rotate(transpose(turned), (0.0, 0.0, -_STANDARD))
+        return (x + 0.0, y + 0.0, z + 0.0)
+
+    def _unknown(self, bodies: list[Body]) -> frozenset[int]:
+        """The bodies (from 0) whose weight the file does not say. One that it draws by nothing, while it draws others
+        and weighs some, is a mere frame between two joints and weighs nothing."""
+        drawn = [any(self.robot.links[name].shapes for name, _ in body.links) for body in bodies]
+        frames = any(drawn) and any(body.masses for body in bodies)
+        return frozenset(index for index, body in enumerate(bodies) if not body.masses and (drawn[index] or not frames))
+
+    def _lost(self, bodies: list[Body]) -> tuple[str, ...]:
+        """What of the file an arm file has no place for."""
+        found: list[str] = []
+        pictured = [name for body in bodies for name, _ in body.links if self.robot.links[name].shapes]
+        if pictured:
+            found.append(f"what links are drawn by and collide with ({len(pictured)} links)")
+        resting = {joint.parent for joint in self.chain[: self.chain.index(bodies[0].joint) + 1]}
+        if weight := sum(self.robot.links[name].mass for name in resting):
+            found.append(f"the weight of what stands still ({', '.join(sorted(resting))}: {weight:.6g} kg)")
+        rubbed = [f"joint {n}: {body.joint.friction:g}" for n, body in enumerate(bodies, 1) if body.joint.friction]
+        damped = [f"joint {n}: {body.joint.damping:g}" for n, body in enumerate(bodies, 1) if body.joint.damping]
+        found += [f"friction ({', '.join(rubbed)} N*m or N)"] * bool(rubbed)
+        found += [f"damping ({', '.join(damped)} N*m*s/rad or N*s/m)"] * bool(damped)
+        endless = [str(number) for number, body in enumerate(bodies, 1) if body.joint.kind == "continuous"]
+        if endless:
+            found.append(f"that joints turn without end (joint {', '.join(endless)}): they have one turn")
+        folded = [name for body in bodies for name, _ in body.links if name not in (body.joint.child, self.end)]
+        if folded:
+            found.append(f"names of links that are rigid with others ({', '.join(folded)})")
+        ends = [f"{name}, as `{told}`" for name, told in ((self.start, "base"), (self.end, "tip")) if name != told]
+        if ends:
+            found.append(f"names of the base and the tip in exports ({'; '.join(ends)})")
+        tags = [child.tag for joint in self.robot.joints.values() for child in joint.element.children]
+        own = [tag for tag in (*tags, *self.robot.beside) if tag not in _OF_A_JOINT]
+        own += [tag for link in self.robot.links.values() for tag in link.beside]
+        if own:
+            found.append(f"what the tags {', '.join(dict.fromkeys(own))} say")
+        return tuple(found)
+
+    def _lacking(self, bodies: list[Body], unknown: frozenset[int]) -> tuple[Lacking, ...]:
+        def places(chosen: list[bool]) -> tuple[int, ...]:
+            return tuple(number for number, each in enumerate(chosen, start=1) if each)
+
+        found = [
+            Lacking(
+                "stiffness of the drives",
+                (),
+                "how far the arm droops under load",
+                "joint: stiffness: 12 kN*m/rad, or joint: actuator: a name of `linkwright actuators list`",
+            ),
+            Lacking("backlash", (), "lost motion on reversal", "joint: backlash: 3 arcmin"),
+            Lacking("play of the bearings", (), "lost motion across the axes", "joint: clearance: 0.02 mm"),
+            Lacking(
+                "sections and materials",
+                (),
+                "bending, strength, frequencies, and what `optimize` chooses",
+                "link: section and material in place of rigid, mass and masses",
+            ),
+            Lacking(
+                "repeatability and tolerances",
+                (),
+                "what arms of this make differ by",
+                "a data sheet: linkwright budget ARM --sheet sheet.yaml",
+            ),
+            Lacking("payload", (), "what it carries", "payload: {mass: 2 kg}"),
+        ]
+        if unknown:
+            words = "their weight in droop, torques and exports", "link: mass: 1.2 kg in place of unknown"
+            found.append(Lacking("mass of links", tuple(sorted(index + 1 for index in unknown)), *words))
+        if any(light := [bool(body.without_inertia) for body in bodies]):
+            words = "how they turn in simulators", "link: inertia: {xx: 0.02 kg*m^2, yy: ..., zz: ...}"
+            found.append(Lacking("inertia of links", places(light), *words))
+        if any(endless := [_range(body.joint) is _TURN for body in bodies]):
+            words = "the range of the joint, now one turn", "joint: range: [-360 deg, 360 deg]"
+            found.append(Lacking("limits", places(endless), *words))
+        if any(rubbed := [body.joint.friction > 0.0 for body in bodies]):
+            figures = ", ".join(f"{body.joint.friction:g}" for body in bodies if body.joint.friction > 0.0)
+            words = f"the file's friction ({figures} N*m or N) winds drives up", "effects: friction_windup"
+            found.append(Lacking("what friction does", places(rubbed), *words))
+        limits = [body.joint.limits for body in bodies]
+        known = [each is not None and each.effort is not None and each.effort > 0.0 for each in limits]
+        if any(known):
+            figures = ", ".join(f"{each.effort:g}" for each in limits if each is not None and each.effort)
+            words = f"the file's efforts ({figures} N*m or N) limit no design", "joint: actuator"
+            found.append(Lacking("rated torques", places(known), *words))
+        return tuple(found)
+
+
+def _moved(joint: UrdfJoint, value: float) -> Frame:
+    """The step of a joint at a coordinate."""
+    if value == 0.0 or not joint.moves:
+        return NO_STEP
+    if joint.kind == "prismatic":
+        return IDENTITY, scale(value, joint.axis)
+    return about(joint.axis, math.cos(value), math.sin(value)), ZERO
+
+
+def _range(joint: UrdfJoint) -> tuple[float, float]:
+    limits = joint.limits
+    if limits is None or joint.kind == "continuous":
+        return _TURN
+    if joint.kind == "revolute" and max(-limits.lower, limits.upper) > _ENDLESS:
+        return _TURN
+    if not (math.isfinite(limits.lower) and math.isfinite(limits.upper)):
+        raise joint.element.error("has no finite limits; write how far it slides (m)")
+    return limits.lower, limits.upper
+
+
+def _joint(body: Body, *, first: bool) -> Joint:
+    """The joint; where it stands is told by the link before, but for the first."""
+    slides = body.joint.kind == "prismatic"
+    return Joint(
+        type="prismatic" if slides else "revolute",
+        axis=body.joint.axis,
+        range=_range(body.joint),
+        origin_rotation=body.origin[0],
+        origin_translation=body.origin[1] if first else ZERO,
+        name=one_line(body.joint.name),
+        effort=_known(None if body.joint.limits is None else body.joint.limits.effort),
+        velocity=_known(None if body.joint.limits is None else body.joint.limits.velocity),
+    )
+
+
+def _known(greatest: float | None) -> float | None:
+    """The most that a drive gives; nothing where the file has what stands for nothing."""
+    return greatest if greatest is not None and math.isfinite(greatest) and greatest > 0.0 else None
+
+
+def _link(body: Body, joint: Joint, onward: Frame, *, last: bool, unknown: bool) -> Link:
+    """The link from its joint to the next, or to the flange; rigid, with the weights that it carries."""
+    vector = onward[1]
+    length = norm(vector)
+    direction = unit(vector) if length > 0.0 else (1.0, 0.0, 0.0)
+    link = Link(length, direction=direction, mass=None if unknown else 0.0, name=one_line(body.joint.child))
+    if last:
+        link = replace(link, end_rotation=body.end[0])
+    whole = body.whole
+    if whole is None:
+        return link
+    if len(body.without_inertia) < len(body.masses):
+        least = max(_ON_LINE * float(np.abs(whole.inertia).max()), whole.mass * _ON_LINE**2)
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = np.where(np.abs(whole.inertia) < least, 0.0, whole.inertia).tolist()
+        link = replace(link, inertia=(xx, yy, zz, xy, xz, yz))
+    center: FloatVector = (float(whole.center[0]), float(whole.center[1]), float(whole.center[2]))
+    along: FloatVector = link.direction
+    height, width = section_directions(link, joint)
+    at = (float(dot(center, along)), float(dot(center, height)), float(dot(center, width)))
+    if math.hypot(at[1], at[2]) < _ON_LINE and 0.0 <= at[0] <= length:
+        return replace(link, mass=whole.mass, center_of_mass=at[0])
+    return replace(link, masses=(PointMass(whole.mass, plain(at)),))
+
+
+def plain(at: FloatVector) -> FloatVector:
+    """A vector without what rounding leaves of zero."""
+    x, y, z = (0.0 if abs(value) < _ON_LINE else value for value in at)
+    return (x, y, z)
