@@ -16,13 +16,15 @@ from units.quantities import InputError, shown
 
 @dataclass(frozen=True)
 class Element:
-    """An element with its attributes, its children and the line on which it starts; text between them is dropped."""
+    """An element with its attributes, its children, the line on which it starts and where in the file (`at`, bytes);
+    text between them is dropped."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     file: Path
     children: list[Element] = field(default_factory=list["Element"])
+    at: int = 0
 
     def all(self, tag: str) -> Iterator[Element]:
         """The children of that tag."""
@@ -82,13 +84,17 @@ class Element:
 def read_elements(path: Path | str) -> Element:
     """The root element of an XML file. Raises `InputError`, one line, for anything that is no plain XML."""
     file = Path(path)
-    content = read_bytes(file)
+    return elements_in(read_bytes(file), file)
+
+
+def elements_in(content: bytes, file: Path) -> Element:
+    """The root element of XML that was read from a file. Raises `InputError`."""
     parser = expat.ParserCreate()
     roots: list[Element] = []
     open_elements: list[Element] = []
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        made = Element(tag, attributes, parser.CurrentLineNumber, file)
+        made = Element(tag, attributes, parser.CurrentLineNumber, file, at=parser.CurrentByteIndex)
         (open_elements[-1].children if open_elements else roots).append(made)
         open_elements.append(made)
 

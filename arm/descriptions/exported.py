@@ -19,7 +19,7 @@ from arm.chain.beam import Beam
 from arm.chain.chain import Arm, FloatVector, Joint, Link
 from arm.chain.following import ties_to
 from arm.chain.kinematics import section_directions
-from arm.chain.vectors import IDENTITY, ZERO, about, add, compose, rotate, scale
+from arm.chain.vectors import IDENTITY, ZERO, about, add, compose, norm, rotate, scale, unit
 from arm.effects import EFFECTS
 from arm.effects.angles.encoder_offset import ENCODER_OFFSET
 from arm.effects.elastic.axial import AXIAL
@@ -28,6 +28,7 @@ from arm.effects.elastic.link_bending import LINK_BENDING
 from arm.effects.elastic.shear_deformation import SHEAR_DEFORMATION
 from arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
 from arm.effects.elastic.torsion import TORSION
+from arm.effects.geometry.axis_misalignment import AXIS_MISALIGNMENT, across_axis
 from arm.effects.geometry.link_length import LINK_LENGTH
 from arm.errors.model import beams_of
 from arm.errors.unknown_mass import of_unknown_mass, without_unknown
@@ -41,7 +42,8 @@ from .urdf import Frame
 
 OUTER = 5.0 / 6.0
 """Where, as a share of the length, the outer half of a uniform link's weight bends it as the whole does."""
-_CARRIED = (ENCODER_OFFSET.id, LINK_LENGTH.id, JOINT_COMPLIANCE.id)
+GEOMETRY = (ENCODER_OFFSET.id, LINK_LENGTH.id, AXIS_MISALIGNMENT.id)
+"""The effects that turn and shift frames, which every format holds."""
 
 
 Motion = Literal["hinge", "slide"]
@@ -111,7 +113,7 @@ def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
     if any(link.runs_out for link in arm.links):
         message = "runs out of a sleeve (bends_over), and no such format knows parts whose length changes"
         raise InputError("", f"link {[link.runs_out for link in arm.links].index(True) + 1}", message)
-    arm, names = _found_geometry(arm), names_of(arm)
+    arm, names = found_geometry(arm), names_of(arm)
     unknown = () if weighed else of_unknown_mass(arm)
     beams = beams_of(without_unknown(arm, unknown))
     pieces: list[Piece] = []
@@ -123,7 +125,7 @@ def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
         axes = _axes(joint, link)
         given = _springs(arm, beams[index], axes) if springs else ()
         inner, outer = _masses(arm, index, beams[index], axes, halved=bool(given))
-        origin = _onward(place, _standing(joint))
+        origin = onward(place, standing(joint))
         vector = scale(link.length, link.direction)
         end: Frame = (link.end_rotation, vector)
         if given:
@@ -153,20 +155,21 @@ def _before(arm: Arm) -> list[int | None]:
 def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]], names: Names) -> tuple[End, ...]:
     if not arm.branches:
         on, place = ends[arm.size - 1]
-        return (End(names.tips[0], on, _onward(place, (IDENTITY, arm.tool)), arm.payload.mass, names.tools[0]),)
+        return (End(names.tips[0], on, onward(place, (IDENTITY, arm.tool)), arm.payload.mass, names.tools[0]),)
     found: list[End] = []
     for branch, name, tool in zip(arm.branches, names.tips, names.tools, strict=True):
         on, place = ends[branch.end - 1]
-        frame = _onward(place, (IDENTITY, branch.tool))
+        frame = onward(place, (IDENTITY, branch.tool))
         found.append(End(name, on, frame, branch.payload.mass, tool))
     return tuple(found)
 
 
-def _onward(first: Frame, second: Frame) -> Frame:
+def onward(first: Frame, second: Frame) -> Frame:
+    """Where a frame stands that stands at `second` in one that stands at `first`."""
     return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
 
 
-def _standing(joint: Joint) -> Frame:
+def standing(joint: Joint) -> Frame:
     """Where a joint stands in the frame of the link before at coordinate 0, its zero included."""
     rotation, translation = joint.origin_rotation, joint.origin_translation
     if joint.zero == 0.0:
@@ -176,8 +179,8 @@ def _standing(joint: Joint) -> Frame:
     return rotation, add(translation, rotate(rotation, scale(joint.zero, joint.axis)))
 
 
-def _found_geometry(arm: Arm) -> Arm:
-    """The arm with what findings say of its zeros and lengths in place."""
+def found_geometry(arm: Arm) -> Arm:
+    """The arm with what findings say of its zeros, lengths and axes in place."""
     joints, links, followers = list(arm.joints), list(arm.links), ties_to(arm)
     for entry in arm.effects:
         for index in range(arm.size):
@@ -191,7 +194,20 @@ def _found_geometry(arm: Arm) -> Arm:
                     joints[follower] = replace(joints[follower], zero=joints[follower].zero + tie.weight * offset)
             elif entry.effect == LINK_LENGTH.id and not values.get("stretch", 0.0):
                 links[index] = replace(links[index], length=links[index].length + values.get("length", 0.0))
+            elif entry.effect == AXIS_MISALIGNMENT.id and index:
+                joints[index] = _realigned(joints[index], values)
     return replace(arm, joints=tuple(joints), links=tuple(links))
+
+
+def _realigned(joint: Joint, values: Mapping[str, float]) -> Joint:
+    """A joint whose axis stands askew and aside of where its file has it."""
+    u, v = (rotate(joint.origin_rotation, each) for each in across_axis(joint))
+    turn = add(scale(values.get("tilt_u", 0.0), u), scale(values.get("tilt_v", 0.0), v))
+    shift = add(scale(values.get("shift_u", 0.0), u), scale(values.get("shift_v", 0.0), v))
+    rotation, angle = joint.origin_rotation, norm(turn)
+    if angle > 0.0:
+        rotation = compose(about(unit(turn), math.cos(angle), math.sin(angle)), rotation)
+    return replace(joint, origin_rotation=rotation, origin_translation=add(joint.origin_translation, shift))
 
 
 def _axes(joint: Joint, link: Link) -> Array:
@@ -320,7 +336,7 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     found += [
         f"{EFFECTS[entry.effect].title} (effect {entry.effect})"
         for entry in arm.effects
-        if entry.effect not in _CARRIED or entry.parameters.get("stretch", 0.0)
+        if entry.effect not in (*GEOMETRY, JOINT_COMPLIANCE.id) or entry.parameters.get("stretch", 0.0)
     ]
     if springs:
         of_joints("zones of the drives' stiffness, which is that of the softest", [bool(x.zones) for x in arm.joints])

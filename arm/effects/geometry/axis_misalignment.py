@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from arm.chain.chain import FloatVector, Joint
 from arm.chain.statics import PoseState
 from arm.chain.vectors import Vector, add, cross, is_zero, plus, rotate, scale
 from arm.effects.effect import Effect, Parameter, Settings, Twist, size
@@ -36,15 +37,23 @@ def _sum(sizes: tuple[float, float], u: Vector, v: Vector) -> Vector:
 
 def _before(state: PoseState, index: int) -> tuple[Vector, Vector]:
     """Two directions across the joint's axis that stay with the link before it (the base for the first)."""
-    joint = state.arm.joints[index]
-    axis = joint.axis
-    hint: Vector = (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)
-    across = cross(axis, hint)
-    length = (across[0] ** 2 + across[1] ** 2 + across[2] ** 2) ** 0.5
-    first: Vector = (across[0] / length, across[1] / length, across[2] / length)
-    second = cross(axis, first)
+    first, second = across_axis(state.arm.joints[index])
     frame = state.frames.joints[index].frame
     return rotate(frame, first), rotate(frame, second)
+
+
+def across_axis(joint: Joint) -> tuple[FloatVector, FloatVector]:
+    """The two directions across a joint's axis, in its frame, along which its tilts and shifts are counted."""
+    axis = joint.axis
+    hint: FloatVector = (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)
+    across = _product(axis, hint)
+    length = (across[0] ** 2 + across[1] ** 2 + across[2] ** 2) ** 0.5
+    first: FloatVector = (across[0] / length, across[1] / length, across[2] / length)
+    return first, _product(axis, first)
+
+
+def _product(a: FloatVector, b: FloatVector) -> FloatVector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _size(name: str, kind: str, meaning: str, bound: float, typical: tuple[float, float]) -> Parameter:

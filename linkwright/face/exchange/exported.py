@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from arm.descriptions.formats import Exported as Found
 from arm.descriptions.formats import export_arm as exported
+from arm.descriptions.into import into_file
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
@@ -83,10 +84,15 @@ class Export(Result):
         return {"Carried": self.table}
 
 
-def export_arm(arm: Arm | File, *, to: str, progress: Progress | None = None) -> Export:
+def export_arm(
+    arm: Arm | File, *, to: str | None = None, into: File | None = None, progress: Progress | None = None
+) -> Export:
     """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `sdf`, `dxf` (links and sections
     drawn to scale, with dimensions), `step` (links as solid bodies, with the extra `step`) or `bom` (its parts as CSV:
     sizes, masses, centres, inertias, prices). `progress` hears of the bodies as they are made.
+
+    `into` in place of `to` is somebody's own URDF or MJCF file, whose joints the arm names: its text with what
+    `effects` say of zeros, lengths and axes (and in MJCF of drives' stiffness), byte for byte as it was otherwise.
 
     Raises `InputError` for another format, for an arm with absolute angles, which no simulator's format knows, and
     for `step` without build123d; `MissingProperty` for parts of unknown mass.
@@ -96,6 +102,13 @@ def export_arm(arm: Arm | File, *, to: str, progress: Progress | None = None) ->
     >>> found
     <Export: MJCF, nothing left out>
     """
+    if into is not None:
+        if to is not None:
+            raise InputError("", "into", "goes without a format, which is that of its file; leave one out")
+        given = arm_of(arm, tips="every")
+        return Export(given, into_file(given.model, into))
+    if to is None:
+        raise InputError("", "to", f"is missing; write {', '.join(SUFFIXES)}, or into: a file of your own")
     if to not in SUFFIXES:
         raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
     given = arm_of(arm, tips="every")

@@ -30,7 +30,9 @@ def test_each_format_is_written(linkwright, bench):
     ("arguments", "words"),
     [
         (("arm.yaml", "--to", "collada"), "--to: 'collada' is no format; write urdf, mjcf, sdf, dxf, step, bom"),
-        (("arm.yaml",), "Missing option '--to'"),
+        (("arm.yaml",), "--to: is due, or --into FILE"),
+        (("arm.yaml", "--to", "urdf", "--into", "arm.urdf"), "--to: is due, or --into FILE, but not both"),
+        (("arm.yaml", "--into", "nothing.urdf"), "nothing.urdf: there is no such file"),
         (("arm.yaml", "--to", "urdf", "--out", "arm.yaml"), "is the input"),
     ],
 )
@@ -41,3 +43,25 @@ def test_wrong_input_is_one_line(linkwright, arguments, words):
     assert (status, out) == (2, "")
     assert words in err
     assert err.count("\n") == 1
+
+
+def test_what_was_found_goes_into_the_users_own_file(linkwright, bench):
+    """A new file beside it, which is never written over unasked; the file itself stays as it is."""
+    linkwright("export", "arm.yaml", "--to", "urdf", "--out", "robot.urdf")
+    before = (bench / "robot.urdf").read_bytes()
+    text = (bench / "arm.yaml").read_text(encoding="utf-8")
+    (bench / "found.yaml").write_text(text + "effects:\n  - {effect: encoder_offset, at: 1, offset: 0.5 deg}\n")
+    status, out, err = linkwright("export", "found.yaml", "--into", "robot.urdf", "--json", "said.json")
+    assert (status, err) == (0, "")
+    assert "written: robot-corrected.urdf" in out
+    content = json.loads((bench / "said.json").read_text(encoding="utf-8"))
+    assert content["to"] == "urdf"
+    assert len(content["carried"]) == 1
+    assert "joint1: rpy" in content["carried"][0]
+    assert (bench / "robot.urdf").read_bytes() == before
+    found = lw.export_arm(bench / "found.yaml", into=bench / "robot.urdf")
+    assert (bench / "robot-corrected.urdf").read_bytes() == found.text.encode()
+    status, _, err = linkwright("export", "found.yaml", "--into", "robot.urdf")
+    assert (status, "robot-corrected.urdf: is there already" in err) == (2, True)
+    status, _, err = linkwright("export", "found.yaml", "--into", "robot.urdf", "--out", "robot.urdf")
+    assert (status, "is the input" in err) == (2, True)
