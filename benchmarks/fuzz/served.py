@@ -11,10 +11,12 @@ from fastapi import FastAPI
 
 import linkwright as lw
 from arm.chain.chain import Arm
+from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.dropped import Dropped, plain_name
 from linkwright.browser.server.files import add_files
 from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.guard import Guard
+from linkwright.browser.server.jobs import Jobs
 from linkwright.browser.server.shelf import Shelf
 from units.quantities import InputError
 
@@ -104,11 +106,12 @@ class _Asked:
 
 def _guards() -> tuple[Guard, ...]:
     """The files of one kept result, with and without a token."""
-    shelf = Shelf(Path(tempfile.mkdtemp(prefix="fuzz-shelf-")))
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-shelf-"))
+    shelf = Shelf(folder)
     kept = {"report.html": SECRET.encode(), "arm.yaml": SECRET.encode()}
     shelf.keep("evaluate", "arm.yaml", "found", kept, complete=True, seconds=1.0)
     app: Any = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
-    add_files(app, shelf)
+    add_files(app, Desk(Folder(folder), shelf, Jobs(shelf)))
     names = frozenset({"localhost", "127.0.0.1", "::1"})
     return Guard(app, names, PORT), Guard(app, names, PORT, token="a token that is due")
 

@@ -18,7 +18,7 @@ from .editor import YamlEditor
 from .file_choice import FileChoice
 from .frame import Problem, framed, panel, picture, row, stack
 from .job_panel import JobPanel
-from .result_view import show_result
+from .result_view import show_ended
 
 
 class ArmPage:
@@ -103,9 +103,9 @@ class ArmPage:
         self._result.clear()
         self._panel.follow(job)
 
-    def _ended(self, job: Job) -> None:
+    async def _ended(self, job: Job) -> None:
         with self._result:
-            show_result(self._desk, job.result or 0)
+            await show_ended(self._desk, job)
 
 
 def _coordinate(value: float, revolute: bool) -> str:

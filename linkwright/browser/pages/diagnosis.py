@@ -19,7 +19,7 @@ from units.quantities import InputError
 
 from .frame import Problem, framed, heading, panel, row, stack
 from .job_panel import JobPanel
-from .result_view import show_result
+from .result_view import show_ended
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
@@ -235,9 +235,9 @@ class DiagnosisPage:
         self._result.clear()
         self._panel.follow(job)
 
-    def _ended(self, job: Job) -> None:
+    async def _ended(self, job: Job) -> None:
         with self._result:
-            show_result(self._desk, job.result or 0)
+            await show_ended(self._desk, job)
 
 
 _COLUMNS = "What its columns are"

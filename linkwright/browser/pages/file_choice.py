@@ -13,6 +13,7 @@ from units.quantities import InputError
 
 from .editor import YamlEditor
 from .frame import Problem, row
+from .save_row import SaveRow
 
 
 class FileChoice:
@@ -31,9 +32,7 @@ class FileChoice:
 
     def save_row(self) -> None:
         """Where the edited text is kept."""
-        with row():
-            self._name = ui.input("Keep as").props("dense outlined").classes("grow min-w-40")
-            ui.button("Save", on_click=self._save).props("dense no-caps")
+        self._save = SaveRow(self._desk.folder, "Keep as", "Save", self._text, self._saved)
 
     async def begin(self) -> None:
         """Open the first file there is."""
@@ -66,17 +65,13 @@ class FileChoice:
             return
         self._problem.say("")
         self._editor().load(name, text)
-        self._name.value = name
+        self._save.opened = (name, text)
+        self._save.name = name
         await self._opened()
 
-    async def _save(self) -> None:
-        editor, name = self._editor(), self._name.value or ""
-        try:
-            await asyncio.to_thread(self._desk.folder.write, name, editor.text)
-        except InputError as error:
-            self._problem.say(str(error))
-            return
-        self._problem.say("")
-        editor.name = name
+    async def _text(self) -> str:
+        return self._editor().text
+
+    async def _saved(self, name: str) -> None:
+        self._editor().name = name
         await self._look()
-        ui.notify(f"saved as {name}", type="positive")

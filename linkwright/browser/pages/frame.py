@@ -33,7 +33,7 @@ def framed(title: str, lead: str = "") -> Generator[None]:
     ui.add_css(styles())
     ui.colors(primary="#1b62d1", negative="#b42318")
     with ui.element("nav").classes("lw-bar"):
-        ui.html("<strong>Linkwright</strong>", sanitize=False, tag="span")
+        ui.label("Linkwright").tag = "strong"
         for name, address in PAGES:
             link = ui.link(name, address)
             if name == title:
@@ -68,8 +68,8 @@ def panel() -> ui.element:
 
 
 def picture(svg: str = "") -> ui.html:
-    """A picture of the reports. Every text in it was escaped where it was drawn."""
-    return ui.html(svg, sanitize=False).classes("lw-picture")
+    """A picture of the reports; whatever could run in it is taken out, for it may come from a file."""
+    return ui.html(svg, sanitize=True).classes("lw-picture")
 
 
 class Problem:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
@@ -15,9 +15,9 @@ _LOOK = 0.25
 
 
 class JobPanel:
-    """Follows a job; `ended` hears of one that is done."""
+    """Follows a job; `ended` is awaited with one that found something."""
 
-    def __init__(self, ended: Callable[[Job], None]) -> None:
+    def __init__(self, ended: Callable[[Job], Awaitable[None]]) -> None:
         self._ended = ended
         self._job: Job | None = None
         self._lines = 0
@@ -39,7 +39,7 @@ class JobPanel:
         self._stop.text = "Stop"
         self._box.visible = True
         self._timer.active = True
-        self._look()
+        self._show(job)
 
     def refuse(self, why: str) -> None:
         """Say why there is nothing to follow."""
@@ -50,10 +50,7 @@ class JobPanel:
             self._job.stop()
             self._stop.text = "Stop at once"
 
-    def _look(self) -> None:
-        job = self._job
-        if job is None:
-            return
+    def _show(self, job: Job) -> None:
         self._text.text = f"{job.title}: {job.text} ({job.seconds:.0f} s)"
         self._bar.value = job.share
         self._bar.props(remove="indeterminate") if job.share > 0.0 else self._bar.props("indeterminate")
@@ -61,12 +58,18 @@ class JobPanel:
             self._lines = len(job.lines)
             self._log.text = "\n".join(job.lines)
         self._log.visible = bool(job.lines)
+
+    async def _look(self) -> None:
+        job = self._job
+        if job is None:
+            return
+        self._show(job)
         if job.state == "running":
             return
         self._timer.active = False
         self._box.visible = False
         self._job = None
-        if job.state == "done":
-            self._ended(job)
-        else:
+        if job.state == "refused":
             self._problem.say(job.message)
+        else:
+            await self._ended(job)

@@ -17,7 +17,7 @@ from .editor import YamlEditor
 from .file_choice import FileChoice
 from .frame import Problem, framed, panel, row, stack
 from .job_panel import JobPanel
-from .result_view import show_result
+from .result_view import show_ended
 
 
 class ProblemPage:
@@ -79,9 +79,9 @@ class ProblemPage:
         self._result.clear()
         self._panel.follow(job)
 
-    def _ended(self, job: Job) -> None:
+    async def _ended(self, job: Job) -> None:
         with self._result:
-            show_result(self._desk, job.result or 0)
+            await show_ended(self._desk, job)
 
 
 def _read(desk: Desk, name: str, text: str) -> Any:

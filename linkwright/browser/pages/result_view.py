@@ -1,47 +1,111 @@
-"""A result that is kept, as it is shown: its line, its files, pictures to click, its report."""
+"""An answer as it is shown: its line, its files, pictures to click, its report; and how one is kept after all."""
 
 from __future__ import annotations
 
-import asyncio
 import html
-import json
-from typing import Any
 
 from nicegui import events, ui
 
+from linkwright.browser.server.answers import Answer, as_kept, left_behind, on_shelf
 from linkwright.browser.server.desk import Desk
+from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
+from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.shelf import Kept
 from units.quantities import InputError
 
 from .frame import Problem, heading, panel, picture, row, stack
+from .save_row import SaveRow
 
 _OWN = ("poses.json", "front.json")
 """Files that are for these pages alone."""
 
 
-def show_result(desk: Desk, number: int) -> None:
-    """Show a result where this is called."""
-    kept = desk.shelf.find(number)
-    if kept is None:
-        ui.label(f"There is no result {number}; it may have been removed.").classes("lw-error")
+async def show_ended(desk: Desk, job: Job) -> None:
+    """Show what a job found where this is called, kept or not."""
+    if job.result is not None:
+        await show_result(desk, job.result)
+    else:
+        await show_unkept(desk, job)
+
+
+async def show_result(desk: Desk, number: int) -> None:
+    """Show a result that is kept."""
+    try:
+        kept = await desk.looked_up(desk.shelf.find, number)
+    except InputError as error:
+        Problem().say(str(error))
         return
+    if kept is None:
+        Problem().say(f"There is no result {number}; it may have been removed.")
+        return
+    await _show(desk, kept, on_shelf(desk.shelf, number))
+
+
+async def show_unkept(desk: Desk, job: Job) -> None:
+    """Show an answer that could not be kept, why, and a button that tries it again."""
+    with stack() as shown:
+        problem = Problem()
+        _say_unkept(problem, job)
+
+        async def keep() -> None:
+            await desk.jobs.keep(job)
+            if job.result is None:
+                _say_unkept(problem, job)
+                return
+            shown.clear()
+            with shown:
+                await show_result(desk, job.result)
+
+        ui.button("Keep again", on_click=keep).props("outline dense no-caps")
+        await _show(desk, as_kept(job), left_behind(job))
+
+
+def _say_unkept(problem: Problem, job: Job) -> None:
+    where = "" if job.left is None else f" Its files are in {job.left / 'out'}."
+    problem.say(f"This answer is not kept: {job.message.rstrip('.')}.{where}")
+
+
+async def _show(desk: Desk, kept: Kept, answer: Answer) -> None:
+    wrong: list[str] = []
+
+    def read() -> tuple[list[str], list[Pose], Front | None]:
+        names = answer.names()
+        poses: list[Pose] = []
+        front: Front | None = None
+        try:
+            if (content := answer.file("poses.json")) is not None:
+                poses = poses_from(content)
+            if (content := answer.file("front.json")) is not None:
+                front = front_from(content)
+        except InputError as error:
+            wrong.append(str(error))
+        return names, poses, front
+
+    names: list[str] = []
+    poses: list[Pose] = []
+    front: Front | None = None
+    try:
+        names, poses, front = await desk.looked_up(read)
+    except InputError as error:
+        wrong.append(str(error))
     with panel():
         ui.label(kept.line).classes("lw-done")
         ui.label(_origin(kept)).classes("lw-note")
-        names = [name for name in desk.shelf.names(number) if name not in _OWN]
         with row():
-            for name in (name for name in names if "/" not in name):
-                ui.link(name, f"/kept/{number}/{name}").props(f'download="{number}-{name}"')
+            for name in (name for name in names if "/" not in name and name not in _OWN):
+                ui.link(name, answer.address(name)).props["download"] = f"{answer.number}-{name}"
             if "report.html" in names:
-                ui.link("report in a window of its own", f"/kept/{number}/report.html?view=1", new_tab=True)
+                ui.link("report in a window of its own", answer.address("report.html") + "?view=1", new_tab=True)
         if "arm.yaml" in names:
-            _keep_arm(desk, number, "arm.yaml")
-    for name, show in (("poses.json", _poses), ("front.json", _front)):
-        content = desk.shelf.file(number, name)
-        if content is not None:
-            show(desk, number, json.loads(content))
+            _keep_arm(desk, answer)
+    for each in wrong:
+        Problem().say(each)
+    if poses:
+        _poses(poses)
+    if front is not None:
+        _front(answer, front)
     if "report.html" in names:
-        address = f"/kept/{number}/report.html?view=1"
+        address = answer.address("report.html") + "?view=1"
         ui.element("iframe").props(f'src="{address}" sandbox="allow-scripts" title="report"').classes("lw-report")
 
 
@@ -50,28 +114,17 @@ def _origin(kept: Kept) -> str:
     return f"{kept.kind} of {kept.title}, {kept.made} UTC, {kept.seconds:.1f} s{stopped}"
 
 
-def _keep_arm(desk: Desk, number: int, name: str) -> None:
+def _keep_arm(desk: Desk, answer: Answer) -> None:
     """The arm file of a result, put into the folder under a name."""
-    problem = Problem()
-    with row():
-        target = ui.input("Put the arm into the folder as", value=f"arm-{number}.yaml").props("dense outlined")
-        target.classes("grow min-w-40")
 
-        async def put() -> None:
-            content = desk.shelf.file(number, name) or b""
-            try:
-                await asyncio.to_thread(desk.folder.write, target.value or "", content.decode())
-            except InputError as error:
-                problem.say(str(error))
-                return
-            problem.say("")
-            ui.notify(f"saved as {target.value}", type="positive")
+    async def text() -> str:
+        content = await desk.looked_up(answer.file, "arm.yaml")
+        return (content or b"").decode(errors="replace")
 
-        ui.button("Put", on_click=put).props("outline dense no-caps")
+    SaveRow(desk.folder, "Put the arm into the folder as", "Put", text).name = f"arm-{answer.number}.yaml"
 
 
-def _poses(desk: Desk, number: int, poses: list[dict[str, str]]) -> None:
-    del desk, number
+def _poses(poses: list[Pose]) -> None:
     heading("Worst poses")
     with ui.element("div").classes("lw-poses"):
         for each in poses:
@@ -80,9 +133,8 @@ def _poses(desk: Desk, number: int, poses: list[dict[str, str]]) -> None:
                 ui.label(each["words"]).classes("lw-note")
 
 
-def _front(desk: Desk, number: int, front: dict[str, Any]) -> None:
+def _front(answer: Answer, front: Front) -> None:
     """The front, and beside it the design of the point that was clicked."""
-    del desk
     heading("The front: click on a point for its design")
     with ui.element("div").classes("lw-two"):
         figure = front["figure"]
@@ -94,30 +146,31 @@ def _front(desk: Desk, number: int, front: dict[str, Any]) -> None:
     def show(design: int) -> None:
         beside.clear()
         with beside:
-            _design(number, design, front["designs"][str(design)])
+            _design(answer, design, front["designs"][design])
 
     def clicked(event: events.GenericEventArguments) -> None:
         numbers = [point.get("customdata") for point in event.args.get("points", [])]
-        chosen = next((each for each in numbers if str(each) in front["designs"]), None)
+        chosen = next((each for each in numbers if isinstance(each, int) and each in front["designs"]), None)
         if chosen is not None:
-            show(int(chosen))
+            show(chosen)
 
     drawn.on("plotly_click", clicked)
-    show(min(map(int, front["designs"])))
+    show(min(front["designs"]))
 
 
-def _design(number: int, design: int, told: dict[str, Any]) -> None:
+def _design(answer: Answer, design: int, told: Design) -> None:
     heading(f"Design {design}")
     picture(told["svg"])
     figures = [(each["figure"], each["value"]) for each in told["figures"]]
     links = [(str(each["link"]), each["length"], each["section"], each["material"]) for each in told["links"]]
     _table((), figures)
     _table(("link", "length", "section", "material"), links)
-    ui.link(f"arm file of design {design}", f"/kept/{number}/{told['file']}").props(f'download="design-{design}.yaml"')
+    link = ui.link(f"arm file of design {design}", answer.address(told["file"]))
+    link.props["download"] = f"design-{design}.yaml"
 
 
 def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
     head = "".join(f"<th>{html.escape(each)}</th>" for each in headings)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in each) + "</tr>" for each in rows)
     with ui.element("div").classes("lw-scroll"):
-        ui.html(f'<table class="lw-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>', sanitize=False)
+        ui.html(f'<table class="lw-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>', sanitize=True)

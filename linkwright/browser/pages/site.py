@@ -12,7 +12,7 @@ from .arm import ArmPage
 from .catalogues import CataloguesPage
 from .diagnosis import DiagnosisPage
 from .optimise import ProblemPage
-from .results import show_one, show_results
+from .results import ResultPage, ResultsPage
 from .tradeoff import TradeoffPage
 
 
@@ -45,11 +45,11 @@ def add_pages(desk: Desk) -> None:
     async def catalogues() -> None:
         await _begun(CataloguesPage())
 
-    def results() -> None:
-        show_results(desk)
+    async def results() -> None:
+        await _begun(ResultsPage(desk))
 
-    def result(number: int) -> None:
-        show_one(desk, number)
+    async def result(number: int) -> None:
+        await _begun(ResultPage(desk, number))
 
     pages = {
         "/": arm,

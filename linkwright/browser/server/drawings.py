@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
 
 from arm.chain.chain import Arm
 from arm.evaluation import Evaluation
@@ -20,8 +23,65 @@ from linkwright.report.pictures.arm import (
 from linkwright.report.pictures.bent import bent_line
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, section_words
+from units.quantities import InputError
 
 _MOST_POSES = 4
+
+
+def _without_script(svg: str) -> str:
+    if "</script" in svg.lower():
+        raise ValueError
+    return svg
+
+
+Picture = Annotated[str, AfterValidator(_without_script)]
+"""An SVG; none that this program drew holds a script."""
+
+
+class Pose(TypedDict):
+    """A pose as it is shown: a picture, and what is to be said of it."""
+
+    words: str
+    svg: Picture
+
+
+class Figure(TypedDict):
+    """A figure of a design."""
+
+    figure: str
+    value: str
+
+
+class Link(TypedDict):
+    """A link of a design."""
+
+    link: int
+    length: str
+    section: str
+    material: str
+
+
+class Design(TypedDict):
+    """A design of a front: its figures, its links, a picture, the name of its arm file."""
+
+    figures: list[Figure]
+    links: list[Link]
+    svg: Picture
+    file: str
+
+
+class Plot(TypedDict):
+    """What plotly draws."""
+
+    data: list[dict[str, Any]]
+    layout: dict[str, Any]
+
+
+class Front(TypedDict):
+    """A front to click on: what plotly draws, and the designs by number."""
+
+    figure: Plot
+    designs: dict[int, Design]
 
 
 def middle(arm: Arm) -> tuple[float, ...]:
@@ -36,12 +96,12 @@ def at_pose(arm: Arm, q: Sequence[float]) -> str:
     return arm_picture(arm, drawn, shared_window([drawn]), "after", about=f"{arm.name}, to scale")
 
 
-def worst_poses(found: Evaluation) -> list[dict[str, str]]:
+def worst_poses(found: Evaluation) -> list[Pose]:
     """The worst poses, worst first: words and a picture with the bent shape and the error, to one scale."""
     poses = poses_that_differ(found)[:_MOST_POSES]
     skeletons = [skeleton_at(found.arm, pose) for pose in poses]
     window = shared_window(skeletons)
-    told: list[dict[str, str]] = []
+    told: list[Pose] = []
     for pose, drawn in zip(poses, skeletons, strict=True):
         about = f"{found.arm.name} at a pose where the error is {mm(pose.error)}, bent by its loads"
         picture = arm_picture(found.arm, drawn, window, "after", about=about)
@@ -53,7 +113,7 @@ def worst_poses(found: Evaluation) -> list[dict[str, str]]:
     return told
 
 
-def front_to_click(front: Tradeoff) -> dict[str, Any]:
+def front_to_click(front: Tradeoff) -> Front:
     """The front as plotly draws it, each point with its design's number, and the designs by number."""
     found = front.found
     drawn = front_figure(found, brief=True)
@@ -62,15 +122,34 @@ def front_to_click(front: Tradeoff) -> dict[str, Any]:
         trace["customdata"] = [numbers.get(place) for place in zip(trace["x"], trace["y"], strict=True)]
     drawn["layout"]["legend"] = {"orientation": "h", "y": -0.22}
     files = {point.number: point_file(found, point) for point in found.points}
-    designs = {str(each.number): {**_design(front, each), "file": files[each.number]} for each in front.designs}
-    return {"figure": drawn, "designs": designs}
+    designs = {each.number: _design(front, each, files[each.number]) for each in front.designs}
+    return {"figure": {"data": drawn["data"], "layout": drawn["layout"]}, "designs": designs}
 
 
-def _design(front: Tradeoff, design: TradeoffDesign) -> dict[str, Any]:
+def poses_from(content: bytes) -> list[Pose]:
+    """The poses that a file keeps. Raises `InputError`, as the next, where it is none of this program's."""
+    try:
+        return TypeAdapter(list[Pose]).validate_json(content)
+    except ValidationError:
+        raise InputError("", "poses.json", "is damaged; the worst poses cannot be shown") from None
+
+
+def front_from(content: bytes) -> Front:
+    """The front that a file keeps."""
+    try:
+        found = TypeAdapter(Front).validate_json(content)
+    except ValidationError:
+        found = None
+    if found is None or not found["designs"]:
+        raise InputError("", "front.json", "is damaged; the front cannot be shown")
+    return found
+
+
+def _design(front: Tradeoff, design: TradeoffDesign, file: str) -> Design:
     model = design.arm.model
     known = front.found.asked.given.figures.values()
     figures = [(each.title, each.shown(design.figures[each.name]), each.unit) for each in known]
-    links = [
+    links: list[Link] = [
         {
             "link": number,
             "length": f"{figure(1e3 * link.length)} mm",
@@ -85,4 +164,5 @@ def _design(front: Tradeoff, design: TradeoffDesign) -> dict[str, Any]:
         ],
         "links": links,
         "svg": at_pose(model, middle(model)),
+        "file": file,
     }

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from importlib.resources import files
+from itertools import zip_longest
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, cast
 
@@ -25,6 +26,10 @@ _DEEPEST, _MOST = 4, 2000
 _LONGEST = 1000
 """Letters of a name in the folder."""
 _ENDINGS = (".yaml", ".yml")
+
+
+class Occupied(InputError):
+    """The file of that name holds what its writer has not seen."""
 
 
 class Folder:
@@ -84,11 +89,18 @@ class Folder:
         except InputError as error:
             raise InputError(name, "", error.message) from None
 
-    def write(self, name: str, text: str) -> None:
-        """Write an arm or a problem, whole or not at all; a folder on the way must be there."""
+    def write(self, name: str, text: str, *, known: str | None = None, whatever: bool = False) -> None:
+        """Write an arm or a problem, whole or not at all; a folder on the way must be there.
+
+        Over a file only where that holds the text `known` (or this one already), or `whatever` it holds: another
+        program may have changed it. Raises `Occupied`, an `InputError`, where it holds another one.
+        """
         path = self.place(name)
         if path.suffix not in _ENDINGS:
             raise InputError("", shown(name), "needs a name that ends in .yaml")
+        if not whatever and path.exists() and (there := self.read(name)) not in (known, text):
+            told = "is there already" if known is None else f"was changed by another program{_lines(known, there)}"
+            raise Occupied(name, "", f"{told}; save under another name, or write over it")
         try:
             write_whole(path, text, flush=True)
         except OSError as error:
@@ -115,6 +127,13 @@ class Folder:
             if not self.place(starter.name).exists():
                 self.write(starter.name, starter.read_text(encoding="utf-8"))
         return names
+
+
+def _lines(before: str, after: str) -> str:
+    """Where two texts differ first."""
+    pairs = zip_longest(before.splitlines(), after.splitlines())
+    first = next((number for number, (one, other) in enumerate(pairs, start=1) if one != other), None)
+    return "" if first is None else f" from line {first} on"
 
 
 @contextmanager

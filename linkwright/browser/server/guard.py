@@ -7,26 +7,16 @@ import html
 import ipaddress
 import re
 import secrets
-from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
-from typing import Any
 from urllib.parse import parse_qs
+
+from .policy import HEADER, App, Message, Receive, Send, policy
 
 MOST_UPLOADED = 50 * 1024 * 1024
 """Bytes of a file that can be dropped."""
 _ROOM = 64 * 1024
 """What a form needs around the file."""
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Message, Receive, Send], Awaitable[None]]
-
-_POLICY = (
-    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' blob:; connect-src 'self'; frame-src 'self'; "
-    "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
-)
 _HEADERS = (
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"same-origin"),
@@ -137,8 +127,8 @@ class Guard:
                 began = True
                 there = {bytes(name).lower() for name, _ in message["headers"]}
                 added = [pair for pair in _HEADERS if pair[0] not in there]
-                if b"content-security-policy" not in there:
-                    added.append((b"content-security-policy", _POLICY.encode()))
+                if HEADER not in there:
+                    added.append((HEADER, policy()))
                 message = {**message, "headers": [*message["headers"], *added]}
             await send(message)
 
@@ -206,6 +196,6 @@ async def _answer(send: Send, status: int, text: str, more: list[tuple[bytes, by
     if not _has(headers, b"content-type"):
         headers.append((b"content-type", b"text/plain; charset=utf-8"))
     headers += [*_HEADERS, (b"cache-control", b"no-store"), (b"content-length", str(len(text.encode())).encode())]
-    headers.append((b"content-security-policy", _POLICY.encode()))
+    headers.append((HEADER, policy()))
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": text.encode()})

@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import shutil
 import signal
+import socket
 import sys
 import tempfile
 import time
@@ -18,9 +20,9 @@ from typing import Any, Literal
 from units.quantities import InputError
 
 from .folder import put
-from .shelf import Shelf
+from .shelf import Run, Shelf
 
-State = Literal["running", "done", "refused"]
+State = Literal["running", "done", "unkept", "refused"]
 MOST_AT_ONCE = 3
 _LINES = 400
 _LONGEST_LINE = 1024 * 1024
@@ -30,7 +32,11 @@ _PATIENCE = 10.0
 
 @dataclass(eq=False)
 class Job:
-    """One piece of work: what it is, how far it is, what came of it. `result` is its number on the shelf."""
+    """One piece of work: what it is, how far it is, what came of it.
+
+    `answer` is the line that says what was found, known before its files are written; `result` is its number on the
+    shelf. Where it could not be kept it is `unkept`, `message` says why, and its files stay in `left`.
+    """
 
     number: int
     kind: str
@@ -41,7 +47,12 @@ class Job:
     lines: list[str] = field(default_factory=list)
     state: State = "running"
     message: str = ""
+    answer: str = ""
+    complete: bool = True
+    took: float = 0.0
     result: int | None = None
+    left: Path | None = None
+    run: int | None = None
     stopping: bool = False
     process: asyncio.subprocess.Process | None = None
 
@@ -69,15 +80,26 @@ class Jobs:
         self._shelf = shelf
         self._all: dict[int, Job] = {}
         self._tasks: set[asyncio.Task[None]] = set()
+        self._name = f"{os.getpid()} on {socket.gethostname()}"
 
     @property
     def running(self) -> list[Job]:
         """What is being done."""
         return [job for job in self._all.values() if job.state == "running"]
 
+    @property
+    def unkept(self) -> list[Job]:
+        """What was found and could not be kept."""
+        return [job for job in self._all.values() if job.state == "unkept"]
+
     def find(self, number: int) -> Job | None:
         """A job by its number."""
         return self._all.get(number)
+
+    def cut_off(self) -> list[Run]:
+        """What was begun, here or by another server of this folder, and ended with its server. Raises `InputError`."""
+        own = {job.run for job in self._all.values()}
+        return [each for each in self._shelf.runs() if each.id not in own and not _alive(each.server)]
 
     def start(self, kind: str, title: str, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> Job:
         """Begin; `inputs` are the files that it reads, by name. Raises `InputError` where too much is at work."""
@@ -90,31 +112,56 @@ class Jobs:
         task.add_done_callback(self._tasks.discard)
         return job
 
-    async def _done(self, job: Job, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
-        with tempfile.TemporaryDirectory(prefix="linkwright-") as made:
-            root, out = Path(made) / "in", Path(made) / "out"
-            root.mkdir()
-            try:
-                await asyncio.to_thread(put, root, inputs)
-                told = await self._told(job, {**asked, "kind": job.kind, "root": str(root), "out": str(out)})
-                if told is not None:
-                    complete = bool(told["complete"])
-                    files = await asyncio.to_thread(_files, out)
-                    job.result = await asyncio.to_thread(
-                        self._shelf.keep,
-                        job.kind,
-                        job.title,
-                        str(told["done"]),
-                        files,
-                        complete=complete,
-                        seconds=job.seconds,
-                    )
-                    job.message, job.share, job.state = str(told["done"]), 1.0, "done"
-            except (InputError, OSError) as error:
-                job.message, job.state = str(error), "refused"
+    async def keep(self, job: Job) -> None:
+        """Keep what was found and is left in a folder of its own; where that fails, it stays there."""
+        assert job.left is not None
+        try:
+            files = await asyncio.to_thread(_files, job.left / "out")
+            job.result = await asyncio.to_thread(
+                self._shelf.keep,
+                job.kind,
+                job.title,
+                job.answer,
+                files,
+                complete=job.complete,
+                seconds=job.took,
+                run=job.run,
+            )
+        except (InputError, OSError) as error:
+            job.message, job.state = _said(error), "unkept"
+            return
+        job.message, job.share, job.state = job.answer, 1.0, "done"
+        self._cleared(job)
 
-    async def _told(self, job: Job, asked: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Run the process and hear it; what it said at its end, None where it was refused."""
+    async def _done(self, job: Job, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
+        with suppress(InputError):  # a base that cannot be written to now may be by the end
+            job.run = await asyncio.to_thread(self._shelf.begin, job.kind, job.title, self._name)
+        try:
+            job.left = Path(tempfile.mkdtemp(prefix="linkwright-"))
+            root, out = job.left / "in", job.left / "out"
+            root.mkdir()
+            await asyncio.to_thread(put, root, inputs)
+            wrong = await self._told(job, {**asked, "kind": job.kind, "root": str(root), "out": str(out)})
+        except (InputError, OSError) as error:
+            wrong = _said(error)
+        job.took = job.seconds
+        if job.answer and not wrong:
+            await self.keep(job)
+        elif job.answer:
+            job.message, job.state = wrong, "unkept"
+        else:
+            job.message, job.state = wrong, "refused"
+            self._cleared(job)
+            with suppress(InputError):
+                await asyncio.to_thread(self._shelf.end, job.run or 0)
+
+    def _cleared(self, job: Job) -> None:
+        if job.left is not None:
+            shutil.rmtree(job.left, ignore_errors=True)
+            job.left = None
+
+    async def _told(self, job: Job, asked: Mapping[str, Any]) -> str:
+        """Run the process and hear it; gives what went wrong, empty where nothing did."""
         # A session of its own: Ctrl-C at the terminal is the server's, which passes it on.
         job.process = process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "linkwright.browser.server.work"),
@@ -140,11 +187,14 @@ class Jobs:
         await process.wait()
         said = (await errors).decode(errors="replace").strip()
         if "done" in last:
-            return last
-        ended = said.splitlines()[-1] if said else f"ended with status {process.returncode}"
-        stopped = "stopped before anything was finished, so there is nothing to keep" if job.stopping else ended
-        job.message, job.state = str(last.get("refused") or stopped), "refused"
-        return None
+            return ""
+        if "refused" in last:
+            return str(last["refused"])
+        if job.stopping:
+            return "stopped before anything was finished, so there is nothing to keep"
+        if process.returncode == -signal.SIGKILL:
+            return "was killed by the system, most likely for want of memory; ask for less at once, or give it more"
+        return said.splitlines()[-1] if said else f"ended with status {process.returncode}"
 
     async def end(self) -> None:
         """End all that is at work, with what it has."""
@@ -164,6 +214,29 @@ def _hear(job: Job, told: Mapping[str, Any]) -> None:
     if "line" in told:
         job.lines.append(str(told["line"]))
         del job.lines[:-_LINES]
+    if "answer" in told:
+        job.answer, job.complete = str(told["answer"]), bool(told["complete"])
+
+
+def _alive(server: str) -> bool:
+    """Whether the server of a run is at work, as far as can be told: another one, of this machine."""
+    process, _, host = server.partition(" on ")
+    another = process.isdecimal() and int(process) != os.getpid() and host == socket.gethostname()
+    if not another or sys.platform == "win32":
+        return False
+    try:
+        os.kill(int(process), 0)
+    except PermissionError:
+        return True
+    except (OSError, OverflowError):
+        return False
+    return True
+
+
+def _said(error: InputError | OSError) -> str:
+    if isinstance(error, InputError):
+        return str(error)
+    return ": ".join(str(part) for part in (error.filename, error.strerror or error) if part)
 
 
 def _files(out: Path) -> dict[str, bytes]:

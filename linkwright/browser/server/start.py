@@ -14,6 +14,7 @@ from pathlib import Path
 
 import uvicorn
 from fastapi import FastAPI
+from nicegui import app as pages
 from nicegui import ui
 
 from linkwright.browser.pages.site import add_pages
@@ -24,6 +25,7 @@ from .files import add_files
 from .folder import Folder
 from .guard import Guard
 from .jobs import Jobs
+from .policy import PagePolicy
 from .shelf import Shelf
 
 _LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -47,7 +49,7 @@ def serve(
         anywhere = ipaddress.ip_address(address).is_unspecified
         due = token or ("" if here else secrets.token_urlsafe(18))
         app = _application(desk)
-        names = {*_LOOPBACK} if here or anywhere else {address, host.lower()}
+        names = {address, host.lower(), *(_LOOPBACK if here or anywhere else ())}
         if anywhere:
             names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
         guard = Guard(app, frozenset(names), bound, due, anywhere)
@@ -68,6 +70,8 @@ def serve(
         )
         with suppress(KeyboardInterrupt):
             uvicorn.Server(config).run(sockets=[listening])
+    for job in desk.jobs.unkept:
+        announce(f"not kept: {job.answer} ({job.message}); its files are in {job.left}")
     announce("stopped")
 
 
@@ -80,8 +84,9 @@ def _application(desk: Desk) -> FastAPI:
         await desk.jobs.end()
 
     app = FastAPI(lifespan=until_the_end, openapi_url=None, docs_url=None, redoc_url=None)
-    add_files(app, desk.shelf)
+    add_files(app, desk)
     add_pages(desk)
+    pages.add_middleware(PagePolicy)
     # A page that was silent for less than this (a busy machine, a laptop's lid) goes on where it was; else it is empty.
     ui.run_with(app, title="Linkwright", dark=None, show_welcome_message=False, reconnect_timeout=60.0)
     return app

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import linkwright as lw
+from linkwright.cli import end_as_by_ctrl_c
 from linkwright.face.result import Reported
 from units.quantities import InputError, NoAnswer
 
@@ -45,18 +46,17 @@ def say(**told: Any) -> None:
         os._exit(1)
 
 
-def evaluate(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+def evaluate(root: Path, out: Path, asked: dict[str, Any]) -> None:
     """Evaluate an arm: its report, and its worst poses drawn."""
     from linkwright.browser.server.drawings import worst_poses
 
     arm = root / asked["arm"]
     found = lw.evaluate(lw.read_arm(arm))
-    _kept(found, out, arm)
+    _kept(found, out, arm, complete=True)
     (out / "poses.json").write_text(json.dumps(worst_poses(found.found)), encoding="utf-8")
-    return repr(found), True
 
 
-def optimize(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+def optimize(root: Path, out: Path, asked: dict[str, Any]) -> None:
     """Optimise a problem: report, arm file; every round told."""
     from linkwright.results.optimization import iteration_line
 
@@ -69,11 +69,10 @@ def optimize(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
         log=lambda each: say(line=iteration_line(each, problem.model.minimize)),
         out_of_reach=lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
     )
-    _kept(found, out, *_read(root, asked))
-    return repr(found), not found.interrupted
+    _kept(found, out, *_read(root, asked), complete=not found.interrupted)
 
 
-def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> None:
     """Trace a front: report, and every design drawn."""
     from linkwright.browser.server.drawings import front_to_click
 
@@ -86,12 +85,11 @@ def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
         accuracy=asked["accuracy"],
         progress=_Told(),
     )
-    _kept(found, out, *_read(root, asked))
+    _kept(found, out, *_read(root, asked), complete=not found.interrupted)
     (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
-    return repr(found), not found.interrupted
 
 
-def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
+def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> None:
     """Diagnose a recording, or several at once: report, corrected arm, residuals, the settings as they were told."""
     arm = root / asked["arm"]
     recordings, settings = ([root / name for name in asked[key]] for key in ("recordings", "settings"))
@@ -103,16 +101,18 @@ def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> tuple[str, bool]:
         units=asked["units"],
         progress=_Told(),
     )
-    _kept(found, out, arm, *recordings, *settings)
+    _kept(found, out, arm, *recordings, *settings, complete=True)
     for number, own in enumerate(settings, start=1):
         name = own.name if len(settings) == 1 else f"{own.stem}-{number}{own.suffix}"
         (out / name).write_bytes(own.read_bytes())
-    return repr(found), True
 
 
-def _kept(found: Reported, out: Path, *read: Path) -> None:
-    """Save what was found; an interrupt comes too late to take it away."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _kept(found: Reported, out: Path, *read: Path, complete: bool) -> None:
+    """Tell what was found, then save it: a full disk does not take the answer along. An interrupt comes too late to."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    say(answer=repr(found).removeprefix("<").removesuffix(">"), complete=complete)
     found.save(out, made_from=read)
 
 
@@ -122,24 +122,28 @@ def _read(root: Path, asked: dict[str, Any]) -> list[Path]:
 
 def main() -> int:
     """Answer the question on standard input; gives the exit status."""
+    end_as_by_ctrl_c()
     asked: dict[str, Any] = json.loads(sys.stdin.read())
     root, out = Path(asked["root"]), Path(asked["out"])
     ways = {"evaluate": evaluate, "optimize": optimize, "tradeoff": tradeoff, "diagnose": diagnose}
     try:
-        line, complete = ways[asked["kind"]](root, out, asked)
+        ways[asked["kind"]](root, out, asked)
     except KeyboardInterrupt:
         say(refused="stopped before anything was finished, so there is nothing to keep")
         return 1
     except InputError as error:
         say(refused=str(called_plainly(error, root)))
         return 2
+    except OSError as error:
+        say(refused=f"its files cannot be written: {error.strerror or error}")
+        return 1
     except NoAnswer as error:
         say(refused=" ".join(str(error).split()))
         return 1
     except MemoryError:
         say(refused="there is not enough memory for this; ask for less at once")
         return 1
-    say(done=line.removeprefix("<").removesuffix(">"), complete=complete)
+    say(done=True)
     return 0
 
 

@@ -1,7 +1,11 @@
 """Who may ask the server, and for what: by plain requests."""
 
 import asyncio
+import base64
+import hashlib
 import http.client
+import re
+import signal
 import socket
 import sqlite3
 
@@ -13,7 +17,7 @@ from units.quantities import InputError
 
 from .conftest import Server
 
-pytestmark = pytest.mark.xdist_group("browser")
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 KEY = "dGhlIHNhbXBsZSBub25jZQ=="
 UPGRADE = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Key": KEY, "Sec-WebSocket-Version": "13"}
 SOCKET = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
@@ -63,6 +67,31 @@ def test_its_own_names_may_ask(server):
     for host in (f"127.0.0.1:{server.port}", f"LOCALHOST:{server.port}", f"[::1]:{server.port}"):
         assert ask(server, Host=host, Origin=f"http://{host}")[0] == 200
         assert ask(server, SOCKET, Host=host, Origin=f"http://{host}", **UPGRADE)[0] == 101
+
+
+def test_no_script_runs_but_those_of_the_page(server):
+    """Markup that comes in later, an `onerror` say, is none of theirs. Each inline script is named by its digest."""
+    for path in ("/", "/results", "/results/" + "9" * 30, "/nowhere"):
+        _, headers, text = ask(server, path)
+        allowed = next(part for part in headers["content-security-policy"].split("; ") if part.startswith("script-src"))
+        assert "'unsafe-inline'" not in allowed
+        inline = re.findall(r"<script(?![^>]* src=)[^>]*>(.*?)</script>", text, re.DOTALL)
+        for script in inline:
+            assert base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() in allowed
+        assert inline or path == "/nowhere"
+
+
+def test_an_address_of_this_machine_is_its_own_name(tmp_path):
+    """The whole of 127.0.0.0/8 is this machine. SIGTERM ends it as Ctrl-C does."""
+    made = Server(tmp_path, "--host", "127.0.0.2")
+    own = f"127.0.0.2:{made.port}"
+    answer = http.client.HTTPConnection("127.0.0.2", made.port, timeout=30)
+    answer.request("GET", "/", headers={"Host": own, "Origin": f"http://{own}"})
+    assert answer.getresponse().status == 200
+    answer.close()
+    status, out, complaints = made.end(signal.SIGTERM)
+    assert (status, complaints) == (0, "")
+    assert out.endswith("stopped\n")
 
 
 def test_only_this_machine_can_reach_it(server):
