@@ -53,8 +53,11 @@ _PREPARED: ContextVar[_Prepared] = ContextVar("prepared")
 
 
 def _begin(work: Work[Any, Any, Any] | bytes) -> None:
-    """Set a worker up. An interrupt is its parent's to deal with; without its parent it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Set a worker up. What ends all processes of a terminal or a service is its parent's to deal with; without its
+    parent it ends."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _PREPARED.set(_Prepared(unpacked(work) if isinstance(work, bytes) else work))
 

@@ -7,8 +7,10 @@ reader that closed the output. Everything else is imported once an interrupt is 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 from typing import NoReturn
 
 INTERRUPTED = 130
@@ -27,9 +29,25 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
+def end_as_by_ctrl_c() -> None:
+    """Let what ends a process politely (SIGTERM of a scheduler, SIGHUP of a terminal that is closed) do what Ctrl-C
+    does at that moment; one that is ignored (nohup) stays so."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        del number
+        does = signal.getsignal(signal.SIGINT)
+        (does if callable(does) else signal.default_int_handler)(signal.SIGINT, frame)
+
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, interrupt)
+
+
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line, with one thread of linear algebra unless the environment says otherwise, and leave with its
     exit status."""
     for name in _THREADS:
         os.environ.setdefault(name, "1")
+    end_as_by_ctrl_c()
     sys.exit(run(arguments))

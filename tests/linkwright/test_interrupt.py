@@ -37,21 +37,22 @@ main(sys.argv[2:])
 """A run that says when it has come so far, and goes on once it is answered."""
 
 
-def interrupted_at(folder, word, *arguments):
-    """Run the command until its progress tells of `word`, send SIGINT; exit status and standard error."""
+def interrupted_at(folder, word, *arguments, how=signal.SIGINT):
+    """Run the command until its progress tells of `word`, send a signal; exit status and standard error."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-c", WAITS_AT, word, *arguments]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen(command, cwd=folder, env=environment, text=True, **pipes) as run:
         assert any(line.startswith("reached") for line in run.stdout)
-        run.send_signal(signal.SIGINT)
+        run.send_signal(how)
         _, error = run.communicate("go on\n")
         return run.returncode, error
 
 
-def test_the_best_so_far_is_written_and_called_that(bench):
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_the_best_so_far_is_written_and_called_that(bench, how):
     """While further starts are tried the first design is finished: its files are there, as sure as they say."""
-    status, error = interrupted_at(bench, "further starts", "optimize", "problem.yaml", "--out", "out")
+    status, error = interrupted_at(bench, "further starts", "optimize", "problem.yaml", "--out", "out", how=how)
     assert status == 130
     assert "stopped: this is the best design so far" in error
     found = json.loads((bench / "out" / "result.json").read_text())
