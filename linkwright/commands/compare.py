@@ -11,7 +11,7 @@ import linkwright as lw
 from linkwright.output.files import check_target, write_result
 
 from .diagnose import RecordingYaml, Thorough, Without, known_effects, steps
-from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, tell
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, not_lost, tell
 
 HELP = """What changed between two recordings of one arm: parameters with intervals, noise, figures of the standards.
 
@@ -42,5 +42,7 @@ def compare(
         before, after = lw.read_recordings((first, second), given, settings=recording_yaml)
     with asked_of(arm), steps() as told:
         found = lw.compare(given, before, after, thorough=thorough, without=without, progress=told)
-    write_result(json, found.to_json())
-    tell(describe(found.found), markdown, json)
+    described = describe(found.found)
+    with not_lost(described):
+        write_result(json, found.to_json())
+    tell(described, markdown, json)

@@ -13,7 +13,7 @@ from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 from units.reading import read_text
 
-from .options import CatalogueFile, JsonFile, MarkdownFile, Tip, as_options, asked_of, tell
+from .options import CatalogueFile, JsonFile, MarkdownFile, Tip, as_options, asked_of, not_lost, tell
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,12 +65,13 @@ def compensate(
         given = lw.read_arm(arm, catalogue=catalogue, tip=tip)
         at = None if poses is None else read_poses(poses, given.model).tolist()
         found = lw.compensate(given, grid=grid, poses=at, payload=payload or (), progress=told)
-        told("writing", 0.0)
+    described = describe(found.found)
+    with not_lost(described), waiting("writing"):
         if out is not None:
             found.save(out)
-        written = found.to_json()
-    write_result(json, written)
-    tell(describe(found.found), markdown, out, json)
+        if json is not None:
+            write_result(json, found.to_json())
+    tell(described, markdown, out, json)
 
 
 def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:

@@ -29,6 +29,7 @@ from .options import (
     check_pdf,
     crew_of,
     files_of,
+    not_lost,
     tell,
 )
 
@@ -107,16 +108,18 @@ def diagnose(
     if asked is not None:
         with asked_of(arm), steps() as told:
             found = replace(found, redesign=lw.redesign(asked, found, progress=told))
-    write_result(json, found.to_json())
+    described = describe(found.found, None if found.redesign is None else found.redesign.found)
     written = [] if json is None else [json]
     files = files_of(arm, *recording, *settings_of(read), problem, None if asked is None else asked.arm_file, catalogue)
-    if pdf is not None:
-        found.save_pdf(pdf, made_from=files, author=author, comment=comment)
-        written = [pdf, *written]
-    if out is not None:
-        found.save(out, made_from=files, author=author, comment=comment)
-        written = [*written_files(out, found.found), *written]
-    tell(describe(found.found, None if found.redesign is None else found.redesign.found), markdown, *written)
+    with not_lost(described):
+        write_result(json, found.to_json())
+        if pdf is not None:
+            found.save_pdf(pdf, made_from=files, author=author, comment=comment)
+            written = [pdf, *written]
+        if out is not None:
+            found.save(out, made_from=files, author=author, comment=comment)
+            written = [*written_files(out, found.found), *written]
+    tell(described, markdown, *written)
 
 
 def known_effects(names: Sequence[str]) -> frozenset[str]:

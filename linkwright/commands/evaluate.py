@@ -24,6 +24,7 @@ from .options import (
     asked_of,
     check_pdf,
     files_of,
+    not_lost,
     tell,
 )
 
@@ -74,13 +75,15 @@ def evaluate(
             asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
             found = lw.evaluate(given, asked, pose=at)
             read = files_of(arm, problem, catalogue)
-            if out is not None:
-                found.save(out, made_from=read, author=author, comment=comment)
-            if pdf is not None:
-                found.save_pdf(pdf, made_from=read, author=author, comment=comment)
-    write_result(json, found.to_json())
+    described = describe(found.found, found.robust)
+    with not_lost(described), waiting("writing"):
+        if out is not None:
+            found.save(out, made_from=read, author=author, comment=comment)
+        if pdf is not None:
+            found.save_pdf(pdf, made_from=read, author=author, comment=comment)
+        write_result(json, found.to_json())
     report = [] if out is None else [out / REPORT, out / RESULT]
-    tell(describe(found.found, found.robust), markdown, *report, pdf, json)
+    tell(described, markdown, *report, pdf, json)
 
 
 def read_pose(text: str, arm: Arm) -> tuple[float, ...]:

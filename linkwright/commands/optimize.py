@@ -34,6 +34,7 @@ from .options import (
     check_pdf,
     crew_of,
     files_of,
+    not_lost,
     tell,
 )
 
@@ -105,19 +106,22 @@ def optimize(
             result = _solved(asked, round_to, round_length, resume, crew)
         except NoAnswer as error:
             if error.infeasible is not None:
-                write_json(json, infeasible_json(error.infeasible, "optimize", problem))
                 described = describe_infeasible(error.infeasible)
-                write_markdown(markdown, described)
+                with not_lost(described):
+                    write_json(json, infeasible_json(error.infeasible, "optimize", problem))
+                    write_markdown(markdown, described)
                 show(console(), described)
             raise
-    write_result(json, result.to_json())
+    described = describe(result.found)
     read = files_of(problem, asked.arm_file, catalogue)
-    if out is not None:
-        result.save(out, made_from=read, author=author, comment=comment)
-    if pdf is not None:
-        result.save_pdf(pdf, made_from=read, author=author, comment=comment)
+    with not_lost(described):
+        write_result(json, result.to_json())
+        if out is not None:
+            result.save(out, made_from=read, author=author, comment=comment)
+        if pdf is not None:
+            result.save_pdf(pdf, made_from=read, author=author, comment=comment)
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
-    tell(describe(result.found), markdown, *written, pdf, json)
+    tell(described, markdown, *written, pdf, json)
     if result.interrupted:
         _stopped("this is the best design so far", resume)
         raise KeyboardInterrupt

@@ -117,12 +117,26 @@ def tell(described: Description, markdown: Path | None, *written: Path | None) -
     from linkwright.screen.loudness import loudness
 
     screen = console()
-    write_markdown(markdown, described)
+    with not_lost(described):
+        write_markdown(markdown, described)
     show(screen, described)
     if loudness() == "answer":
         return
     for path in files_of(*written, markdown):
         screen.print(f"written: {path}", soft_wrap=True)
+
+
+@contextmanager
+def not_lost(described: Description) -> Generator[None]:
+    """While an answer is written: where that fails (a full disk), it is shown before the error is told."""
+    try:
+        yield
+    except (InputError, OSError):
+        from linkwright.screen.console import console
+        from linkwright.screen.described import show
+
+        show(console(), described)
+        raise
 
 
 @contextmanager

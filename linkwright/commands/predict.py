@@ -11,7 +11,7 @@ import linkwright as lw
 from linkwright.output.files import check_target, write_result
 
 from .diagnose import RecordingYaml
-from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, tell
+from .options import CatalogueFile, JsonFile, MarkdownFile, asked_of, not_lost, tell
 
 HELP = """How far an arm's model is from a recording: nothing is fitted but frame and tool, and those only where free.
 
@@ -36,5 +36,7 @@ def predict(
     with waiting("predicting"), asked_of(arm):
         given = lw.read_arm(arm, catalogue=catalogue, tip="")
         found = lw.predict(given, lw.read_recording(recording, given, settings=recording_yaml))
-    write_result(json, found.to_json())
-    tell(describe(found.found), markdown, json)
+    described = describe(found.found)
+    with not_lost(described):
+        write_result(json, found.to_json())
+    tell(described, markdown, json)

@@ -32,6 +32,7 @@ from .options import (
     check_pdf,
     crew_of,
     files_of,
+    not_lost,
     tell,
 )
 
@@ -126,12 +127,14 @@ def tradeoff(
         result = _traced(given, asked, accuracy, journal, out, crew)
         read = files_of(problem, given.arm_file, catalogue)
         origin = origin_of(read, author=author, comment=comment)
-        written = _write(result, out, json, csv, origin)
-        if pdf is not None:
-            result.save_pdf(pdf, made_from=read, author=author, comment=comment)
+        described = describe(result.found)
+        with not_lost(described):
+            written = _write(result, out, json, csv, origin)
+            if pdf is not None:
+                result.save_pdf(pdf, made_from=read, author=author, comment=comment)
     if loudness() != "answer":
         console().print()
-    tell(describe(result.found), markdown, *written, pdf)
+    tell(described, markdown, *written, pdf)
 
 
 def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool) -> Journal:

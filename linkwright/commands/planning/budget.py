@@ -20,6 +20,7 @@ from linkwright.commands.options import (
     asked_of,
     check_pdf,
     files_of,
+    not_lost,
     tell,
 )
 from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_result
@@ -63,10 +64,12 @@ def budget(
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
         found = lw.budget(given, sheet=sheet, problem=asked, progress=told)
     read = files_of(arm, sheet, problem, catalogue)
-    if out is not None:
-        found.save(out, made_from=read, author=author, comment=comment)
-    if pdf is not None:
-        found.save_pdf(pdf, made_from=read, author=author, comment=comment)
-    write_result(json, found.to_json())
+    described = describe(found.found)
+    with not_lost(described):
+        if out is not None:
+            found.save(out, made_from=read, author=author, comment=comment)
+        if pdf is not None:
+            found.save_pdf(pdf, made_from=read, author=author, comment=comment)
+        write_result(json, found.to_json())
     report = [] if out is None else [out / REPORT, out / RESULT]
-    tell(describe(found.found), markdown, *report, pdf, json)
+    tell(described, markdown, *report, pdf, json)

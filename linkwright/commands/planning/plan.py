@@ -21,6 +21,7 @@ from linkwright.commands.options import (
     Torques,
     as_options,
     asked_of,
+    not_lost,
     tell,
 )
 from linkwright.commands.simulate import listed, numbers, refuse_others_settings
@@ -138,15 +139,16 @@ def plan(
             seed=seed,
             progress=told,
         )
-    beside = None
-    if out is not None:
-        beside = None if found.settings is None else out.with_suffix(".yaml")
-        if beside is not None:
+    described = describe(found.found)
+    beside = None if out is None or found.settings is None else out.with_suffix(".yaml")
+    with not_lost(described):
+        if out is not None and beside is not None:
             check_target(beside, arm, catalogue, json)
             refuse_others_settings(beside, out)
-        found.save(out)
-    write_result(json, found.to_json())
-    tell(describe(found.found), markdown, out, beside, json)
+        if out is not None:
+            found.save(out)
+        write_result(json, found.to_json())
+    tell(described, markdown, out, beside, json)
     if found.interrupted:
         console(errors=True).print("stopped: this is the best plan so far", soft_wrap=True)
         raise KeyboardInterrupt

@@ -24,6 +24,7 @@ from linkwright.commands.options import (
     check_pdf,
     crew_of,
     files_of,
+    not_lost,
     tell,
 )
 from linkwright.output.files import REPORT, RESULT, check_target, claim_own, write_result
@@ -95,10 +96,12 @@ def watch(
         )
     held = [Path(each.found.settings) for each in read if each.found.settings]
     files = files_of(arm, *recordings, *dict.fromkeys(held), catalogue)
-    if out is not None:
-        found.save(out, made_from=files, author=author, comment=comment)
-    if pdf is not None:
-        found.save_pdf(pdf, made_from=files, author=author, comment=comment)
-    write_result(json, found.to_json())
+    described = describe(found.found)
+    with not_lost(described):
+        if out is not None:
+            found.save(out, made_from=files, author=author, comment=comment)
+        if pdf is not None:
+            found.save_pdf(pdf, made_from=files, author=author, comment=comment)
+        write_result(json, found.to_json())
     report = [] if out is None else [out / REPORT, out / RESULT]
-    tell(describe(found.found), markdown, *report, pdf, json)
+    tell(described, markdown, *report, pdf, json)
