@@ -3,9 +3,12 @@
 import datetime
 import io
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from openpyxl import Workbook
 
 from arm.files.read import read_arm
@@ -116,3 +119,30 @@ def test_hostile_workbooks_are_one_line(tmp_path: Path):
         assert "\n" not in str(error.value), number
     far = spoilt(tmp_path / "far.xlsx", (b'r="A2"', b'r="XFD1048576"'))
     assert workbook_text(far).startswith("q1_deg,")
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 0.999), st.integers(0, 255)), min_size=1, max_size=6))
+def test_a_damaged_archive_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, damage: list[tuple[float, int]]
+):
+    """Wherever its bytes are exchanged: in what is packed (a deflate stream), in the directory, in a head."""
+    path = saved(tmp_path_factory.mktemp("book") / "a.xlsx", ["q1_deg", "x_mm"], *([k, f"text {k}"] for k in range(40)))
+    content = bytearray(path.read_bytes())
+    for place, byte in damage:
+        content[int(place * len(content))] = byte
+    path.write_bytes(content)
+    with suppress(InputError):
+        workbook_text(path)
+
+
+def test_a_damaged_deflate_stream_is_one_line(tmp_path: Path):
+    """What zlib says of it is no traceback."""
+    path = saved(tmp_path / "a.xlsx", *([k, f"text {k}"] for k in range(400)))
+    content = bytearray(path.read_bytes())
+    with zipfile.ZipFile(path) as book:
+        sheet = next(each for each in book.infolist() if each.filename.endswith("sheet1.xml"))
+    begins = sheet.header_offset + 30 + len(sheet.filename)
+    content[begins : begins + 40] = bytes([255] * 40)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="is no Excel workbook that can be read"):
+        workbook_text(path)

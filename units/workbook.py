@@ -5,8 +5,11 @@ from __future__ import annotations
 import csv
 import datetime
 import io
+import lzma
+import struct
 import warnings
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +28,10 @@ _LARGEST = 512 * 1024 * 1024
 _MOST_CELLS = 10_000_000
 _BROKEN = (
     zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    struct.error,
+    RuntimeError,  # a packing that is not known, or a password
     ParseError,
     KeyError,
     ValueError,
