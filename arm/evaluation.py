@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from arm.assumptions import notes_of
 from arm.chain.beam import Beam
 from arm.chain.chain import Arm, Calibrated, LoadCase
 from arm.chain.prices import fixed_price, price_by_length, price_by_mass
@@ -112,6 +113,8 @@ class Evaluation:
     """On a path: the worst error, what of it is across the path and what along it."""
     frequency_of_drives: Frequency | None = None
     """The least first frequency that the drives would have on rigid links; None where no drive gives."""
+    notes: tuple[str, ...] = ()
+    """What is taken for granted because the files say nothing of it (`arm.assumptions`)."""
     rigid_links_error: float | None = None
     """The worst error (m) were the links rigid and weightless: what is not the links'; None where none gives."""
 
@@ -240,6 +243,7 @@ def evaluate(
         sideways=sideways,
         seam=seam,
         frequency_of_drives=of_drives,
+        notes=notes_of(given, cases),
         rigid_links_error=beside_links,
     )
 
@@ -376,6 +380,7 @@ def idle_effects(arm: Arm) -> list[str]:
 def nothing_errs(arm: Arm) -> list[str]:
     """One line where the arm's file holds nothing that moves the tip: an error of nought then says nothing."""
     gives = any(joint.stiffness is not None or joint.zones or joint.backlash or joint.clearance for joint in arm.joints)
+    gives = gives or any(joint.tilting_stiffness is not None for joint in arm.joints)
     if gives or arm.effects or any(link.elastic for link in arm.links):
         return []
     return [

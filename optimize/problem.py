@@ -251,6 +251,8 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
             for name, empty in (("mass", 0.0), ("force", ZERO), ("moment", ZERO)):
                 if getattr(inner, name) != empty and getattr(beside, name) != empty:
                     raise body.error(name, "is given twice: inside payload and beside it")
+            inside = body.content.get("payload")
+            named = "mass" in outer or (isinstance(inside, dict) and "mass" in inside)
             case = LoadCase(
                 mass=inner.mass or beside.mass,
                 force=inner.force if any(inner.force) else beside.force,
@@ -258,12 +260,12 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
             )
             if body.has("tip") and not arm.branches:
                 raise body.error("tip", "is of arms with branches, and this one has a single tip; leave it out")
+            tips = [""]
             if body.has("tip"):
-                cases.append(replace(case, tip=tip_named(body, arm.branches, body.text("tip"))))
+                tips = [tip_named(body, arm.branches, body.text("tip"))]
             elif arm.every_tip:
-                cases += [replace(case, tip=each.name) for each in arm.branches]
-            else:
-                cases.append(case)
+                tips = [each.name for each in arm.branches]
+            cases += [replace(case, tip=tip, leaves_off=0.0 if named else arm.on(tip).payload.mass) for tip in tips]
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)

@@ -49,6 +49,7 @@ def optimise(
     log: Log | None = None,
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
+    begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
     journal: Journal | None = None,
 ) -> OptimizationResult:
@@ -56,7 +57,8 @@ def optimise(
 
     `journal` answers what an earlier search for the same problem has solved, and notes what is solved.
 
-    `told` hears at once of limits that no design can keep, before it is found out what they would have to be.
+    `told` hears at once of limits that no design can keep, before it is found out what they would have to be; `begun`
+    of the arm as given, before the first round.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
     the best design so far is the result, marked `interrupted`. Where lengths are free and the arm as given does not
     reach a box or path, the search begins with lengths that do. Raises `NoAnswer` where it cannot be reached,
@@ -67,7 +69,8 @@ def optimise(
     if start is not None:
         if told is not None:
             told(start.why)
-        further: Any = {"log": log, "progress": progress, "told": told, "executor": executor, "journal": journal}
+        further: Any = {"log": log, "progress": progress, "told": told, "begun": begun}
+        further |= {"executor": executor, "journal": journal}
         return replace(optimise(start.problem, **further), start=f'{start.why}, and "before" is that arm')
     if problem.uncertain is not None:
         settings: Any = {"log": log, "progress": progress}
@@ -78,12 +81,12 @@ def optimise(
             return robust_places(problem, by_nominal, **settings)
         if problem.actuators is not None:
             return robust_drives(problem, by_nominal, **settings)
-        nominal = by_nominal(replace(problem, uncertain=None))
+        nominal = by_nominal(replace(problem, uncertain=None), begun=begun)
         return nominal if nominal.interrupted else robust_optimum(problem, nominal, **settings)
     if problem.sizes is not None and problem.actuators is not None:
-        return optimise_driven_lists(problem, progress=progress, log=log)
+        return optimise_driven_lists(problem, progress=progress, log=log, begun=begun)
     if problem.sizes is not None:
-        return optimise_listed(problem, progress=progress, log=log)
+        return optimise_listed(problem, progress=progress, log=log, begun=begun)
     began = time.perf_counter()
     given = problem
     try:
@@ -96,6 +99,8 @@ def optimise(
             context, names = first_driven(problem)
             raise Infeasible(explained(context, beyond=beyond, progress=progress), _looked_at(names))
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
+        if begun is not None:
+            begun(before)
         placed = choose_placed(problem, progress=progress, log=log, executor=executor, journal=journal)
         found = placed.driven
     except Unreachable as error:

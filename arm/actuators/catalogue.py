@@ -17,6 +17,7 @@ actuators:
     zone_torques: [14 N*m, 48 N*m]
     backlash: 0 arcmin                 # total lost motion
     mass: 1.5 kg
+    tilting_stiffness: 240 kN*m/rad    # of the output bearing, across its axis; left out where unknown
     cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}    # left out where unknown
     source: csf-csg
 prices:                                # of actuators of other files (or this one), which stay as they are
@@ -53,7 +54,7 @@ FORMAT_VERSION = 1
 ACTUATORS_VARIABLE = "LINKWRIGHT_ACTUATORS"
 """The environment variable that names the user's own actuators in place of the default file."""
 
-CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass")
+CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass", "tilting_stiffness")
 """The figures that can be marked as not confirmed; `stiffness` with the torques of its zones."""
 
 GEARS = ("strain wave", "cycloidal", "planetary")
@@ -64,9 +65,10 @@ class Actuator:
     """A gear or actuator of a joint that turns, SI (N*m, N*m/rad, rad, kg, EUR).
 
     `stiffnesses` are those of its zones of torque, which end at `zone_torques` (one fewer). `backlash` is the total
-    lost motion. `cost` is indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None
-    where unknown. `file` is where the entry stands. `unconfirmed` are the figures (of `CONFIRMABLE`) that nobody could
-    find in their source, each with what was looked for; `found_in` is the text that the others were found in.
+    lost motion, `tilting_stiffness` that of the output bearing across its axis (None where unknown). `cost` is
+    indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None where unknown. `file` is
+    where the entry stands. `unconfirmed` are the figures (of `CONFIRMABLE`) that nobody could find in their source,
+    each with what was looked for; `found_in` is the text that the others were found in.
     """
 
     name: str
@@ -79,6 +81,7 @@ class Actuator:
     source: str
     file: str
     peak_torque: float | None = None
+    tilting_stiffness: float | None = None
     ratio: float | None = None
     zone_torques: tuple[float, ...] = ()
     cost: float | None = None
@@ -227,6 +230,8 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
         ratio = keys.number("ratio") if keys.has("ratio") else None
         if ratio is not None and ratio <= 0.0:
             raise keys.error("ratio", "must be positive")
+        tilting = _positive(keys, "tilting_stiffness", "torsional_stiffness") if keys.has("tilting_stiffness") else None
+        marks = _marks(keys) if keys.has("unconfirmed") else told.unconfirmed
         source = keys.text("source")
         if source not in sources:
             known = ", ".join(sources) or "none are given"
@@ -243,13 +248,14 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
             source=sources[source],
             file=str(keys.file),
             peak_torque=peak,
+            tilting_stiffness=tilting,
             ratio=ratio,
             zone_torques=ends,
             cost=cost,
             cost_spread=spread,
             cost_date=date,
             note=keys.text("note", "") if keys.has("note") else "",
-            unconfirmed=_marks(keys) if keys.has("unconfirmed") else told.unconfirmed,
+            unconfirmed=tuple(each for each in marks if tilting is not None or each[0] != "tilting_stiffness"),
             found_in=keys.text("found_in", told.found_in) if keys.has("found_in") else told.found_in,
         )
 

@@ -55,6 +55,7 @@ class Joint:
     is the mass of a motor of the joint that stands on the base. `follows` is what of other joints' coordinates moves
     it. `cost` (EUR) is what the joint costs with its drive, as of `cost_date` (`2026-01`); None: what its drive does.
     `passive` says that it has no drive: it is turned by hand, or by what holds the tip, and an encoder reads it.
+    `tilting_stiffness` (N*m/rad) is that of the bearing of a joint that turns, across its axis; None: rigid.
     `origin_free` names what nobody knows of where its frame stands on the link before (see `OriginPart`): a diagnosis
     finds it, and the figures here are a guess. `name` is what other programs call it; `effort` (N*m or N) and
     `velocity` (rad/s or m/s) are the greatest that its drive gives, which they ask for and no figure here rests on.
@@ -80,6 +81,7 @@ class Joint:
     cost_date: str = ""
     balancer_chosen: str = field(default="", compare=False)
     passive: bool = False
+    tilting_stiffness: float | None = None
     origin_free: tuple[OriginPart, ...] = ()
     name: str = ""
     effort: float | None = None
@@ -141,6 +143,7 @@ class Link:
 class LoadCase:
     """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame.
 
+    `leaves_off` (kg) is the arm's own payload where the case replaces it without naming one.
     `relative_to` is the calibrated state that the error counts from; None counts the whole error. Of several arms on
     one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own.
     """
@@ -150,6 +153,7 @@ class LoadCase:
     moment: FloatVector = ZERO
     relative_to: Calibrated | None = None
     tip: str = ""
+    leaves_off: float = field(default=0.0, compare=False)
 
     @property
     def when_calibrated(self) -> LoadCase | None:
@@ -224,7 +228,8 @@ class Arm:
 
     `temperature` in K is where it works: materials are evaluated there. `play` says how clearance and backlash
     count. `leave_out` names physics that the model does without; `effects` adds some. `machining` is what work on the
-    links costs. `avoid` are regions into which no pose that is proposed puts any of it.
+    links costs. `gravity_given` says that `gravity` is no default. `avoid` are regions into which no pose that is
+    proposed puts any of it.
     """
 
     name: str
@@ -243,6 +248,7 @@ class Arm:
     branches: tuple[Branch, ...] = ()
     every_tip: bool = False
     avoid: tuple[Region, ...] = ()
+    gravity_given: bool = field(default=True, compare=False)
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.links) or not self.joints:

@@ -82,6 +82,7 @@ class JointState:
     spans: int
     zones: Zones = ()
     whole_load: Scalar = 0.0
+    tilting_stiffness: float | None = None
 
 
 @dataclass(frozen=True)
@@ -226,6 +227,7 @@ def solve(
                 own_coordinates[index],
                 joint.spans,
                 joint.zones,
+                tilting_stiffness=joint.tilting_stiffness,
             )
         )
         force = add(base_force, scale(joint.mass, pull))
@@ -242,7 +244,7 @@ def solve(
         tuple(joint.lead for joint in placed.joints),
         placed.tool,
         arm.angles == "absolute",
-        arm.planar(case),
+        arm.planar(case) and point_forces is None,  # those may point out of the plane
         case,
         arm,
         placed,

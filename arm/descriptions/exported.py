@@ -320,6 +320,7 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
 
     of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
     of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
+    of_joints("that bearings give in tilt", [joint.tilting_stiffness is not None for joint in arm.joints])
     of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
     told = [
         joint.follows is not None and (springs or mimicked(arm, index) is None)

@@ -16,6 +16,7 @@ from arm.chain.arrays import columns
 from arm.chain.chain import Arm, LoadCase
 from arm.chain.statics import PoseState, solve
 from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
+from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
 from sections.numeric import Array
 
 from .model import PropertyNeeded, beams_of, mass_needed
@@ -107,9 +108,13 @@ def _without_what_products_say(arm: Arm) -> Arm:
     """The arm without what gives under unknown weights by products: they say all that the weights do there."""
     entries = [entry for entry in arm.effects if "unit_sag" in entry.parameters]
     told = {(entry.effect, number) for entry in entries for number in entry.at}
-    joints = tuple(
+    joints = [
         replace(joint, stiffness=None, zones=()) if (JOINT_COMPLIANCE.id, number) in told else joint
         for number, joint in enumerate(arm.joints, start=1)
+    ]
+    joints = tuple(
+        replace(joint, tilting_stiffness=None) if (LATERAL_COMPLIANCE.id, number) in told else joint
+        for number, joint in enumerate(joints, start=1)
     )
     return replace(arm, joints=joints, effects=tuple(entry for entry in arm.effects if entry not in entries))
 

@@ -136,6 +136,7 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             name=mapping.text("name", ""),
             effort=_greatest(mapping, "effort", "torque" if turns else "force"),
             velocity=_greatest(mapping, "velocity", "angular_speed" if turns else "speed"),
+            tilting_stiffness=_tilting(mapping, turns, actuator),
         )
         return joint, motor
 
@@ -152,6 +153,18 @@ def _passive(mapping: Mapping) -> bool:
         if mapping.has(name):
             raise mapping.error(name, "is of a drive, and a passive joint has none; leave it or `passive` out")
     return True
+
+
+def _tilting(mapping: Mapping, turns: bool, actuator: Actuator | None) -> float | None:
+    """The stiffness of the joint's bearing against tilting: the file's, or that of the actuator."""
+    value = mapping.optional_quantity("tilting_stiffness", "torsional_stiffness")
+    if value is None:
+        return None if actuator is None else actuator.tilting_stiffness
+    if not turns:
+        raise mapping.error("tilting_stiffness", "is of the bearing of a joint that turns; a slide has rail_pitch")
+    if value <= 0.0:
+        raise mapping.error("tilting_stiffness", "must be positive; leave it out for a rigid bearing")
+    return value
 
 
 def _balanced(mapping: Mapping, turns: bool) -> bool:

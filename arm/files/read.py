@@ -66,6 +66,7 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
             joints=joints,
             links=links,
             gravity=gravity,
+            gravity_given=mapping.has("gravity"),
             angles=angles,
             temperature=temperature,
             payload=read_load(mapping.mapping("payload")) if mapping.has("payload") else LoadCase(),

@@ -155,6 +155,9 @@ def _joint(joint: Joint) -> dict[str, Any]:
     if joint.stiffness is not None and (joint.stiffness != stiffness or joint.zones != zones):
         kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
         out["stiffness"] = format_quantity(joint.stiffness, kind)
+    tilting = None if joint.actuator is None else joint.actuator.tilting_stiffness
+    if joint.tilting_stiffness is not None and joint.tilting_stiffness != tilting:
+        out["tilting_stiffness"] = format_quantity(joint.tilting_stiffness, "torsional_stiffness")
     if joint.mass != mass:
         out["mass"] = format_quantity(joint.mass, "mass")
     if joint.cost is not None:

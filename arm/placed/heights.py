@@ -84,7 +84,9 @@ def told_of_heights(arm: Arm) -> list[str]:
             found.setdefault(each.words, []).append(str(number))
     if not found:
         return []
-    told = " and ".join(f"{words} in link {', '.join(numbers)}" for words, numbers in found.items())
+    told = " and ".join(
+        f"{words} in link{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}" for words, numbers in found.items()
+    )
     return [
         f"with all joints at zero the height of the section points {told}, not up as the word suggests; "
         "`height_direction: up` at a link stands it upright"

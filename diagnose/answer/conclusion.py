@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from arm.assumptions import default_gravity
 from arm.chain.chain import Arm
 from arm.effects import EFFECTS
 from diagnose.fitting.corrected_arm import corrected_arm
@@ -152,6 +153,7 @@ class Conclusion(Confirmed):
             notes=(
                 *of_camera(self.prepared, self.refit.terms, self.noise),
                 *unseen(self.prepared),
+                *default_gravity(arm),
                 *weights_by_torque(self.observed),
                 *of_weights,
                 *self.observed.alignment.undetermined,

@@ -131,6 +131,8 @@ def _solved(
     problem: Problem, round_to: str | None, round_length: str | None, resume: Path | None, crew: Executor
 ) -> Optimization:
     """Optimise (and round), with a line for each iteration and a bar while combinations are tried."""
+    from linkwright.results.design import rigid_links_words
+    from linkwright.results.figures_in_words import mm
     from linkwright.results.optimization import iteration_line
     from linkwright.screen.console import console
     from linkwright.screen.loudness import loudness
@@ -148,9 +150,16 @@ def _solved(
         with steps.aside():
             screen.print(f"{text}; now looking for what the limits would have to be", soft_wrap=True)
 
+    def begun(before: lw.Evaluation) -> None:
+        if loudness() != "answer" and problem.model.minimize == "max_error":
+            for each in rigid_links_words(before.found):
+                with steps.aside():
+                    screen.print(f"arm as given: {mm(before.found.max_error)}; {each.text}", soft_wrap=True)
+
     given: Any = {"round_to": round_to, "round_length": round_length, "resume": resume}
+    given |= {"progress": steps, "log": log, "out_of_reach": beyond, "begun": begun}
     try:
-        found = lw.optimize(problem, **given, progress=steps, log=log, out_of_reach=beyond, executor=crew)
+        found = lw.optimize(problem, **given, executor=crew)
     except KeyboardInterrupt:
         steps.close()
         _stopped("no design was finished yet, so there is none to keep", resume)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from arm.evaluation import Evaluation as Evaluated
 from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.tradeoff import made_by
@@ -141,6 +142,7 @@ def optimize(
     progress: Progress | None = None,
     log: Callable[[Iteration], None] | None = None,
     out_of_reach: Callable[[str], None] | None = None,
+    begun: Callable[[Evaluation], None] | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
     resume: str | Path | None = None,
@@ -150,7 +152,8 @@ def optimize(
     `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
     (text, or m; 1 mm by default); where no such design keeps the limits, `found.not_rounded` says why and which comes
     nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody looks; `log` of every
-    round; `out_of_reach` at once of a limit that no design can keep. What takes long is done by so many `workers`,
+    round; `out_of_reach` at once of a limit that no design can keep; `begun` of the arm as given, before the first
+    round (its `notes`, and what no link takes away: `rigid_links_mm`). What takes long is done by so many `workers`,
     processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the
     best design so far, marked `interrupted`. `resume` names a file in which every combination solved is noted at once:
     a search that was stopped, however, goes on there when it is asked again, to the same design as without the stop.
@@ -192,7 +195,12 @@ def optimize(
             if log is not None:
                 log(iteration)
 
-        settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "executor": crew, "journal": journal}
+        def starts(before: Evaluated) -> None:
+            if begun is not None:
+                begun(Evaluation(asked.arm, before))
+
+        settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "begun": starts}
+        settings |= {"executor": crew, "journal": journal}
         if rounding is not None:
             found = optimise_rounded(asked.model, rounding, **settings)
         else:

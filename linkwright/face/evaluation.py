@@ -77,6 +77,16 @@ class Evaluation(Reported):
         return self.found.warnings
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What is taken for granted because the files say nothing of it."""
+        return self.found.notes
+
+    @property
+    def rigid_links_mm(self) -> float | None:
+        """The worst error were the links rigid and weightless, mm: what no better link takes away."""
+        return None if self.found.rigid_links_error is None else 1e3 * self.found.rigid_links_error
+
+    @property
     def worst_poses(self) -> pd.DataFrame:
         """The worst poses, worst first: coordinates (deg, mm), load case (from 1), error and its components (mm)."""
         import pandas as pd

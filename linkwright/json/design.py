@@ -206,7 +206,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "workspace": _workspace(arm, evaluation.workspace),
         "load_cases": [_load(case) for case in evaluation.load_cases],
         "relative_to": _relative_to(evaluation),
-        **fields(evaluation, "warnings", "unknown"),
+        **fields(evaluation, "warnings", "notes", "unknown"),
         **_seam(evaluation),
         "thermal_growth_left_out": None if evaluation.growth is None else _growth(evaluation.growth),
         "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,

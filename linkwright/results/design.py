@@ -89,17 +89,16 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
 
 
 def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
-    """What of the error no better link takes away, where that is more than a twentieth of it. Where the links' weight
-    balances a spring, and where it is more than all of the error, it is no part of it."""
+    """What of the error no better link takes away, where that is more than a twentieth of it, and what links can win at
+    best. Where the links' weight balances a spring, and where it is more than all of the error, it is no part of it."""
     rest = evaluation.rigid_links_error
     if any(joint.counterbalance is not None for joint in evaluation.arm.joints):
         return []
     if rest is None or not _TOLD_OF_RIGID_LINKS * evaluation.max_error < rest <= evaluation.max_error:
         return []
-    share = percent(rest / evaluation.max_error)
-    return [
-        Paragraph(f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'", "under")
-    ]
+    share, gain = percent(rest / evaluation.max_error), mm(evaluation.max_error - rest, 3)
+    told = f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'"
+    return [Paragraph(f"{told}, which can win {gain} at best", "under")]
 
 
 def relative_words(evaluation: Evaluation) -> list[Paragraph]:
@@ -114,6 +113,12 @@ def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:
     """Each warning as a paragraph of its own; `which` says of what design."""
     said = f"{which}: " if which else ""
     return [Paragraph(f"{said}{warning}", "warning") for warning in evaluation.warnings]
+
+
+def notes(*evaluations: Evaluation) -> list[Paragraph]:
+    """What is taken for granted, each once."""
+    said = dict.fromkeys(note for evaluation in evaluations for note in evaluation.notes)
+    return [Paragraph(f"note: {each}", "under") for each in said]
 
 
 def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> list[tuple[str, Value, str]]:

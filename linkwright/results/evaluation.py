@@ -32,6 +32,7 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
         *([] if robust is None else [Paragraph(robust_words(robust), "under")]),
         *design.relative_words(evaluation),
         *design.rigid_links_words(evaluation),
+        *design.notes(evaluation),
         *design.warnings(evaluation),
         section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
         section("Side view", Picture("side"), detail=True),

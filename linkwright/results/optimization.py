@@ -53,6 +53,7 @@ def describe(result: OptimizationResult) -> Description:
         *design.seam_words(result.after),
         *design.relative_words(result.after),
         *design.rigid_links_words(result.after),
+        *design.notes(result.before, result.after),
         *_robust(result),
         *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *design.warnings(result.before, "arm as given"),

@@ -60,7 +60,7 @@ class Driven:
 
 
 def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
-    """The arm with these actuators: their stiffness, backlash, mass and price replace those of the joints."""
+    """The arm with these actuators: their stiffnesses, backlash, mass and price replace those of the joints."""
     joints = [
         joint
         if actuator is None
@@ -71,6 +71,7 @@ def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
             zones=actuator.zones,
             backlash=actuator.backlash,
             mass=actuator.mass,
+            tilting_stiffness=actuator.tilting_stiffness,
             cost=None,
         )
         for joint, actuator in zip(arm.joints, assignment, strict=True)

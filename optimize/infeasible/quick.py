@@ -193,6 +193,9 @@ def _ideal(problem: Problem) -> Arm:
             zones=(),
             backlash=min(x.backlash for x in own),
             mass=min(x.mass for x in own),
+            tilting_stiffness=None
+            if any(x.tilting_stiffness is None for x in own)
+            else max(x.tilting_stiffness or 0.0 for x in own),
         )
         for joint, own in zip(arm.joints, problem.actuators, strict=True)
     ]

@@ -12,6 +12,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,12 +61,13 @@ def optimise_rounded(
     log: Log | None = None,
     progress: Progress | None = None,
     told: Callable[[str], None] | None = None,
+    begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
     journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    `log`, `progress`, `told`, `executor` and `journal` as in `optimise`.
+    `log`, `progress`, `told`, `begun`, `executor` and `journal` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
@@ -79,7 +81,8 @@ def optimise_rounded(
     if problem.sizes is not None:
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")
-    result = optimise(problem, log=log, progress=progress, told=told, executor=executor, journal=journal)
+    settings: Any = {"log": log, "progress": progress, "told": told, "begun": begun}
+    result = optimise(problem, **settings, executor=executor, journal=journal)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:

@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Literal
 
 from arm.actuators import Actuator
-from arm.evaluation import evaluate
+from arm.evaluation import Evaluation, evaluate
 from arm.worst.workspace import Unreachable
 from optimize.asked import choices_in_words, limits_in_words, map_of_given
 from optimize.choice.actuators import MOST_ASSIGNMENTS, Assignment, assignments, count, promising, with_actuators
@@ -32,9 +32,13 @@ _BETTER = 1e-6
 
 
 def optimise_driven_lists(
-    problem: Problem, *, progress: Progress | None = None, log: Callable[[Iteration], None] | None = None
+    problem: Problem,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    begun: Callable[[Evaluation], None] | None = None,
 ) -> OptimizationResult:
-    """The best design of a problem with `sizes` and `actuators`; `progress` and `log` as in `optimise`.
+    """The best design of a problem with `sizes` and `actuators`; `progress`, `log` and `begun` as in `optimise`.
 
     Every choice of drives is looked at up to `MOST_ASSIGNMENTS` of them, else joint by joint. Raises `NoAnswer` where
     none has a design that keeps the limits, or none was found.
@@ -44,6 +48,8 @@ def optimise_driven_lists(
         before = evaluate(problem.arm, problem.workspace, problem.load_cases)
     except Unreachable as error:
         raise NoAnswer(f"workspace: {error}") from None
+    if begun is not None:
+        begun(before)
     search = _Drives(problem, progress, log)
     exhaustive = count(problem) <= MOST_ASSIGNMENTS or "actuator" in problem.same
     picks = assignments(problem) if exhaustive else []

@@ -46,9 +46,13 @@ class NoListed(NoAnswer):
 
 
 def optimise_listed(
-    problem: Problem, *, progress: Progress | None = None, log: Callable[[Iteration], None] | None = None
+    problem: Problem,
+    *,
+    progress: Progress | None = None,
+    log: Callable[[Iteration], None] | None = None,
+    begun: Callable[[Evaluation], None] | None = None,
 ) -> OptimizationResult:
-    """The best design of a problem with `sizes`; `progress` and `log` as in `optimise`.
+    """The best design of a problem with `sizes`; `progress`, `log` and `begun` as in `optimise`.
 
     Raises `NoAnswer` where no combination keeps the limits, or none was found; `InputError` where a figure is missing
     that the problem needs.
@@ -58,6 +62,8 @@ def optimise_listed(
     context = context_of(replace(problem, sizes=None))
     try:
         before = evaluate(given.arm, given.workspace, given.load_cases)
+        if begun is not None:
+            begun(before)
         kind = ListSearch if problem.link_length is None else FreeListSearch
         search = kind(context, link_lists(problem), progress=progress, log=log)
         found, after = _found(search)

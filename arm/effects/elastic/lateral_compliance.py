@@ -1,10 +1,14 @@
-"""A joint's bearing gives across its axis: the moment that it carries beside the drive's tilts all that follows."""
+"""A joint's bearing gives across its axis: the moment that it carries beside the drive's tilts all that follows.
+
+It is in the model wherever a joint has a `tilting_stiffness`, of its own or of its drive's catalogue.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from arm.chain.statics import PoseState
+from arm.chain.chain import Joint
+from arm.chain.statics import JointState, PoseState
 from arm.chain.vectors import Scalar, dot, is_zero, scale, subtract
 from arm.effects.effect import Effect, Settings, Twist, size
 from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
@@ -13,17 +17,28 @@ from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     product = settings.values.get("unit_sag", 0.0)
     weighed = under_unit_weights(state) if product != 0.0 else None
+    size = len(state.joints)
     if weighed is not None:
-        yield from _tilted(weighed, settings, product)
-    yield from _tilted(state, settings, settings.values.get("compliance", 0.0))
+        yield from _tilted(weighed, settings, [product] * size)
+    if "compliance" in settings.values or weighed is not None:
+        yield from _tilted(state, settings, [settings.values.get("compliance", 0.0)] * size)
+    else:
+        yield from _tilted(state, settings, [tilting_compliance(joint) for joint in state.joints])
 
 
-def _tilted(state: PoseState, settings: Settings, compliance: Scalar) -> Iterator[Twist]:
-    if state.planar or (isinstance(compliance, float) and compliance == 0.0):
+def tilting_compliance(joint: Joint | JointState) -> float:
+    """The compliance (rad/(N*m)) that an arm file gives a joint's bearing across its axis: 0 where it is rigid."""
+    return 0.0 if joint.tilting_stiffness is None else 1.0 / joint.tilting_stiffness
+
+
+def _tilted(state: PoseState, settings: Settings, compliances: Sequence[Scalar]) -> Iterator[Twist]:
+    if state.planar:
         # In the plane all moments lie along the axes: what rounding leaves beside them is not physics.
         return
-    for index, joint in enumerate(state.joints):
+    for index, (joint, compliance) in enumerate(zip(state.joints, compliances, strict=True)):
         if not joint.revolute or not settings.acts_at(index):
+            continue
+        if isinstance(compliance, float) and compliance == 0.0:
             continue
         across = subtract(joint.moment, scale(dot(joint.axis, joint.moment), joint.axis))
         if not is_zero(across):
@@ -36,6 +51,7 @@ LATERAL_COMPLIANCE = Effect(
     formula="sum c_i (M_i - (M_i . a_i) a_i) x (p - o_i), M_i the moment at joint i, a_i its axis",
     place="joint",
     cause="flexibility",
+    automatic=True,
     needs="poses out of the plane, two loads",
     aliases=("base_compliance", "axis_misalignment", "link_bending"),
     source="A. Klimchik, A. Pashkevich & D. Chablat, Fundamentals of manipulator stiffness modeling using matrix "

@@ -244,6 +244,7 @@ _DRIVE: Mapping[str, str] = MappingProxyType(
         "zone_torques": "torque",
         "backlash": "angle",
         "mass": "mass",
+        "tilting_stiffness": "torsional_stiffness",
         "cost": "cost",
     }
 )

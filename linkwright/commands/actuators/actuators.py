@@ -100,6 +100,9 @@ def show_actuator(
         "backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3) + _mark(found, "backlash")
     )
     shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5) + _mark(found, "mass"))
+    tilting = None if found.tilting_stiffness is None else found.tilting_stiffness / 1e3
+    marked = with_unit(tilting, "kN·m/rad", 5) + _mark(found, "tilting_stiffness")
+    shown.add_row("tilting stiffness of its bearing", marked)
     shown.add_row("cost", _cost_words(found))
     screen.print(shown)
     note = f"{found.note}; " if found.note else ""
@@ -151,6 +154,7 @@ def _as_json(each: Actuator) -> dict[str, Any]:
         "stiffness_zones_Nm_per_rad": list(each.stiffnesses),
         "zone_torques_Nm": list(each.zone_torques),
         "backlash_arcmin": _arcmin(each.backlash),
+        "tilting_stiffness_Nm_per_rad": each.tilting_stiffness,
         "mass_kg": each.mass,
         "cost_EUR": each.cost,
         "cost_spread_EUR": None if each.cost_spread is None else list(each.cost_spread),

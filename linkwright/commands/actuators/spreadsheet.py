@@ -24,6 +24,7 @@ COLUMNS = (
     "zone_torques",
     "backlash",
     "mass",
+    "tilting_stiffness",
     "cost",
     "source",
     "found_in",

@@ -43,7 +43,8 @@ class Actuators(Catalogue[Actuator]):
 
     @property
     def table(self) -> pd.DataFrame:
-        """All actuators: maker, gear, torques (N*m), stiffness (N*m/rad), backlash (rad), mass (kg), cost (EUR)."""
+        """All actuators: maker, gear, torques (N*m), stiffness of drive and bearing (N*m/rad), backlash (rad), mass
+        (kg), cost (EUR)."""
         import pandas as pd
 
         columns = {
@@ -53,6 +54,7 @@ class Actuators(Catalogue[Actuator]):
             "rated_torque": "rated_torque_Nm",
             "peak_torque": "peak_torque_Nm",
             "stiffness": "stiffness_Nm_per_rad",
+            "tilting_stiffness": "tilting_stiffness_Nm_per_rad",
             "backlash": "backlash_rad",
             "mass": "mass_kg",
             "cost": "cost_EUR",

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
+from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.chain.statics import PoseState, solve
+from arm.evaluation import evaluate
 from tests.arm.effects.effect_states import moved
 
 G = 9.81
@@ -35,6 +39,34 @@ def test_a_bearing_tilts_by_the_moment_across_its_axis() -> None:
         state = carried((joint,), (1.5,), [angle], LoadCase(4.0))
         found = tip(state, "lateral_compliance", compliance=1e-6)
         assert found == pytest.approx([0.0, 0.0, -1e-6 * 4.0 * G * 1.5**2], rel=1e-9, abs=1e-15)
+
+
+def test_a_joint_brings_the_stiffness_of_its_bearing() -> None:
+    """As the compliance that is one over it, without being named; on top of what `effects` names."""
+    joint = Joint(axis=UPRIGHT, range=(-3.0, 3.0), tilting_stiffness=2.5e5)
+    link = Link(1.5, mass=0.0)
+    arm = Arm("made", (joint,), (link,), gravity=(0.0, 0.0, -G), payload=LoadCase(4.0))
+    drop = 4.0 * G * 1.5**2 / 2.5e5
+    found = evaluate(arm)
+    assert found.max_error == pytest.approx(drop, rel=1e-9)
+    assert found.by_effect["lateral_compliance"] == pytest.approx(drop, rel=1e-9)
+    assert 1.0 / found.stiffness.value == pytest.approx(1.5**2 / 2.5e5, rel=1e-9)
+    both = replace(arm, effects=(EffectEntry("lateral_compliance", (1,), {"compliance": 1e-6}),))
+    assert evaluate(both).max_error == pytest.approx(drop * (1.0 + 2.5e5 * 1e-6), rel=1e-9)
+    without = replace(arm, leave_out=frozenset({"lateral_compliance"}))
+    assert evaluate(without).max_error == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_bearing_swings_out_of_the_plane_and_sideways_alone() -> None:
+    """A planar arm errs none by its bearing; across its plane a force tilts it by F L, so that K/L^2 is its stiffness;
+    a mass at the end of a level arm on an upright axis swings at sqrt(K/(m L^2))/2 pi."""
+    joint = Joint(axis=UPRIGHT, range=(-1.0, 1.0), tilting_stiffness=4e5, stiffness=1e9)
+    planar = Arm("flat", (joint,), (Link(2.0, mass=0.0),), payload=LoadCase(5.0))
+    found = evaluate(planar)
+    assert "lateral_compliance" not in found.by_effect
+    assert found.sideways.value == pytest.approx(4e5 / 2.0**2, rel=1e-9)
+    level = evaluate(replace(planar, gravity=(0.0, 0.0, -G)))
+    assert level.frequency.value == pytest.approx(math.sqrt(4e5 / 5.0) / 2.0 / (2.0 * math.pi), rel=1e-3)
 
 
 def test_a_drive_carries_what_is_about_the_axis() -> None:

@@ -1,0 +1,64 @@
+"""What an evaluation takes for granted because the files say nothing of it, one sentence each: its notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from arm.chain.chain import Arm, LoadCase
+from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
+from arm.placed.heights import told_of_heights
+from units.quantities import format_quantity
+
+
+def notes_of(arm: Arm, cases: Sequence[LoadCase]) -> tuple[str, ...]:
+    """The assumptions behind the figures of an arm under load cases, most far-reaching first."""
+    return (*default_gravity(arm), *payloads_left_off(cases), *rigid_bearings(arm), *told_of_heights(arm))
+
+
+def default_gravity(arm: Arm) -> list[str]:
+    """One line for an arm in space whose file does not say where gravity acts."""
+    if arm.gravity_given or arm.planar():
+        return []
+    acts = ", ".join(format_quantity(component, "acceleration") for component in arm.gravity)
+    return [
+        f"no gravity is given: it acts along -y of the base frame ([{acts}]); where z is up, write "
+        "gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]"
+    ]
+
+
+def payloads_left_off(cases: Sequence[LoadCase]) -> list[str]:
+    """One line for the load cases that name no payload while the arm carries one."""
+    found: dict[float, list[str]] = {}
+    for number, case in enumerate(cases, start=1):
+        if case.leaves_off:
+            found.setdefault(case.leaves_off, []).append(str(number))
+    return [
+        f"load case{'s' if len(numbers) > 1 else ''} {', '.join(numbers)} name{'' if len(numbers) > 1 else 's'} no "
+        f"payload and so leave{'' if len(numbers) > 1 else 's'} off the arm's {format_quantity(mass, 'mass')}; "
+        f"payload: {{mass: {format_quantity(mass, 'mass')}}} keeps it"
+        for mass, numbers in found.items()
+    ]
+
+
+def rigid_bearings(arm: Arm) -> list[str]:
+    """One line for the joints of an arm in space whose drives give while nothing is known of how their bearings do."""
+    if arm.planar() or LATERAL_COMPLIANCE.id in arm.leave_out:
+        return []
+    told = [entry.at for entry in arm.effects if entry.effect == LATERAL_COMPLIANCE.id]
+    bare = [
+        number
+        for number, joint in enumerate(arm.joints, start=1)
+        if joint.revolute
+        and joint.tilting_stiffness is None
+        and (joint.stiffness is not None or joint.actuator is not None)
+        and not any(not at or number in at for at in told)
+    ]
+    if not bare:
+        return []
+    names = dict.fromkeys(actuator.name for number in bare if (actuator := arm.joints[number - 1].actuator) is not None)
+    lacking = f"the catalogue has none for {', '.join(names)}" if names else "none is given"
+    return [
+        f"the bearing{'s' if len(bare) > 1 else ''} of joint{'s' if len(bare) > 1 else ''} "
+        f"{', '.join(map(str, bare))} count{'' if len(bare) > 1 else 's'} as rigid against tilting: {lacking}; "
+        "tilting_stiffness at a joint says it"
+    ]
