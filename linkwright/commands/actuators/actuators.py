@@ -100,9 +100,10 @@ def show_actuator(
         "backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3) + _mark(found, "backlash")
     )
     shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5) + _mark(found, "mass"))
-    tilting = None if found.tilting_stiffness is None else found.tilting_stiffness / 1e3
-    marked = with_unit(tilting, "kN·m/rad", 5) + _mark(found, "tilting_stiffness")
-    shown.add_row("tilting stiffness of its bearing", marked)
+    tilting = "not known"
+    if found.tilting_stiffness is not None:
+        tilting = with_unit(found.tilting_stiffness / 1e3, "kN·m/rad", 5) + _mark(found, "tilting_stiffness")
+    shown.add_row("tilting stiffness of its bearing", tilting)
     shown.add_row("cost", _cost_words(found))
     screen.print(shown)
     note = f"{found.note}; " if found.note else ""
