@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from optimize.run import optimise
+from tests.costs import slow_but
 from tests.optimize.builders import PAPER_ARM, jointed, measured_price, problem_of, ranged
 
 SIMPLE = jointed([400, 420, 420], ranged("-100 100", "-100 100", "-100 100"))
@@ -70,7 +71,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    slow_but(
+        CASES, "mass, reach and shortest link", "error when mass is minimised", "first frequency", "total mass", "cost"
+    ),
+)
 def test_price_is_what_a_moved_limit_buys(name: str, tmp_path: Path) -> None:
     arm, text, expected = CASES[name]
     problem = problem_of(tmp_path, arm, text)

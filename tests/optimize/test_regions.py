@@ -53,7 +53,12 @@ def poses_in_region(result: OptimizationResult, problem: Problem) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("region", "limits"),
-    [(PATH, MASS), (PATH, FREE), (BOX, MASS), (BOX, FREE)],
+    [
+        (PATH, MASS),
+        pytest.param(PATH, FREE, marks=pytest.mark.slow),
+        (BOX, MASS),
+        pytest.param(BOX, FREE, marks=pytest.mark.slow),
+    ],
     ids=["path", "path, free", "box", "box, free"],
 )
 def test_no_pose_of_the_region_is_worse_than_claimed(region: str, limits: str, tmp_path: Path) -> None:
@@ -115,6 +120,7 @@ def test_free_lengths_do_better_than_fixed_ones(tmp_path: Path) -> None:
     assert free < 0.95 * fixed
 
 
+@pytest.mark.slow
 def test_lengths_do_not_shrink_below_what_the_path_needs(tmp_path: Path) -> None:
     """Nothing but the path keeps the arm long; a design too short for it has no errors there to be judged by."""
     text = "minimize: mass\n" + PATH + "subject_to: {max_error: '<= 2 mm', link_length: [200 mm, 900 mm]}\n"
@@ -124,6 +130,7 @@ def test_lengths_do_not_shrink_below_what_the_path_needs(tmp_path: Path) -> None
     assert result.after.max_error <= 2e-3 * (1.0 + 1e-4)
 
 
+@pytest.mark.slow
 def test_nearly_stretched_arm_keeps_its_elbow(tmp_path: Path) -> None:
     """A pose that may flip its elbow to the other side binds nothing: the exchange would stop short of an answer."""
     arm = jointed((400, 420, 420), ranged("-120 120", "-150 150", "-150 150"))
@@ -137,6 +144,7 @@ def test_nearly_stretched_arm_keeps_its_elbow(tmp_path: Path) -> None:
     assert done.worst.error < 1.21e-3  # 1.216 mm is where it stopped when elbows could flip
 
 
+@pytest.mark.slow
 def test_arm_in_space(tmp_path: Path) -> None:
     """Base about z, shoulder and elbow about y, a sideways force, play in every joint."""
     axes = (("z", -180, 180), ("y", -120, 60), ("y", 20, 140))

@@ -83,6 +83,7 @@ def test_rounded_bars_are_the_best_of_all_on_the_grid(arm: str, tmp_path: Path) 
     assert found.certified
 
 
+@pytest.mark.slow
 def test_a_light_design_within_an_error_is_the_lightest_on_the_grid(tmp_path: Path) -> None:
     text = "minimize: mass\nsubject_to: {max_error: '<= 1.5 mm', safety_factor: '>= 3', section_size: [20 mm, 90 mm]}\n"
     problem = problem_of(tmp_path, TWO, text)
@@ -180,6 +181,7 @@ def test_a_finer_grid_that_holds_the_coarser_one_is_no_worse(tmp_path: Path) -> 
     assert fine <= coarse * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_stock_rows_are_stock_and_come_in_their_material(tmp_path: Path) -> None:
     text = (
         "minimize: mass\n"
@@ -202,6 +204,7 @@ def test_stock_rows_are_stock_and_come_in_their_material(tmp_path: Path) -> None
     assert read_arm(tmp_path / "rounded.yaml") == found.arm
 
 
+@pytest.mark.slow
 def test_poses_of_a_place_in_space_follow_other_lengths(tmp_path: Path) -> None:
     text = (
         "workspace: {path: [[450 mm, 100 mm], [500 mm, 250 mm]]}\n"
@@ -325,6 +328,7 @@ def test_the_command_writes_the_optimum_where_nothing_rounded_will_do(tmp_path: 
 # ---- interrupted
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_sizes_are_compared_keeps_the_optimum(tmp_path: Path) -> None:
     """Before a rounded design there is the optimum alone; after one, that too."""
     text = f"subject_to: {{mass: '<= 6 kg', section_size: [20 mm, 90 mm]}}\nchoose: {{material: [{ALUMINIUM}]}}\n"

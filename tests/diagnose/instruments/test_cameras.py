@@ -94,6 +94,7 @@ def test_what_moves_a_joint_moves_the_reading_to_first_order(on_tool):
         assert seen.drive_moved(joint - 1)[:, :3] * 1e-5 == pytest.approx(moved, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_camera_on_the_tool_names_a_zero_and_a_soft_drive():
     hand = Hand(zeros={3: 8e-4}, compliance={2: 2e-5})
     q, payload = session(30, 3)

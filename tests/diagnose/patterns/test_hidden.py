@@ -8,6 +8,7 @@ import pytest
 from diagnose.diagnosis import diagnose
 from diagnose.patterns import forces
 from diagnose.patterns.forces import pull_found
+from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.patterns.test_forces import between, drawn, place_of, ready
 from tests.diagnose.recorded import planar_tip
@@ -22,7 +23,9 @@ def magnet(seed, cell, core, strength=1.0, poses=120):
     return read(q, given_way(q, drawn(planar_tip(q), place, strength, core)), rng), place
 
 
-@pytest.mark.parametrize(("seed", "cell", "core"), [(1, (3, 2), 0.1), (3, (3, 3), 0.05)])
+@pytest.mark.parametrize(
+    ("seed", "cell", "core"), [pytest.param(1, (3, 2), 0.1, marks=pytest.mark.slow), (3, (3, 3), 0.05)]
+)
 def test_a_sharp_magnet_between_the_points_is_not_missed_by_the_gate(seed, cell, core):
     recording, place = magnet(seed, cell, core)
     found = diagnose(ARM, recording)
@@ -32,7 +35,7 @@ def test_a_sharp_magnet_between_the_points_is_not_missed_by_the_gate(seed, cell,
     assert np.linalg.norm([float(each) for each in told.groups()] - place) < 0.03
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", slow_but([0, 1], 0))
 @pytest.mark.parametrize("cycles", [3.2, 40.3])
 def test_the_joint_of_the_larger_form_is_named(seed, cycles):
     """A period halfway between two of those tried takes a second form; that is no reason to accuse another joint."""
@@ -45,6 +48,7 @@ def test_the_joint_of_the_larger_form_is_named(seed, cycles):
     assert "joint 1" in found.unknown.shape
 
 
+@pytest.mark.slow
 def test_the_sentence_is_about_one_form():
     """A part of one joint's travel is not "near (0.10, 1.07) m"."""
     rng = np.random.default_rng(3)
@@ -56,7 +60,7 @@ def test_the_sentence_is_about_one_form():
     assert "near" not in found.unknown.shape
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 2))
 @pytest.mark.parametrize(("poses", "times"), [(100, 1), (30, 3)])
 def test_readings_of_one_visit_do_not_count_as_so_many_observations(poses, times, seed):
     """Joints that stand off anew by 0.06 mrad at every visit, each read three times; encoder 2 is off by 0.2 mrad."""
@@ -82,7 +86,7 @@ def test_a_pull_moves_off_a_point_whose_coordinate_is_next_to_nought(monkeypatch
     assert np.linalg.norm(place_of(candidate) - place) < 0.01
 
 
-@pytest.mark.parametrize("seed", [0, 4, 7])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow), 7])
 def test_a_true_finding_is_not_left_out_because_of_a_form(seed):
     """Encoder 2 is off by 0.3 mrad; beside it something bends that no reading held out predicts. The library's
     names for that fit better than any form; readings held out refute them, and then a form takes their place."""

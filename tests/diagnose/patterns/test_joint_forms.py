@@ -9,7 +9,14 @@ from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by, visited
 ARM = arm_of_drives()
 
 
-@pytest.mark.parametrize(("seed", "low", "high"), [(0, 0.32, 0.96), (1, 0.32, 0.96), (2, -0.3, 0.0)])
+@pytest.mark.parametrize(
+    ("seed", "low", "high"),
+    [
+        pytest.param(0, 0.32, 0.96, marks=pytest.mark.slow),
+        (1, 0.32, 0.96),
+        pytest.param(2, -0.3, 0.0, marks=pytest.mark.slow),
+    ],
+)
 def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
     """A worn stretch of a gear, say: joint 2 is off by 0.15 mrad in there, and nowhere else."""
     rng = np.random.default_rng(seed)
@@ -25,7 +32,7 @@ def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
     assert found.unknown.amplitude == pytest.approx(found.rms_before, rel=0.35)
 
 
-@pytest.mark.parametrize("joint", [1, 2, 3])
+@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow), 3])
 def test_a_joint_that_goes_to_and_fro_with_time(joint):
     """0.1 mrad with a period of 9 visits, in 150 visits to random poses."""
     rng = np.random.default_rng(joint)
@@ -46,10 +53,10 @@ def test_a_joint_that_goes_to_and_fro_with_time(joint):
 @pytest.mark.parametrize(
     ("joint", "other", "law"),
     [
-        (1, 3, lambda q: q[:, 2]),
+        pytest.param(1, 3, lambda q: q[:, 2], marks=pytest.mark.slow),
         (2, 3, lambda q: q[:, 2] ** 2),
-        (3, 2, lambda q: q[:, 1] * q[:, 2]),
-        (2, 1, lambda q: q[:, 0] * q[:, 1]),
+        pytest.param(3, 2, lambda q: q[:, 1] * q[:, 2], marks=pytest.mark.slow),
+        pytest.param(2, 1, lambda q: q[:, 0] * q[:, 1], marks=pytest.mark.slow),
     ],
 )
 def test_a_joint_that_is_off_by_where_another_stands(joint, other, law):
@@ -67,6 +74,7 @@ def test_a_joint_that_is_off_by_where_another_stands(joint, other, law):
     assert found.rms_after < 1.15 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_a_coupling_to_the_joint_before_keeps_its_name():
     """The form could tell it as well; an entry of the library goes before it."""
     rng = np.random.default_rng(4)

@@ -27,7 +27,7 @@ def recorded(folder: Path, arm: Arm, names: list[str], columns: list[Array], tip
     return read_recording(written(folder / "recording.csv", table), arm, folder / "recording.yaml")
 
 
-@pytest.mark.parametrize("bends", [True, False])
+@pytest.mark.parametrize("bends", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_mast_is_told_from_the_base_by_its_height(tmp_path: Path, bends: bool) -> None:
     """A boom of reach r turns on a carriage at height h. The payload's moment m g r bends the mast towards it, by
     m g r h^2/(2EI) and a slope m g r h/EI; a base that gives turns by c m g r whatever the height."""

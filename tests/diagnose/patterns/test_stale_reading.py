@@ -5,6 +5,7 @@ import pytest
 
 from diagnose.diagnosis import diagnose
 from diagnose.reading.read import read_recording
+from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives
 from tests.diagnose.recorded import planar_tip, table, written
 
@@ -25,7 +26,7 @@ def logged(folder, seed, share, commands=False):
     return read_recording(written(folder / "recording.csv", columns), ARM, folder / "recording.yaml")
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_the_share_of_the_move_still_to_come_is_found(tmp_path, seed):
     """The move is told by the logged angles, whose differences lack a share of a share: 3e-4 of it."""
     found = diagnose(ARM, logged(tmp_path, seed, np.array([0.0, 3e-4, 0.0])))
@@ -36,6 +37,7 @@ def test_the_share_of_the_move_still_to_come_is_found(tmp_path, seed):
     assert size.value == pytest.approx(3e-4, rel=0.05)
 
 
+@pytest.mark.slow
 def test_where_commands_are_logged_the_joint_stood_at_them(tmp_path):
     found = diagnose(ARM, logged(tmp_path, 1, np.array([4e-4, 0.0, 0.0]), commands=True))
     assert [(each.effect, each.at) for each in found.findings] == [("stale_reading", (1,))]
@@ -45,6 +47,7 @@ def test_where_commands_are_logged_the_joint_stood_at_them(tmp_path):
     assert len(found.findings[0].parameters) == 1
 
 
+@pytest.mark.slow
 def test_angles_read_in_time_are_not_called_stale(tmp_path):
     for seed in range(4):
         assert diagnose(ARM, logged(tmp_path, seed, np.zeros(3))).verdict == "none"

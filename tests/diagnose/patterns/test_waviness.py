@@ -26,6 +26,7 @@ def wavy(rng, count=1400):
     return arm, Recording(file="", q=q, tip=noisy, row=np.arange(1, count + 1)), error
 
 
+@pytest.mark.slow
 def test_a_curve_is_one_finding():
     arm, recording, error = wavy(np.random.default_rng(4))
     found = diagnose(arm, recording)

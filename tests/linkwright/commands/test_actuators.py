@@ -151,6 +151,7 @@ def test_evaluate_tells_what_the_drives_hold(linkwright, bench):
     assert "CSG-14-100-2UH" in found["unknown"]["cost"]
 
 
+@pytest.mark.slow
 def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, bench):
     (bench / "choice.yaml").write_text(CHOICE)
     arguments = ("optimize", "choice.yaml", "--round", "stock", "--out", "out", "--json", "r.json")

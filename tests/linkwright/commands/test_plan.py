@@ -48,6 +48,7 @@ def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     assert again.text() == plan.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("bench")
 def test_the_loop_goes_by_planes_that_are_touched(linkwright):
     """The same by commands alone, where a dial gauge touches planes: `simulate --at` touches what the plan names."""
@@ -75,6 +76,7 @@ def test_the_loop_goes_by_planes_that_are_touched(linkwright):
     assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("bench")
 @pytest.mark.parametrize("instrument", ["same_point", "bar"])
 def test_an_offset_is_named_where_few_touches_tell_where_a_point_is(instrument):
@@ -88,6 +90,7 @@ def test_an_offset_is_named_where_few_touches_tell_where_a_point_is(instrument):
     assert [(each.effect, each.at) for each in found.found.findings] == [("encoder_offset", (2,))]
 
 
+@pytest.mark.slow
 def test_after_two_recordings_what_neither_tells_is_planned(linkwright, tmp_path):
     """Both from one side without a load: together they leave open what each does, and what both show counts."""
     files = [tmp_path / "first.csv", tmp_path / "second.csv"]
@@ -104,6 +107,7 @@ def test_after_two_recordings_what_neither_tells_is_planned(linkwright, tmp_path
     assert {"backlash"} < {each["effect"] for each in both["shown"]}
 
 
+@pytest.mark.slow
 def test_figures_are_those_of_the_plan(tmp_path):
     """The same seed, the same plan; tables, picture and file agree."""
     found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3)
@@ -144,6 +148,7 @@ def test_wrong_input_is_one_line(linkwright, options, said):
     assert said in err
 
 
+@pytest.mark.slow
 def test_after_a_recording_in_a_free_frame_that_leaves_nothing_open(tmp_path):
     """The frame stays free, everything is asked, and it is said."""
     first = tmp_path / "first.csv"

@@ -66,6 +66,7 @@ def _diagnosed(linkwright, folder, *recordings):
     return json.loads((folder / "found.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_wire_tells_play_once_the_deciding_visits_are_made(linkwright, first):
     """One of several; the visits that decide, by the same wire without a word of it; named."""
     before = _diagnosed(linkwright, first, "first.csv")
@@ -93,6 +94,7 @@ def test_a_wire_tells_play_once_the_deciding_visits_are_made(linkwright, first):
 GIVES = {"effect": "joint_compliance", "at": 2, "compliance": "60 urad/(N*m)"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "header", "setting"),
     [

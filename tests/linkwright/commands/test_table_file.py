@@ -98,6 +98,7 @@ def test_actuators_come_back_from_a_spreadsheet(linkwright, bench, monkeypatch):
     assert (bench / "mine.yaml").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_papers_tables_as_latex_and_parquet(linkwright, bench):
     for kind in ("parquet", "tex"):
         status, _, said = linkwright("tables", "--quick", "--csv", f"as-{kind}", "--as", kind)
