@@ -95,6 +95,7 @@ def test_no_point_is_dominated_by_another(traced: Tradeoff) -> None:
             assert one.y > other.y
 
 
+@pytest.mark.slow
 def test_straight_lines_between_points_are_right(traced: Tradeoff) -> None:
     """New problems between the points, a third of the way, where the refinement never looked."""
     points, steps = traced.of(traced.envelope), traced.envelope.steps
@@ -180,6 +181,7 @@ def test_price_along_the_front_is_that_of_the_optimiser(traced: Tradeoff) -> Non
     assert 1e3 * slope == pytest.approx(measured_price(problem, limit), rel=0.01)
 
 
+@pytest.mark.slow
 def test_swapped_axes_give_the_same_front(traced: Tradeoff, folder: Path) -> None:
     """Least mass for an error is the least error for a mass."""
     swapped = trade_off(asked_of(folder, TWO, "max_error", "mass"), accuracy=COARSE)
@@ -190,6 +192,7 @@ def test_swapped_axes_give_the_same_front(traced: Tradeoff, folder: Path) -> Non
             assert point.x == pytest.approx(np.interp(point.y, x, y), rel=0.02)
 
 
+@pytest.mark.slow
 def test_maximised_figures_grow_towards_better(tmp_path: Path) -> None:
     text = f"choose: {{section: tube}}\nsubject_to: {{{SIZES}, mass: '<= 1 kg', first_frequency: '>= 11 Hz'}}\n"
     result = trade_off(asked_of(tmp_path, text, "mass", "first_frequency"), accuracy=0.2)
@@ -202,6 +205,7 @@ def test_maximised_figures_grow_towards_better(tmp_path: Path) -> None:
     assert points[0].slope is None or points[0].slope > 0.0
 
 
+@pytest.mark.slow
 def test_reach_goes_either_way(tmp_path: Path) -> None:
     text = f"choose: {{section: tube}}\nsubject_to: {{mass: '<= 4 kg', link_length: [300 mm, 600 mm], {SIZES}}}\n"
     long = trade_off(asked_of(tmp_path, text, "reach", "max_error"), accuracy=0.2)
@@ -214,6 +218,7 @@ def test_reach_goes_either_way(tmp_path: Path) -> None:
     assert short.points[0].x == pytest.approx(0.6, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     # Rods of at most 40 mm: aluminium is the lighter, steel the stiffer where there is no more room.
     rigid = jointed((500, 400), ranged("-100 100", "30 140", more=""))
@@ -236,6 +241,7 @@ def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     assert straight == pytest.approx(best, rel=0.04)
 
 
+@pytest.mark.slow
 def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
     asked = asked_of(folder, "choose: {section: tube}\n" + LIMITS, "mass", "max_error")
     key, path = digest(asked, COARSE), tmp_path / "journal.jsonl"

@@ -5,10 +5,11 @@ import pytest
 
 from diagnose.diagnosis import diagnose
 from diagnose.residual.observe import observe
+from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 
 
-@pytest.mark.parametrize("turns", [0.0, 2e-4])
+@pytest.mark.parametrize("turns", slow_but([0.0, 2e-4], 0.0))
 def test_a_target_that_hardly_turns_leaves_the_tool_alone(turns):
     """Frame and tool are free, the tool keeps its direction to within `turns`: it must not run off, and encoder 2, 0.3
     mrad off, is found as it is."""
@@ -75,7 +76,7 @@ def test_rounded_readings_still_show_what_is_large():
     assert found.unknown is None
 
 
-@pytest.mark.parametrize("gives", [0.0, 3e-5])
+@pytest.mark.parametrize("gives", slow_but([0.0, 3e-5], 0.0))
 def test_a_fifth_of_bad_readings_is_set_aside_not_explained(gives):
     """Pairs at 50 poses, one reading in five off by a millimetre: the pair's other reading tells that it is no
     physics."""

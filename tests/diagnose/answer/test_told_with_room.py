@@ -14,6 +14,7 @@ from diagnose.residual.observe import observe
 from diagnose.search.aliases import rivals
 from diagnose.search.naming import Namer
 from linkwright.json.diagnosis import diagnosis_json
+from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, LENGTHS, SIGMA, file, noise, poses, recording, tips
 
 
@@ -121,7 +122,7 @@ def test_an_arm_that_scatters_by_twice_the_noise_lacks_nothing():
     assert found.scatter is not None
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", slow_but([1, 2], 1))
 def test_a_gear_errs_twice_a_turn_though_its_joint_turns_by_less_than_half(seed):
     """Joint 2 goes through 0.83 of a wave: neither an eccentricity nor order 3."""
     q = np.repeat(poses(seed, 60), 2, axis=0)

@@ -10,6 +10,7 @@ from diagnose.residual.told_apart import rather_with_time
 from diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
 from diagnose.rules.rules import RULES
 from diagnose.several.recordings import together
+from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 
 
@@ -121,7 +122,7 @@ def test_a_walk_is_not_what_a_hall_that_warms_evenly_does():
     assert any(note.startswith("The instrument wanders") for note in found.notes)
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", slow_but([3, 4], 3))
 def test_what_does_follow_the_temperature_is_no_walk(seed):
     warm = 6.0 * np.sin(np.linspace(0.0, 2.0 * np.pi, 100))
     found = _warming(seed, warm, lambda _: SIGMA * np.outer(warm, [1.0, -0.5]))
@@ -154,7 +155,7 @@ def _gone_along(q, moved):
     return recording(q, tip + noise(7, len(q)) + moved(8.0 * np.arange(len(q)), np.random.default_rng(3)))
 
 
-@pytest.mark.parametrize("rounds", [1, 4])
+@pytest.mark.parametrize("rounds", slow_but([1, 4], 1))
 def test_physics_along_a_raster_is_no_wander(rounds):
     """Poses and time go together in one round; in four, what the arm does comes back with the pose."""
     q = _raster(rounds)

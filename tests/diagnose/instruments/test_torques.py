@@ -89,6 +89,7 @@ def test_a_link_that_is_heavier_than_the_file_says_is_told_and_its_drive_judged_
     assert len(result.findings) == 1
 
 
+@pytest.mark.slow
 def test_torques_of_another_scale_say_nothing_against_the_weights():
     result = diagnose(weighed_arm(), recorded(scale=1.2))
 

@@ -70,7 +70,9 @@ def recorded(seed: int, centres: tuple[tuple[float, float, float], ...], payload
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("centres", "payloads"), [(ON_LINE, (0.0, 3.0)), (BESIDE, (0.0,))])
+@pytest.mark.parametrize(
+    ("centres", "payloads"), [(ON_LINE, (0.0, 3.0)), pytest.param(BESIDE, (0.0,), marks=pytest.mark.slow)]
+)
 def test_what_nobody_has_weighed_is_fitted_to_the_torques_and_written(centres, payloads):
     found = with_written(diagnose(spatial_arm(), recorded(1, centres, payloads)), load_catalogue(user=False))
 
@@ -102,6 +104,7 @@ def test_what_nobody_has_weighed_is_fitted_to_the_torques_and_written(centres, p
     assert any("What link 1 weighs loads no drive" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_without_torques_only_products_of_compliance_and_weight_show():
     arm = planar.file_arm()
     arm = arm.with_links(tuple(replace(link, mass=None, center_of_mass=None) for link in arm.links))

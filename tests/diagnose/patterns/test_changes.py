@@ -11,6 +11,7 @@ import pytest
 from diagnose.diagnosis import diagnose
 from diagnose.result import Diagnosis
 from sections.numeric import Array
+from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, poses, recording
 
 VISITS, FIRST = 50, 22
@@ -55,7 +56,7 @@ def changed(what: str) -> Diagnosis:
     return diagnosed(1, gives=lambda torque: torque * (GIVES + AFTER[:, None] * np.array([0.0, 8e-6, 0.0])))
 
 
-@pytest.mark.parametrize("what", ["tool", "load", "stiffness"])
+@pytest.mark.parametrize("what", slow_but(["tool", "load", "stiffness"], "tool"))
 def test_a_step_in_time_is_told_by_what_has_changed(what: str) -> None:
     found = changed(what)
     assert found.verdict == "unknown"
@@ -70,7 +71,7 @@ def test_a_step_in_time_is_told_by_what_has_changed(what: str) -> None:
         assert "(joint 2)" in found.unknown.shape
 
 
-@pytest.mark.parametrize("what", ["ridge", "kink"])
+@pytest.mark.parametrize("what", slow_but(["ridge", "kink"], "ridge"))
 def test_what_has_no_form_is_not_named(what: str) -> None:
     """An angle that is off by the sharp ridge of two others' product, and a drive that gives to one side only: no cause
     of the library, nor one of its forms, is the answer."""

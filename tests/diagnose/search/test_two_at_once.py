@@ -9,6 +9,7 @@ import pytest
 
 from diagnose.search.naming import Namer, name_missing
 from sections.numeric import Array
+from tests.costs import slow_but
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 CAUSES = (("joint_compliance", (1,)), ("encoder_offset", (0,)))
@@ -52,7 +53,7 @@ def test_they_are_not_sought_where_the_mismatch_may_be_noise() -> None:
     assert found.gate[0].p_value > LEVEL
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", slow_but(range(4), 2))
 def test_loud_visits_that_only_scatter_get_no_two_names(seed: int) -> None:
     """Of all pairs the best is chosen, and its p-value allows for that: by the usual level nothing is found."""
     null = prepared_null()

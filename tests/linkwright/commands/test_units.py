@@ -33,6 +33,7 @@ def two_units(bench):
     return bench
 
 
+@pytest.mark.slow
 def test_each_unit_has_an_arm_file_that_holds_on_its_other_recordings(linkwright, two_units):
     status, out, _ = linkwright("diagnose", "arm.yaml", "a.csv", "b.csv", "--units", "--out", "found")
     assert status == 0

@@ -72,6 +72,7 @@ def on_a_terminal(bench, columns, **environment):
     return shown.decode()
 
 
+@pytest.mark.slow
 def test_narrow_terminals_and_no_colour(bench):
     """60 columns hold every table, no bar is folded, and nothing has a colour (30 to 49) where NO_COLOR is set."""
     shown = on_a_terminal(bench, 60, NO_COLOR="1")
