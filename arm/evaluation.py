@@ -23,11 +23,12 @@ from arm.errors.tip import active_effects
 from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
 from arm.limits.joint_loads import JointLoad, joint_loads
+from arm.limits.local_buckling import LocalBuckling, buckling_walls, loads_case, local_buckling
 from arm.limits.sideways import least_sideways
 from arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
 from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
 from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance, tips_of
-from arm.limits.walls import WallsResult, slender_walls, walls_of
+from arm.limits.walls import WallsResult, walls_of
 from arm.limits.weakest_poses import weakest_poses
 from arm.worst.coverage import Unreached, unreached
 from arm.worst.growth import GrowthLeftOut, growth_left_out
@@ -96,6 +97,7 @@ class Evaluation:
     reach: float
     strength: StrengthResult
     walls: WallsResult
+    local_buckling: LocalBuckling
     frequency: Frequency | None
     stiffness: TipStiffness | None
     compliance: Compliance
@@ -179,6 +181,9 @@ def evaluate(
     walls = walls_of(arm)
     if walls.unknown is not None:
         unknown["wall_slenderness"] = walls.unknown
+    buckling = local_buckling(arm, [loads_case(arm, case) for case in cases], beams, poses, p, search)
+    if buckling.unknown is not None:
+        unknown["local_buckling"] = buckling.unknown
     sideways = None
     try:
         sideways = least_sideways(arm, cases, poses, search) if model.planar else None
@@ -222,6 +227,7 @@ def evaluate(
         reach=max(sum(arm.lengths[index] for index in arm.on(tip).to_tip) for tip in tips),
         strength=strength,
         walls=walls,
+        local_buckling=buckling,
         frequency=frequency,
         stiffness=None if gives_unknown(given) else least_stiffness(give, poses, p, search),
         compliance=_compliance(np.array(where), own.matrices(np.array([where]), p)[0]),
@@ -233,7 +239,7 @@ def evaluate(
             *doubtful_materials(arm),
             *shapeless(beyond),
             *warnings_of(strength),
-            *slender_walls(walls),
+            *buckling_walls(buckling),
             *overloaded(arm, drives),
         ),
         unknown=MappingProxyType(unknown),

@@ -37,6 +37,7 @@ from typing import TypeAlias, cast, get_args
 
 from materials.laminate import Ply, Unbalanced, wall_of
 from materials.material import Constant, Law, Material, Polynomial, Property, PropertyName, Table, property_kinds
+from materials.walls import Orthotropic
 from units.quantities import InputError, format_quantity, read_quantity, shown
 from units.reading import Mapping
 from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
@@ -124,15 +125,16 @@ def _read(
     for property_name, item in properties.items():
         unconfirmed, found = marks[property_name]
         properties[property_name] = replace(item, unconfirmed=unconfirmed, found_in=found)
+    bending = None
     if mapping.has("laminate"):
-        made = read_laminate(mapping, references, default_source, find)
+        made, bending = read_laminate(mapping, references, default_source, find)
         for follows in made.keys() & set(properties) & set(FOLLOWING):
             raise mapping.error(follows, "follows from the laminate; leave it out")
         properties, isotropic = made | properties, False
     used = [item.source for item in properties.values()] + [magnetic_source]
     cited = {key: references[key] for key in used if references is not None and key}
     told = marks.get("magnetic", ("", ""))
-    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited, *told)
+    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited, *told, bending)
     _check_values(material, mapping)
     return material
 
@@ -268,9 +270,9 @@ _ALIKE: tuple[PropertyName, ...] = ("density", "cost", "machining_cost", "heat_c
 
 def read_laminate(
     mapping: Mapping, references: MappingLike[str, str] | None, default_source: str, find: Finder
-) -> dict[PropertyName, Property]:
-    """The properties that a material's `laminate` gives it, over the temperatures that all of the ply's are known for.
-    Raises `InputError`."""
+) -> tuple[dict[PropertyName, Property], Orthotropic]:
+    """The properties that a material's `laminate` gives it, over the temperatures that all of the ply's are known for,
+    and how its walls bend. Raises `InputError`."""
     with mapping.mapping("laminate").reading() as keys:
         angles = _quantities(keys, "angles", "angle")
         thicknesses = _quantities(keys, "thicknesses", "length") if keys.has("thicknesses") else None
@@ -318,7 +320,7 @@ def read_laminate(
     for name in _ALIKE:
         if name in ply.properties:
             made[name] = replace(ply.properties[name], source=source)
-    return made
+    return made, wall.bending
 
 
 def _ply(keys: Mapping, find: Finder) -> Material:

@@ -16,6 +16,8 @@ from typing import Literal, Protocol, get_args
 from units.quantities import InputError
 from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
+from .walls import Orthotropic, WallCompliance, orthotropic, wall_compliance
+
 PropertyName = Literal[
     "elastic_modulus",
     "poisson_ratio",
@@ -185,7 +187,7 @@ class MaterialValues:
 
     `cost` is EUR/kg. `shear_modulus` is the entry's own or, for an isotropic material, E/(2(1+nu)). `beyond`
     names the properties that the entry has, but not at this temperature, with their valid ranges (K).
-    `wall_modulus` is the elastic modulus of an isotropic material whose walls would buckle under the same compression.
+    `walls` tells how thin walls buckle; None where their stiffnesses are not known.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the elastic and the shear modulus at the temperature of
     a calibration over those here.
     """
@@ -202,7 +204,7 @@ class MaterialValues:
     machining_cost: float | None = None
     transverse_modulus: float | None = None
     transverse_expansion: float | None = None
-    wall_modulus: float | None = None
+    walls: WallCompliance | None = None
     highest_service_temperature: float | None = None
     tensile_strength: float | None = None
     fatigue_strength: float | None = None
@@ -224,22 +226,10 @@ class MaterialValues:
             raise MissingProperty(self.material, name)
         return value
 
-
-def _wall_modulus(values: MaterialValues) -> float | None:
-    """The elastic modulus (Pa) of an isotropic material (nu 0.3) whose flat walls, simply held at their edges, would
-    buckle under the same compression; None where the material's own is not known.
-
-    A long orthotropic plate of width b buckles under N = 2 pi^2/b^2 (sqrt(D11 D22) + D12 + 2 D66): R. M. Jones,
-    Buckling of Bars, Plates, and Shells, Bull Ridge, 2006. Round walls are held to it too, which a
-    cylinder under bending keeps to within its knock-down. A material without a transverse modulus counts as isotropic.
-    """
-    along, across, shear = values.elastic_modulus, values.transverse_modulus, values.shear_modulus
-    if along is None or across is None or shear is None or values.poisson_ratio is None:
-        return along
-    major = values.poisson_ratio
-    minor = major * across / along
-    plate = (math.sqrt(along * across) + minor * along) / (1.0 - major * minor) + 2.0 * shear
-    return 0.5 * (1.0 - 0.3**2) * plate
+    @property
+    def wall_modulus(self) -> float | None:
+        """The modulus (Pa) of an isotropic material whose flat walls would buckle under the same compression."""
+        return None if self.walls is None else self.walls.modulus
 
 
 @dataclass(frozen=True)
@@ -249,7 +239,8 @@ class Material:
     `magnetic` tells whether it is ferromagnetic (None: not known). `isotropic` materials have consistent E, G
     and nu; for others the elastic modulus is the one along the link. `family` is the catalogue file's name.
     `references` holds the text of each source that a property names. `magnetic_unconfirmed` and `magnetic_found_in` say
-    of `magnetic` what those of a `Property` say of its value.
+    of `magnetic` what those of a `Property` say of its value. `bending` is 12 D/t^3 of a wall of plies, None where a
+    wall is the same all through.
     """
 
     name: str
@@ -262,6 +253,7 @@ class Material:
     references: MappingLike[str, str] = field(default_factory=lambda: MappingProxyType(dict[str, str]()))
     magnetic_unconfirmed: str = ""
     magnetic_found_in: str = ""
+    bending: Orthotropic | None = None
 
     def __post_init__(self) -> None:
         """Freeze the mappings too."""
@@ -335,7 +327,7 @@ class Material:
                     raise
                 beyond.append((name, error.valid))
         found = MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
-        found = replace(found, wall_modulus=_wall_modulus(found))
+        found = replace(found, walls=self._walls(found))
         if calibrated_at is None or calibrated_at == temperature or found.elastic_modulus is None:
             return found
         softer = self.need("elastic_modulus", calibrated_at) / found.elastic_modulus
@@ -343,6 +335,20 @@ class Material:
         if found.shear_modulus is not None:
             shear = self.need("shear_modulus", calibrated_at) / found.shear_modulus
         return replace(found, stiffness_when_calibrated=softer, shear_when_calibrated=shear)
+
+    def _walls(self, values: MaterialValues) -> WallCompliance | None:
+        """How thin walls buckle, by the values at one temperature."""
+        along, poisson_ratio = values.elastic_modulus, values.poisson_ratio
+        if along is None:
+            return None
+        if self.isotropic:
+            # As for sections: what has no Poisson's ratio takes that of most metals.
+            poisson_ratio = 0.3 if poisson_ratio is None else poisson_ratio
+            return wall_compliance(orthotropic(along, along, 0.5 * along / (1.0 + poisson_ratio), poisson_ratio))
+        around, shear = values.transverse_modulus, values.shear_modulus
+        if around is None or shear is None or poisson_ratio is None:
+            return None
+        return wall_compliance(orthotropic(along, around, shear, poisson_ratio), self.bending)
 
     def at_bound(self, which: Literal["low", "high"], **bounds: bool) -> Material:
         """Return the material with the properties named true at one end of their spread, constant over their

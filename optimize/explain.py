@@ -50,6 +50,7 @@ def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple
                 unit=unit,
                 price=tightening * multiplier * worth / (limit.value * factor),
                 price_unit=price_unit(problem, unit),
+                assumed=limit.assumed,
             )
         )
     return (*found, *_bounds(problem, choice, solution, worth))

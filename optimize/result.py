@@ -33,7 +33,8 @@ class BindingLimit:
     """A limit that holds the optimum, and its price: the change of the objective for one unit more of it.
 
     `text` is for people ("mass <= 26 kg"); `value` is what the design has and `limit` what it may have, in `unit`;
-    `price` is the objective's change (in `price_unit`, negative is better) for one `unit` more.
+    `price` is the objective's change (in `price_unit`, negative is better) for one `unit` more. `assumed`: nobody asked
+    for it.
     """
 
     name: str
@@ -43,6 +44,7 @@ class BindingLimit:
     unit: str
     price: float
     price_unit: str
+    assumed: bool = False
 
 
 @dataclass(frozen=True)

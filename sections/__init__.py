@@ -35,11 +35,12 @@ from sections.shapes import (
     Tube,
 )
 from sections.stock.tables import Stock, StockSize, load_stock, section_from_name
-from sections.walls import Wall, WallLimit, is_solid, local_buckling, walls
+from sections.walls import Arc, Wall, WallLimit, is_solid, slenderness_limits, walls
 
 __all__ = [
     "SHAPES",
     "Angle",
+    "Arc",
     "Bounds",
     "Channel",
     "Circle",
@@ -71,7 +72,7 @@ __all__ = [
     "build",
     "is_solid",
     "load_stock",
-    "local_buckling",
     "section_from_name",
+    "slenderness_limits",
     "walls",
 ]

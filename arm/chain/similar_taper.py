@@ -98,7 +98,13 @@ def _by_moments(ratio: Any) -> BendingFactors:
     )
 
 
-def _station(share: float, ratio: Any, sums: Any) -> Station:
+def similar_station(share: Any, log_taper: Any) -> Station:
+    """A cut of such a taper at a share of its length from its joint, in symbols too."""
+    ratio = ca.exp(log_taper)
+    return _station(share, ratio, 1.0 + ratio + ratio * ratio)
+
+
+def _station(share: Any, ratio: Any, sums: Any) -> Station:
     t = 1.0 - share
     slope = 1.0 - ratio
     size = ratio + slope * t

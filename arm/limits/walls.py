@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from arm.chain.chain import Arm, Link
-from sections import Section, is_solid, local_buckling
+from sections import Section, is_solid, slenderness_limits
 from sections.taper import Tapered
 
 
@@ -72,7 +72,7 @@ def _worst_wall(arm: Arm, number: int, link: Link) -> LinkWalls:
     found = LinkWalls(number)
     for section in sections:
         assert section is not None
-        known = local_buckling(section, values.yield_strength, values.wall_modulus)
+        known = slenderness_limits(section, values.yield_strength, values.wall_modulus)
         if known is None:
             return LinkWalls(number, unknown=f"the walls of link {number + 1} ({section.shape}) are not known")
         for each in known:
@@ -80,13 +80,3 @@ def _worst_wall(arm: Arm, number: int, link: Link) -> LinkWalls:
             if (own.utilisation or 0.0) > (found.utilisation or 0.0):
                 found = own
     return found
-
-
-def slender_walls(result: WallsResult) -> list[str]:
-    """One line for each link whose walls buckle before they yield."""
-    return [
-        f"link {each.link + 1}: walls buckle before they yield ({each.wall}: slenderness {each.slenderness:.4g}, "
-        f"at most {each.greatest:.4g} in class 3 of EN 1993-1-1)"
-        for each in result.links
-        if each.utilisation is not None and each.utilisation > 1.0 + 1e-6
-    ]

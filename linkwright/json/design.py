@@ -110,12 +110,15 @@ def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]
 
 def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
     strength = evaluation.strength
+    walls = {each.link: each for each in evaluation.local_buckling.links}
     return [
         {
             "link": link + 1,
             "stress_MPa": strength.stress[index] / 1e6,
             "safety_factor": strength.safety_factor[index],
             "buckling": strength.buckling[index],
+            "local_buckling": walls[link].factor,
+            "wall": walls[link].wall,
             "deflection_share_of_length": strength.deflection[index],
             "worst_stress_pose": {
                 **coordinates(evaluation.arm, strength.poses[index][0]),
@@ -284,7 +287,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "before": evaluation_figures(result.before, result.figures),
         **_worse(result, result.after),
         "binding": [
-            fields(each, "name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit")
+            fields(each, "name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit", "assumed")
             for each in result.binding
         ],
         "iterations": len(result.iterations),

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
 from arm.evaluation import Evaluation
+from arm.limits.local_buckling import LinkBuckling
 from arm.placed.heights import heights
 from arm.worst.search import WorstPose
 from optimize.limits import FIGURES, Figure
@@ -220,16 +221,27 @@ def strength(named: Named) -> Table | Paragraph:
     """How near each link is to yielding, buckling or bending too far."""
     rows: list[list[Cell]] = []
     for link in range(max(evaluation.arm.size for _, evaluation in named)):
-        shown = [(when, evaluation.strength) for when, evaluation in named if link in evaluation.strength.links]
-        for k, (when, found) in enumerate(shown):
+        shown = [(when, evaluation) for when, evaluation in named if link in evaluation.strength.links]
+        for k, (when, evaluation) in enumerate(shown):
+            found = evaluation.strength
             at = found.links.index(link)
             stress = amount(found.stress[at] / 1e6, "MPa", 3)
-            factors = [number(found.safety_factor[at], 3), number(found.buckling[at], 4)]
+            (walls,) = [each for each in evaluation.local_buckling.links if each.link == link]
+            factors = [number(found.safety_factor[at], 3), number(found.buckling[at], 4), _walls(walls)]
             rows.append([*_label(link + 1, when, again=k > 0), stress, *factors, share(found.deflection[at])])
     if not rows:
         return Paragraph("No link has a section, so there is no stress to tell.")
-    headings = ("greatest stress", "safety factor", "buckling", "bends by, of its length")
+    headings = ("greatest stress", "safety factor", "buckling", "local buckling", "bends by, of its length")
     return table((*_link_heads(named), *headings), rows)
+
+
+def _walls(found: LinkBuckling) -> Cell:
+    """The factor of the wall that is nearest to buckling, and which it is."""
+    if found.factor is None:
+        return "not known"
+    if found.wall is None:
+        return "–"
+    return f"{figure(found.factor, 3)} ({found.wall})"
 
 
 def stiffness(named: Named) -> Table:

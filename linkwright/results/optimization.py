@@ -60,6 +60,7 @@ def describe(result: OptimizationResult) -> Description:
         *design.warnings(result.after, "new design"),
         *design.sideways(result.before, result.after, result.limits, "new design"),
         *_not_judged(result),
+        *_not_asked_for(result),
         *rounding.warnings(result),
         _facts(result),
         section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
@@ -105,6 +106,17 @@ def _not_judged(result: OptimizationResult) -> list[Paragraph]:
     unknown = [(name, reason) for name, reason in result.after.unknown.items() if name in limited]
     return [
         Paragraph(f"new design: {result.figures[name].title} is not known: {why}", "warning") for name, why in unknown
+    ]
+
+
+def _not_asked_for(result: OptimizationResult) -> list[Paragraph]:
+    """What limits that hold without being asked for cost where they bind."""
+    binding = [limit for limit in result.binding if limit.assumed]
+    return [
+        Paragraph(
+            f"{each.text} was not asked for and binds: {price_words(each)}; {each.name}: off leaves it out", "under"
+        )
+        for each in binding
     ]
 
 

@@ -25,6 +25,7 @@ from arm.errors.model import (
 )
 from arm.limits.strength import STRENGTH_FIELDS
 from materials.material import Material, MaterialValues
+from materials.walls import WallCompliance
 from optimize.balance.balance import FIELDS, balance_values, balanced
 from optimize.limits import DesignExpressions
 from optimize.problem import Problem
@@ -44,9 +45,10 @@ MATERIAL_FIELDS = (
     "thermal_expansion",
     "stiffness_when_calibrated",
     "shear_when_calibrated",
-    "wall_modulus",
+    *(each.name for each in fields(WallCompliance)),
 )
-"""The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed)."""
+"""The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed), with how
+its walls buckle."""
 LENGTH = "length"
 """The variable that is the length of a link."""
 TAPER = "taper"
@@ -247,6 +249,8 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
             rows += [0.0] * len(MATERIAL_FIELDS)
             continue
         values = material.at(problem.arm.temperature, calibrated_temperature(problem.load_cases))
+        # What nobody knows of walls limits nothing.
+        walls = WallCompliance() if values.walls is None else values.walls
         for name in MATERIAL_FIELDS:
             if name == "cost" and (name in needed or material.has(name)):
                 rows.append(price_by_mass(problem.arm, material))
@@ -254,6 +258,8 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
                 rows.append(material.need(name, problem.arm.temperature))  # type: ignore[arg-type]
             elif name == "poisson_ratio":
                 rows.append(0.3 if values.poisson_ratio is None else values.poisson_ratio)
+            elif hasattr(walls, name):
+                rows.append(getattr(walls, name))
             else:
                 found = getattr(values, name)
                 rows.append(0.0 if found is None else found)
@@ -263,8 +269,9 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
 def material_values(row: Any, link: int) -> MaterialValues:
     """One link's material from the parameters, as symbols or floats."""
     base = len(MATERIAL_FIELDS) * link
-    fields = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
-    return MaterialValues("chosen", 0.0, **fields)
+    own = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
+    walls = WallCompliance(**{each.name: own.pop(each.name) for each in fields(WallCompliance)})
+    return MaterialValues("chosen", 0.0, **own, walls=walls)
 
 
 def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:

@@ -15,6 +15,7 @@ from .error import MAX_ERROR
 from .figure import Asked, Cut, Figure, Held, Limit, OfDesign, OfLinks, PoseFamily, ThroughPoses, Worst, WorstError
 from .frequency import FIRST_FREQUENCY
 from .limit import KEPT_WITHIN, broken, excess, figures_of, shortfall
+from .local_buckling import LOCAL_BUCKLING
 from .sideways import SIDEWAYS_STIFFNESS
 from .strength import BUCKLING, SAFETY_FACTOR
 from .sums import COST, MASS, REACH, TOTAL_MASS
@@ -58,6 +59,7 @@ FIGURES.ship(
     FIRST_FREQUENCY,
     BUCKLING,
     TORQUE_USE,
+    LOCAL_BUCKLING,
     WALL_SLENDERNESS,
     ASPECT,
     TIP_STIFFNESS,

@@ -42,9 +42,11 @@ class Totals:
 
 @dataclass(frozen=True)
 class Designs:
-    """N designs that differ in sections, materials and lengths: beam values (N, 9 n), section values (N, 4 n), and the
-    links' yield strengths (N, n) in Pa, NaN where unknown."""
+    """N designs that differ in sections, materials and lengths: beam values (N, 9 n), section values (N, 4 n), the
+    links' yield strengths (N, n) in Pa, NaN where unknown, and how their walls buckle: the fields of the modes of each
+    link (N, n, K, F), noughts where it has fewer."""
 
     p: Array
     sections: Array
     yield_strengths: Array
+    walls: Array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sections import SHAPES, is_solid, local_buckling
+from sections import is_solid, slenderness_limits
 
 from .figure import Asked, Figure, OfLinks
 
@@ -19,15 +19,14 @@ def _utilisations(section: Section, material: MaterialValues) -> tuple[Any, ...]
         return ()
     if material.yield_strength is None or material.wall_modulus is None:
         return None
-    found = local_buckling(section, material.yield_strength, material.wall_modulus)
+    found = slenderness_limits(section, material.yield_strength, material.wall_modulus)
     return None if found is None else tuple(each.utilisation for each in found)
 
 
 def _assumed(problem: Asked) -> float | None:
-    """A design whose walls buckle before they carry their load is none, whether or not anybody asks for it."""
-    own = [link.section.shape for link in problem.arm.links if link.section is not None]
-    walled = any(not is_solid(SHAPES[shape]) for shape in problem.shapes or own)
-    return 1.0 if walled else None
+    """Nobody has it without asking; files from when everybody had it say `off`."""
+    del problem
+    return None
 
 
 WALL_SLENDERNESS = Figure(

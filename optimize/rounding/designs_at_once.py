@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,9 @@ from arm.chain.chain import Arm
 from arm.chain.prices import price_by_length, price_by_mass
 from arm.errors.calibrated import calibrated_temperature
 from arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from arm.limits.local_buckling import values_of
 from arm.limits.strength import STRENGTH_FIELDS, strength_values
+from arm.limits.wall_modes import Mode, modes_of
 from optimize.exchange.program import carried_mass, drives_cost
 from optimize.limits import Figure, OfLinks, Totals
 from optimize.problem import Problem
@@ -154,6 +157,37 @@ class Table:
             for place, link in enumerate(group.links):
                 found[:, link] = self.yields[number][picks[:, number], place]
         return found
+
+    def wall_modes(self, picks: Integers) -> Array:
+        """How the links' walls buckle (N, n, K, F); noughts where a link has fewer modes, or none that are known."""
+        found = np.zeros((len(picks), self.arm.size, *self._modes_shape))
+        for number, group in enumerate(self.groups):
+            for place, link in enumerate(group.links):
+                found[:, link] = self._modes[number][picks[:, number], place]
+        return found
+
+    @cached_property
+    def _modes(self) -> list[Array]:
+        """Of each group's options, link by link, all with room for as many modes."""
+        every = [[[self._modes_of(each) for each in option] for option in group.options] for group in self.groups]
+        most = max((len(modes) for group in every for option in group for modes in option), default=0)
+        empty = np.zeros((most, len(fields(Mode))))
+        return [
+            np.array([[np.vstack([modes, empty[len(modes) :]]) for modes in option] for option in group])
+            for group in every
+        ]
+
+    @property
+    def _modes_shape(self) -> tuple[int, ...]:
+        return self._modes[0].shape[2:] if self._modes else (0, len(fields(Mode)))
+
+    def _modes_of(self, option: Option) -> Array:
+        assert option.section is not None
+        assert option.material is not None
+        material = option.material.at(self.arm.temperature)
+        properties = option.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
+        modes = modes_of(option.section, properties, material) or []
+        return np.array([values_of(mode) for _, mode in modes]).reshape(len(modes), len(fields(Mode)))
 
     def arm_of(self, pick: Sequence[int]) -> Arm:
         """The arm that a row of picks describes."""

@@ -181,7 +181,7 @@ class RoundSearch:
         return None
 
     def _designs(self, picks: Integers, figures: Figures) -> Designs:
-        return Designs(figures.p, figures.sections, self.table.yield_strengths(picks))
+        return Designs(figures.p, figures.sections, self.table.yield_strengths(picks), self.table.wall_modes(picks))
 
     def _broken(self, over: Mapping[Limit, Array], alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which designs break a limit; how near each limit came to being kept is noted."""

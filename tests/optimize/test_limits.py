@@ -66,9 +66,7 @@ def test_slender_walls_by_hand() -> None:
     greatest = 42.0 * math.sqrt(235e6 / values.need("yield_strength") * values.need("elastic_modulus") / 210e9)
     assert found.walls.worst == pytest.approx(298.0 / greatest, rel=1e-12)
     assert FIGURES["wall_slenderness"].value(found) == found.walls.worst
-    (warning,) = [line for line in found.warnings if "buckle before they yield" in line]
-    assert warning.startswith("link 1:")
-    assert "298" in warning
+    assert not any("buckle" in line for line in found.warnings)  # under what it bears it is far from that
 
 
 def test_a_wall_at_the_limit_yields_before_the_plate_buckles() -> None:
@@ -109,8 +107,8 @@ def test_an_elliptical_tube_counts_where_it_is_flattest() -> None:
     assert found.walls.worst == pytest.approx(0.1**2 / 0.04 / 0.001 / (90.0 * square), rel=1e-12)
 
 
-def test_walls_are_limited_unless_switched_off(tmp_path: Path) -> None:
-    limited = optimise(problem_of(tmp_path, TUBES, LIGHT + "}\n"))
+def test_slender_walls_are_limited_where_that_is_asked_for(tmp_path: Path) -> None:
+    limited = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1'}\n"))
     free = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: off}\n"))
     slack = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1.5'}\n"))
     worst = [result.after.walls.worst for result in (limited, slack, free)]
@@ -121,18 +119,17 @@ def test_walls_are_limited_unless_switched_off(tmp_path: Path) -> None:
     assert free.objective < slack.objective < limited.objective
     assert "wall_slenderness <= 1" in limited.limits
     assert not any("wall_slenderness" in text for text in free.limits)
-    assert not any("buckle" in line for line in limited.after.warnings)
-    assert any("buckle before" in line for line in free.after.warnings)
+    assert free.objective == optimise(problem_of(tmp_path, TUBES, LIGHT + "}\n")).objective
 
 
 def test_walls_that_nobody_can_judge_are_told_of_a_new_design(tmp_path: Path) -> None:
-    arm = TUBES.replace("steel-s355", CFRP.name)
-    result = optimise(problem_of(tmp_path, arm, LIGHT + "}\n"))
-    assert "new design: wall slenderness is not known: the material of link 1" in markdown(describe(result))
+    in_place = "{elastic_modulus: 70 GPa, shear_modulus: 5 GPa, density: 1600 kg/m^3, isotropic: false}"
+    result = optimise(problem_of(tmp_path, TUBES.replace("steel-s355", in_place), LIGHT + "}\n"))
+    assert "new design: local buckling is not known: link 1: the stiffness of" in markdown(describe(result))
 
 
 def test_price_of_slender_walls_is_what_optimising_anew_gives(tmp_path: Path) -> None:
-    problem = problem_of(tmp_path, TUBES, LIGHT + "}\n")
+    problem = problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1'}\n")
     (limit,) = [each for each in optimise(problem).binding if each.name == "wall_slenderness"]
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
 
