@@ -326,7 +326,7 @@ class Material:
                 if name in ("elastic_modulus", "density"):
                     raise
                 beyond.append((name, error.valid))
-        found = MaterialValues(self.name, temperature, beyond=tuple(beyond), **values)
+        found = MaterialValues(self.name, temperature, beyond=tuple(beyond), walls=None, **values)
         found = replace(found, walls=self._walls(found))
         if calibrated_at is None or calibrated_at == temperature or found.elastic_modulus is None:
             return found

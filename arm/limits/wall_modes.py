@@ -181,6 +181,7 @@ def _round(wall: Wall, found: SectionProperties, material: WallCompliance) -> li
 
 
 def _at_arc(arc: Arc, wall: Wall, found: SectionProperties, material: WallCompliance) -> list[Mode]:
+    assert wall.encloses is not None
     slender = arc.radius / wall.thickness
     decay = 1.0 - exp(-sqrt(slender / material.round_depth) / 16.0)
     pressed = slender * material.round_pressed / (1.0 - 0.901 * decay)

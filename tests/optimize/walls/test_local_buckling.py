@@ -64,6 +64,7 @@ def test_a_level_box_by_hand() -> None:
     stress = moment * 0.1495 / section.second_moment_y
     plate = math.pi**2 * values.need("elastic_modulus") / (12.0 * (1.0 - values.need("poisson_ratio") ** 2))
     (link,) = found.links
+    assert link.factor is not None
     # The bottom is pressed where the link sags; the top is its mirror image.
     assert link.factor == pytest.approx(4.0 * plate * (1.0 / 298.0) ** 2 / stress, rel=1e-4)
     assert (link.wall, link.share) == ("top and bottom", 0.0)
