@@ -76,6 +76,16 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class Dropped:
+    """A material or a shape of which every combination that was looked at was infeasible: its name, and the limits that
+    the design of it that comes nearest to keeping all of them still breaks."""
+
+    kind: Literal["material", "section"]
+    name: str
+    limits: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class NearTie:
     """A combination that comes within a few per cent of the best, solved to the end: its objective and its figures (SI;
     None where not known); its actuators joint by joint (None: the joint keeps its own drive)."""
@@ -257,6 +267,8 @@ class OptimizationResult:
     """Why there is none, where that was asked for."""
     listed: bool = False
     """Whether sections were chosen from lists: limits then have no price."""
+    dropped: tuple[Dropped, ...] = ()
+    """The materials and shapes of which nothing could be made, with the limits that stand in the way."""
     balance: tuple[ChosenBalance, ...] = ()
     motor_places: tuple[PlaceCandidate, ...] = ()
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)

@@ -23,6 +23,7 @@ from optimize.journal import Journal
 from units.quantities import NoAnswer
 
 from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
+from .dropped import dropped_of
 from .explain import binding_limits
 from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
@@ -151,6 +152,7 @@ def optimise(
         balance=balance_of(problem, choice),
         motor_places=placed.candidates,
         interrupted=choice.interrupted,
+        dropped=() if choice.interrupted else dropped_of(context, choice),
     )
 
 

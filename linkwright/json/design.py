@@ -303,6 +303,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             {**fields(each, "shapes", "materials", "outcome"), **objective(each.objective)}
             for each in result.candidates
         ],
+        "dropped": [fields(each, "kind", "name", "limits") for each in result.dropped],
         "near_ties": [
             {
                 **fields(each, "shapes", "materials", "actuators", "mass_kg=mass", "cost_EUR=cost"),

@@ -61,6 +61,7 @@ def describe(result: OptimizationResult) -> Description:
         *design.sideways(result.before, result.after, result.limits, "new design"),
         *_not_judged(result),
         *_not_asked_for(result),
+        *_dropped(result),
         *rounding.warnings(result),
         _facts(result),
         section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
@@ -118,6 +119,13 @@ def _not_asked_for(result: OptimizationResult) -> list[Paragraph]:
         )
         for each in binding
     ]
+
+
+def _dropped(result: OptimizationResult) -> list[Paragraph]:
+    """What nothing could be made of, and what stands in its way."""
+    kinds = {"material": "material", "section": "shape"}
+    told = [(f"the {kinds[each.kind]} {each.name} drops out", " and ".join(each.limits)) for each in result.dropped]
+    return [Paragraph(f"{out}: what comes nearest of it breaks {broken}", "under") for out, broken in told]
 
 
 def _facts(result: OptimizationResult) -> Facts:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,10 +44,10 @@ class Totals:
 @dataclass(frozen=True)
 class Designs:
     """N designs that differ in sections, materials and lengths: beam values (N, 9 n), section values (N, 4 n), the
-    links' yield strengths (N, n) in Pa, NaN where unknown, and how their walls buckle: the fields of the modes of each
-    link (N, n, K, F), noughts where it has fewer."""
+    links' yield strengths (N, n) in Pa, NaN where unknown, and how their walls buckle: from a link the fields of its
+    modes (N, K, F), noughts where a design has fewer."""
 
     p: Array
     sections: Array
     yield_strengths: Array
-    walls: Array
+    walls: Callable[[int], Array]

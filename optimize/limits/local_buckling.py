@@ -20,7 +20,6 @@ from arm.limits.local_buckling import (
     local_buckling,
     mode_of,
 )
-from arm.limits.strength import STATIONS
 from arm.limits.wall_modes import modes_of
 from sections import SHAPES, is_solid
 from sections.numeric import Array
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
 
 _ASSUMED = 2.0
 """The least factor where nobody asks for one: linear theory knows nothing of what a wall's edges and flatness lack."""
+_ENDS = (0.0, 1.0)
 _CLIMBED_FROM = 0.5
 """A use that is nowhere above this share of what is allowed is not climbed on: a scan is not that far off."""
 
@@ -93,14 +93,14 @@ class Walls(PoseFamily):
         ]
 
     def at_pose(self, prepared: tuple[LoadsCase, ...], group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
-        """The least factor over the links, at each of their stations."""
+        """The least factor over the links, at either of their ends."""
         case = prepared[group]
         acting = np.reshape(case.vectorised(q, designs.p)[0], (len(q), len(case.links), LOAD_FIELDS))
         worst = np.zeros(len(q))
         for entry, link in enumerate(case.links):
-            modes = mode_of(designs.walls[:, link])
+            modes = mode_of(designs.walls(link))
             far = [acting[:, entry, k, None] for k in range(LOAD_FIELDS)]
-            for share in STATIONS:
+            for share in _ENDS:
                 loads = loads_at(far, share, 1.0 - share, 0.5 * (1.0 - share) ** 2)
                 worst = np.maximum(worst, modes.use(loads).max(axis=1, initial=0.0))
         with np.errstate(divide="ignore"):

@@ -158,13 +158,12 @@ class Table:
                 found[:, link] = self.yields[number][picks[:, number], place]
         return found
 
-    def wall_modes(self, picks: Integers) -> Array:
-        """How the links' walls buckle (N, n, K, F); noughts where a link has fewer modes, or none that are known."""
-        found = np.zeros((len(picks), self.arm.size, *self._modes_shape))
+    def wall_modes(self, picks: Integers, link: int) -> Array:
+        """How a link's walls buckle (N, K, F); noughts where it has fewer modes, or none that are known."""
         for number, group in enumerate(self.groups):
-            for place, link in enumerate(group.links):
-                found[:, link] = self._modes[number][picks[:, number], place]
-        return found
+            if link in group.links:
+                return self._modes[number][picks[:, number], group.links.index(link)]
+        return np.zeros((len(picks), 0, len(fields(Mode))))
 
     @cached_property
     def _modes(self) -> list[Array]:
@@ -176,10 +175,6 @@ class Table:
             np.array([[np.vstack([modes, empty[len(modes) :]]) for modes in option] for option in group])
             for group in every
         ]
-
-    @property
-    def _modes_shape(self) -> tuple[int, ...]:
-        return self._modes[0].shape[2:] if self._modes else (0, len(fields(Mode)))
 
     def _modes_of(self, option: Option) -> Array:
         assert option.section is not None

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,7 +182,9 @@ class RoundSearch:
         return None
 
     def _designs(self, picks: Integers, figures: Figures) -> Designs:
-        return Designs(figures.p, figures.sections, self.table.yield_strengths(picks), self.table.wall_modes(picks))
+        return Designs(
+            figures.p, figures.sections, self.table.yield_strengths(picks), partial(self.table.wall_modes, picks)
+        )
 
     def _broken(self, over: Mapping[Limit, Array], alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which designs break a limit; how near each limit came to being kept is noted."""

@@ -233,3 +233,15 @@ def test_rounding_keeps_the_walls(tmp_path: Path) -> None:
 def test_a_default_that_binds_says_what_it_costs(tmp_path: Path) -> None:
     text = markdown(describe(optimise(problem_of(tmp_path, tubes(BOX, "steel-s355"), LIGHT + "}\n"))))
     assert "local\\_buckling &gt;= 2 was not asked for and binds: one more would cost 0.13" in text
+
+
+def test_a_material_that_drops_out_says_by_which_limit(tmp_path: Path) -> None:
+    """Within 120 mm no tube of plastic is stiff enough."""
+    chosen = "choose: {material: [steel-s355, nylon-66], same: [material]}\n"
+    sizes = "section_size: [20 mm, 120 mm], thickness: [1 mm, 10 mm]"
+    text = f"subject_to: {{max_error: '<= 3 mm', mass: '<= 6 kg', {sizes}}}\n{chosen}minimize: mass\n"
+    result = optimise(problem_of(tmp_path, tubes(ROUND, "steel-s355"), text))
+    (dropped,) = result.dropped
+    assert (dropped.kind, dropped.name) == ("material", "nylon-66")
+    assert dropped.limits == ("max_error <= 3 mm",)
+    assert "the material nylon-66 drops out: what comes nearest of it breaks" in markdown(describe(result))
