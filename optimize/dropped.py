@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Literal
+
 from materials.material import Material
 
 from .choice.combinations import Choice, Combination
@@ -19,10 +22,11 @@ def dropped_of(context: Context, choice: Choice) -> tuple[Dropped, ...]:
     own = [link.material for link in problem.arm.links if link.material is not None]
     known = {material.name: material for material in (*own, *(problem.materials or ()))}
     found: list[Dropped] = []
-    for kind, names in (
-        ("material", [each.name for each in problem.materials or ()]),
-        ("section", problem.shapes or ()),
-    ):
+    chosen: dict[Literal["material", "section"], Sequence[str]] = {
+        "material": [each.name for each in problem.materials or ()],
+        "section": problem.shapes or (),
+    }
+    for kind, names in chosen.items():
         for name in names:
             tried = [each for each in choice.candidates if name in _of(each, kind)]
             if not tried or any(each.outcome != "infeasible" for each in tried):
