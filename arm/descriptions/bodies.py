@@ -36,18 +36,16 @@ class Mass:
     @property
     def moments(self) -> Array:
         """The principal moments of inertia (3; kg*m^2), least first."""
-        return np.asarray(np.linalg.eigvalsh(self.inertia), dtype=float)
-
-    @property
-    def possible(self) -> bool:
-        """Whether a body can have this tensor: no moment is negative, or greater than the two others together."""
-        least, middle, greatest = self.moments
-        rounding = _ROUNDING * max(abs(least), abs(greatest))
-        return bool(least >= -rounding and greatest <= least + middle + rounding)
+        return principal_moments(self.inertia)
 
     def moved(self, step: Vector) -> Mass:
         """The same in a frame whose origin is a `step` (m) further."""
         return Mass(self.mass, self.center - np.array(step, dtype=float), self.inertia)
+
+
+def principal_moments(inertia: Array) -> Array:
+    """The principal moments (3; kg*m^2) of a tensor (3, 3), least first."""
+    return np.asarray(np.linalg.eigvalsh(inertia), dtype=float)
 
 
 def ball(mass: float, center: Vector | Array) -> Mass:

@@ -82,6 +82,7 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         tuple(dict.fromkeys(note for way in ways for note in way.notes)),
         _together([way.lacking for way in ways], numbers),
         tuple(dict.fromkeys(said for way in ways for said in way.lost)),
+        tuple(dict.fromkeys(said for way in ways for said in way.doubts)),
     )
 
 

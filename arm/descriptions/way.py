@@ -29,6 +29,7 @@ from units.quantities import InputError, shown
 
 from .bodies import Mass, together
 from .imported_arm import Imported, Lacking, one_line
+from .plausible import doubts_of
 from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint
 
 _STANDARD = 9.81
@@ -135,6 +136,7 @@ class Way:
             tuple(self.notes),
             self._lacking(bodies, unknown),
             self._lost(bodies),
+            doubts_of(self.robot, [(body.links, body.whole) for body in bodies], arm.lengths),
         )
 
     def _following(self, urdf: UrdfJoint, mimic: Mimic, joint: Joint, bodies: list[Body], joints: list[Joint]) -> Joint:

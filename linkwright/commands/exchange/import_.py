@@ -12,14 +12,16 @@ from linkwright.commands.options import JsonFile, MarkdownFile, as_options, tell
 from linkwright.output.files import DESIGN, check_target, write_result
 from units.quantities import InputError
 
-HELP = """An arm file from a URDF: frames, limits and weights; with a list of what it does not say.
+HELP = """An arm file from a URDF: frames, limits and weights; with lists of what is doubtful and what it does not say.
 
 Example: linkwright import robot.urdf --tip tool0 --out arm.yaml
 """
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The URDF file. Meshes are never opened.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The URDF file; STL meshes beside it are opened for volumes.")
+    ],
     tip: Annotated[
         list[str] | None,
         typer.Option("--tip", metavar="LINK", help="The link at whose origin the tip is; repeated: arms on one torso."),
