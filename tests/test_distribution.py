@@ -2,10 +2,12 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -111,10 +113,41 @@ def test_wheel_holds_every_file_of_the_packages(installed):
 
 
 def test_sdist_holds_what_a_build_needs(installed):
-    """The source archive has the packages and their build file."""
+    """The source archive has the packages and their build file, and the tests with all that they read."""
     with tarfile.open(installed.sdist) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
     assert {"pyproject.toml", "README.md", *(f"{room}/__init__.py" for room in ROOMS)} <= packed
+    folders = ("tests", "benchmarks", "examples", "handbook", "docs")
+    tracked = {path.relative_to(ROOT) for path in tracked_files()}
+    assert {path.as_posix() for path in tracked if path.parts[0] in folders} <= packed
+
+
+def test_what_is_an_extra_says_the_line_to_type(tmp_path):
+    """Without NiceGUI and ezdxf all else works, and their commands say how to get them."""
+    arm = tmp_path / "arm.yaml"
+    arm.write_text(ARM, encoding="utf-8")
+    for missing, command, line in (
+        ("nicegui", ["serve", "."], "pip install 'linkwright[browser]'"),
+        ("ezdxf", ["export", str(arm), "--to", "dxf", "--out", "a.dxf"], "pip install 'linkwright[dxf]'"),
+    ):
+        ask = f"import sys; sys.modules[{missing!r}] = None; from linkwright.cli import main; main({command!r})"
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        done = subprocess.run([sys.executable, "-c", ask], cwd=tmp_path, env=environment, **CAPTURED)
+        assert done.returncode == 2, done.stderr
+        assert line in done.stderr
+        assert done.stderr.count("\n") == 1
+
+
+def test_a_major_that_nobody_tried_is_not_taken():
+    """What breaks with every major has an upper bound, and the lock is within it."""
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    needs = [*project["dependencies"], *project["optional-dependencies"]["browser"]]
+    pins = dict(re.findall(r"^([a-z]+)==([0-9]+)", (ROOT / "requirements.lock").read_text(encoding="utf-8"), re.M))
+    for name in ("casadi", "nicegui", "plotly"):
+        (bound,) = (re.search(r"<([0-9]+)", need) for need in needs if need.startswith(name))
+        assert bound is not None
+        assert int(pins[name]) == int(bound[1]) - 1
 
 
 def test_modules_come_from_the_environment(installed, tmp_path):

@@ -37,6 +37,11 @@ def serve(
     """Run the command."""
     if token and (len(token) < 8 or not token.isascii() or not token.isprintable() or set(token) & set("&#+% ")):
         raise InputError("", "--token", "needs 8 letters and digits or more, without blanks and & # + %")
+    try:
+        import nicegui  # noqa: F401  # pyright: ignore[reportUnusedImport]
+    except ModuleNotFoundError:
+        message = "needs NiceGUI, which is not installed: pip install 'linkwright[browser]'"
+        raise InputError("", "serve", message) from None
     from linkwright.browser.server.start import serve as serving
 
     screen = console()

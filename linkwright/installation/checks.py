@@ -17,10 +17,12 @@ from units.quantities import InputError
 
 State = Literal["sound", "left out", "wrong"]
 
-_NEEDS = re.compile(r"([A-Za-z0-9._-]+)(?:>=([0-9.]+))?")
+_NEEDS = re.compile(r"([A-Za-z0-9._-]+)(?:[^;]*>=([0-9.]+))?")
 _MODULES = MappingProxyType({"PyYAML": "yaml"})
 """By name, where a package is imported by another."""
 _PARTS = (
+    ("the browser (serve)", ("nicegui",), "pip install 'linkwright[browser]'"),
+    ("drawings (export --to dxf)", ("ezdxf",), "pip install 'linkwright[dxf]'"),
     ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
     ("reports as PDF (--pdf)", ("typst",), "pip install 'linkwright[pdf]'"),
     ("solids (export --to step)", ("build123d",), "pip install 'linkwright[step]'"),

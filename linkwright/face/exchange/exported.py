@@ -113,7 +113,11 @@ def export_arm(
         raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
     given = arm_of(arm, tips="every")
     if to == "dxf":
-        from linkwright.drawings.dxf import drawn
+        try:
+            from linkwright.drawings.dxf import drawn
+        except ModuleNotFoundError:
+            message = "DXF needs ezdxf, which is not installed: pip install 'linkwright[dxf]'"
+            raise InputError("", "to", message) from None
 
         return Export(given, drawn(given.model))
     if to == "step":
