@@ -100,7 +100,8 @@ def test_a_light_design_within_an_error_is_the_lightest_on_the_grid(tmp_path: Pa
 
 def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> None:
     text = (
-        "subject_to: {mass: '<= 4 kg', section_size: [40 mm, 65 mm], thickness: [2 mm, 5 mm]}\n"
+        "subject_to: {mass: '<= 4 kg', section_size: [40 mm, 65 mm], thickness: [2 mm, 5 mm], "
+        "wall_slenderness: '<= 1'}\n"
         f"choose: {{section: [tube], material: [{ALUMINIUM}, {STEEL}]}}\n"
     )
     problem = problem_of(tmp_path, TWO, text)

@@ -169,7 +169,7 @@ def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, 
     assert found["rounded"]["cost_of_rounding"]["value"] == pytest.approx(
         found["rounded"]["max_error_mm"] - found["max_error_mm"], rel=1e-9
     )
-    assert [limit["name"] for limit in found["rounded"]["limits"]] == ["total_mass", "torque_use", "wall_slenderness"]
+    assert [limit["name"] for limit in found["rounded"]["limits"]] == ["total_mass", "torque_use", "local_buckling"]
     for limit in found["rounded"]["limits"]:
         assert limit["value"] <= limit["limit_value"]
     assert "rounded to stock sizes" in out
