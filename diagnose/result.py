@@ -13,6 +13,11 @@ from arm.chain.chain import Arm
 from sections.numeric import Array
 
 from .recording import Recording, RejectedRow
+from .rules.fitting_rules import FittingRules
+from .rules.rules import RULES
+
+HALF = 0.5
+"""The share from which on most of something is told."""
 
 Verdict = Literal["none", "named", "alias_class", "unknown", "insufficient_data"]
 
@@ -130,6 +135,12 @@ class Location:
     since: float | None
     dependences: tuple[Dependence, ...]
 
+    @property
+    def share(self) -> float | None:
+        """The share of the mismatch that motion of that joint alone could describe."""
+        known = self.joint is not None and self.joint <= len(self.joint_shares)
+        return self.joint_shares[self.joint - 1] if known and self.joint is not None else None
+
 
 @dataclass(frozen=True)
 class RejectedForm:
@@ -200,6 +211,43 @@ class SmallBeside:
 
     moved: float
     lack_of_fit: LackOfFit
+
+
+@dataclass(frozen=True)
+class Left:
+    """What is left of the tip's readings (RMS lengths, m): of those that were fitted, and of those `held_out`, beside
+    the noise `floor` with what wanders (None: nobody knows it). Every sentence that compares them is drawn from here.
+    """
+
+    rms: float
+    held_out: float
+    floor: float | None
+    rules: FittingRules
+
+    @property
+    def times(self) -> float:
+        """How many times the noise floor is left; nan where nobody knows it."""
+        return self.rms / self.floor if self.floor else math.nan
+
+    @property
+    def times_held_out(self) -> float:
+        """The same of readings that were not fitted."""
+        return self.held_out / self.floor if self.floor else math.nan
+
+    @property
+    def fits(self) -> bool:
+        """Whether what is left of the readings that were fitted is no more than the noise floor."""
+        return self.times <= self.rules.at_the_floor
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether that holds of those that were not fitted too."""
+        return self.fits and not self.times_held_out > self.rules.at_the_floor
+
+    @property
+    def is_more(self) -> bool:
+        """Whether it is more than any noise."""
+        return self.times > self.rules.far_above
 
 
 @dataclass(frozen=True)
@@ -333,6 +381,7 @@ class Diagnosis:
     together (none named: one), `differences` what is not the same in all of them.
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
     recordings that seem to be of different arms (None: they do not).
+    `noise_from` says whence the noise floor is known, `wandered` (RMS length, m) is what wanders with the instrument.
     `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell.
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
@@ -377,10 +426,28 @@ class Diagnosis:
     origins: tuple[FoundOrigin, ...] = ()
     other_arms: OtherArms | None = None
     next_poses_enough: bool = False
+    noise_from: Literal["repeats", "declared", "revisits", "none"] = "repeats"
+    wandered: float = 0.0
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""
         return residual if self.shown is None else np.einsum("nwd,nw->nd", self.shown, residual)
+
+    @property
+    def left(self) -> Left:
+        """What is left, beside the noise floor."""
+        floor = None if self.noise_floor is None else math.hypot(self.noise_floor, self.wandered)
+        return Left(self.rms_after, self.rms_after_held_out, floor, RULES.fitting)
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether there is more than noise that nothing explains: unknown, scatter, or far above the noise floor."""
+        return self.verdict == "unknown" or self.scatter is not None or (self.verdict == "none" and self.left.is_more)
+
+    @property
+    def describes_most(self) -> bool:
+        """Whether what was found, forms included, leaves less than half of the mismatch (sum of squares)."""
+        return self.rms_after**2 < HALF * self.rms_before**2
 
     @property
     def describes_part(self) -> bool:

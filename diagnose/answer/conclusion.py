@@ -24,11 +24,13 @@ from diagnose.recording import Recording, RejectedRow
 from diagnose.residual.observe import beyond_first_order
 from diagnose.residual.observed import rms_length
 from diagnose.residual.visits import one_condition
+from diagnose.residual.wander_seen import seen_to_wander
 from diagnose.result import (
     Alternative,
     Detectable,
     Diagnosis,
     Finding,
+    Left,
     Location,
     OfRecording,
     Rung,
@@ -85,7 +87,7 @@ class Conclusion(Confirmed):
         found = () if not self._anything else dependences(self.search, int(np.argmax(shares)), rng)
         self.tell("describing what is unknown" if self.outside else "confirming", 0.8)
         unknown = None
-        if self.outside or self.left_over:
+        if self._unexplained:
             folds = hardest(splits(self.search.observed, self.options.seed))
             there = self.observed.recording
             unknown = describe(self.namer, self.found, self.forms, found, folds, self.noise.rms_m, there)
@@ -144,6 +146,8 @@ class Conclusion(Confirmed):
             next_poses=proposed.poses,
             next_poses_note=proposed.note,
             next_poses_enough=proposed.enough,
+            noise_from=self.noise.source,
+            wandered=self._wandered(),
             null_vectors=null_vectors(self.search),
             splits=MappingProxyType(held),
             figures=iso_figures(self.observed.recording, arm, rules=self.rules) if self._whole_places() else (),
@@ -215,13 +219,17 @@ class Conclusion(Confirmed):
         return left
 
     @property
+    def _unexplained(self) -> bool:
+        return bool(self.outside or self.left_over)
+
+    @property
     def _anything(self) -> bool:
-        return bool(self.members or self.outside or self.left_over)
+        return bool(self.members) or self._unexplained
 
     def _verdict(self) -> Verdict:
         if self.named is None:
             return "insufficient_data"
-        if self.outside or self.left_over:
+        if self._unexplained:
             return "unknown"
         if not self.members:
             return "none"
@@ -365,16 +373,10 @@ class Conclusion(Confirmed):
     ) -> str:
         if self.named is None:
             return self._too_few(rms_before)
+        floor = None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered()))
+        left = Left(rms_after, hardest(self.held_out).rms(), floor, self.rules.fitting)
         return verdict_sentence(
-            findings,
-            unknown,
-            (rms_before, rms_after),
-            None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered())),
-            p_value,
-            self._causes(),
-            scatter=self._scatter(),
-            small=self.small,
-            rules=self.rules.fitting,
+            findings, unknown, rms_before, left, p_value, self._causes(), scatter=self._scatter(), small=self.small
         )
 
     def _too_few(self, rms_before: float) -> str:
@@ -394,19 +396,28 @@ class Conclusion(Confirmed):
             timed = self.observed.recording.time is not None
             scale = rms_length(self.observed.scale[None, : self.observed.components])
             speed = mm(scale * float(np.sqrt(self.observed.wander * (60.0 if timed else 1.0))))
+            walk = (
+                f"a random walk of {speed} {'a minute' if timed else 'a reading'}, {mm(self._wandered())} RMS over the "
+                "recording"
+            )
+            shown = seen_to_wander(self.observed, self._after())
             found.append(
-                f"The instrument wanders: a random walk of {speed} {'a minute' if timed else 'a reading'}, "
-                f"{mm(self._wandered())} RMS over the recording, which is no physics of the arm and was allowed for."
+                f"The instrument wanders, as {shown} shows: {walk}, which is no physics of the arm and was allowed for."
+                if shown
+                else f"The instrument may wander: {walk}, was allowed for, as what is left goes with time rather than "
+                "with the pose. What changes with time in the arm looks like that too: come back to some poses during "
+                "the recording, or read a fixed target as well, and it is seen which."
             )
         if self.prepared.together > 1:
             found.append(
                 f"What is left goes with time as well as with the arm's path, {self.prepared.together} visits at a "
-                "time: no pose far from the one before, and none come back to, tells a wandering instrument from the "
+                "time: no pose far from the one before, and too few come back to, tell a wandering instrument from the "
                 "arm. p-values allow for that; come back to some poses during the recording."
             )
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"
-            found.append(f"Neighbouring readings share noise ({shared}), which was allowed for.")
+            by = "are off alike, by noise or by what is not explained" if self._unexplained else "share noise"
+            found.append(f"Neighbouring readings {by} ({shared}), which was allowed for.")
         if self.left_over and self.members and self.lack_of_fit is not None and self._does_not_fit():
             found.append(refutation(self.lack_of_fit))
         if self.small is not None and self.lack_of_fit is not None:
@@ -430,7 +441,8 @@ class Conclusion(Confirmed):
             )
         if self.may_scatter:
             found.append(
-                "No pose was come back to: what is left may also be that the arm does not return more exactly."
+                f"{'No pose was' if self.noise.drift_m is None else 'Too few poses were'} come back to: what is left "
+                "may also be that the arm does not return more exactly."
             )
         if self._scatter() is not None:
             found.append(

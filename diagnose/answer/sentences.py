@@ -19,6 +19,7 @@ from diagnose.result import (
     FittedParameter,
     FoundOrigin,
     LackOfFit,
+    Left,
     Mislabelled,
     OfRecording,
     SmallBeside,
@@ -26,7 +27,6 @@ from diagnose.result import (
     Verdict,
 )
 from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.fitting_rules import FittingRules
 from diagnose.rules.rules import RULES
 from diagnose.several.recordings import Several
 from units.quantities import format_quantity
@@ -175,37 +175,35 @@ def nothing_singly(places: Sequence[tuple[str, tuple[int, ...]]], moved: float) 
 def verdict_sentence(
     findings: Sequence[Finding],
     unknown: Unknown | None,
-    rms: tuple[float, float],
-    noise_floor: float | None,
+    rms_before: float,
+    left: Left,
     p_value: float,
     causes: Sequence[tuple[str, float]] = (),
     *,
     scatter: float | None = None,
     small: SmallBeside | None = None,
-    rules: FittingRules = RULES.fitting,
 ) -> str:
-    """The plain answer. `rms` (m) are those of the mismatch and of what remains, `scatter` how many times the noise
-    floor scatter is that nothing explains (None: it is not more), `small` what causes too small to be named make of
-    what remains, `causes` the kinds of physics found and the RMS length (m) of what each moves beyond the nuisances,
+    """The plain answer. `rms_before` (m) is that of the mismatch, `left` what remains, `scatter` how many times the
+    noise floor scatter is that nothing explains (None: it is not more), `small` what causes too small to be named make
+    of what remains, `causes` the kinds of physics found and the RMS length (m) of what each moves beyond the nuisances,
     the largest first."""
-    rms_before, rms_after = rms
     if not findings and unknown is None:
-        above = scatter is not None or rms_before > rules.far_above * (noise_floor or np.inf)
-        if noise_floor is not None and above:
+        if scatter is not None or left.is_more:
             return (
                 f"More than noise, yet nothing explains it beyond chance (p = {p_value:.2g} for the best of all "
-                f"explanations): {mm(rms_before)} RMS are {rms_before / noise_floor:.1f} times the noise floor. Either "
+                f"explanations): {mm(rms_before)} RMS are {left.times:.1f} times the noise floor. Either "
                 "that is wrong, or sides, payloads or angles were logged wrongly, or the arm does not return to a pose "
                 "as exactly as it stays there."
             )
-        level = "the noise floor" if noise_floor is not None else "scatter"
+        level = "scatter" if left.floor is None else "the noise floor" if left.fits else "chance"
+        times = "" if left.floor is None or left.fits else f", {left.times:.1f} times the noise floor"
         return (
-            f"No mismatch beyond {level}: what remains, {mm(rms_before)} RMS, is what chance leaves "
+            f"No mismatch beyond {level}: what remains, {mm(rms_before)} RMS{times}, is what chance leaves "
             f"(p = {p_value:.2g} for the best of all explanations)."
         )
     named = _summed_up(findings, causes) if len(findings) > _MANY_FINDINGS else "; ".join(_named(f) for f in findings)
-    share = 100.0 * (1.0 - (rms_after / rms_before) ** 2) if rms_before > 0.0 else 0.0
-    after = _remains(rms_after, noise_floor, rules)
+    share = 100.0 * max(0.0, 1.0 - (left.rms / rms_before) ** 2) if rms_before > 0.0 else 0.0
+    after = remains(left)
     if unknown is None:
         if small is not None:
             after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
@@ -322,12 +320,19 @@ def _undecided(finding: Finding) -> str:
     return f"It could as well be {' or '.join(names)}{more} instead of the {_own_name(finding)}."
 
 
-def _remains(rms_after: float, noise_floor: float | None, rules: FittingRules) -> str:
-    if noise_floor is None:
-        return f"{mm(rms_after)} RMS remain, and no repeats say how much of that is noise"
-    if rms_after <= rules.at_the_floor * noise_floor:
-        return f"what remains, {mm(rms_after)}, is the noise floor"
-    return f"{mm(rms_after)} RMS remain, {rms_after / noise_floor:.1f} times the noise floor"
+def remains(left: Left) -> str:
+    """What is left beside the noise floor, as a clause; it is called that only where readings that were not fitted
+    leave no more either."""
+    if left.floor is None:
+        return f"{mm(left.rms)} RMS remain, and no repeats say how much of that is noise"
+    if left.is_noise:
+        return f"what remains, {mm(left.rms)}, is the noise floor"
+    if left.fits:
+        return (
+            f"{mm(left.rms)} RMS remain, and {mm(left.held_out)} on readings that were not fitted, "
+            f"{left.times_held_out:.1f} times the noise floor"
+        )
+    return f"{mm(left.rms)} RMS remain, {left.times:.1f} times the noise floor"
 
 
 def mm(value: float) -> str:

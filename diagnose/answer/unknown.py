@@ -81,15 +81,17 @@ def describe(
     # Two that balance each other are large, and one of them alone predicts little.
     enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in own), default=0.0)
     won = next((each for each in own if each.effect in telling and telling[each.effect] >= enough), None)
-    on = _depends(namer, outside, dependences, rules)
+    # Forms that tell nothing of readings they have not seen say neither what it depends on nor since when.
+    leading = outside if won is not None else ()
+    on = _depends(namer, leading, dependences, rules)
     predicted, share = _smooth(namer, known, folds, at)
     return Unknown(
         depends_on=on,
         amplitude=rms_length(moved),
-        shape=_shape(namer, known, outside if won is not None else (), ranked, won, folds, noise_floor),
+        shape=_shape(namer, known, leading, ranked, won, folds, noise_floor),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
-        since=since(namer, outside),
+        since=since(namer, leading),
         decide=_decides(on),
         predicted=predicted if observed.view is None else None,  # no table of readings corrects a path
         held_out_share=share,
@@ -258,6 +260,8 @@ def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) ->
             worse = namer.criterion_of(trial) - best
             explained = 100.0 * float(gained[number]) / max(given.rss, 1e-300)
             reason = f"explains {explained:.0f} % of what is left, and its criterion is worse by {worse:.0f}"
+            if worse < 0.0:
+                reason = f"explains {explained:.0f} % of what is left: its criterion is better, but not beyond chance"
         found.append(RejectedForm(group.candidate.effect, group.candidate.numbers, share, reason))
     return tuple(found)
 

@@ -47,6 +47,13 @@ def told_apart(
         return None
     if _shuffled(at, rules):
         return Told(np.arange(len(first)), None)
+    return come_back_to(recording, pose, first, rules=rules)
+
+
+def come_back_to(
+    recording: Recording, pose: NDArray[np.int64], first: NDArray[np.int64], *, rules: FittingRules
+) -> Told | None:
+    """The visits of poses that are come back to under one condition, None where they are too few to tell."""
     conditions = [each for each in (pose, recording.payload_mass, recording.sides) if each is not None]
     held = [each[first].reshape(len(first), -1).astype(np.float64) for each in conditions]
     back = np.unique(np.concatenate(held, axis=1), axis=0, return_inverse=True)[1].reshape(-1)

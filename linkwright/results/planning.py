@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from diagnose.answer.sentences import name_of
 from diagnose.plan.planned import Planned
 from diagnose.plan.promise import Shown
+from diagnose.result import HALF
 from units.quantities import format_quantity
 
 from .document import Column, Description, Fact, Facts, Item, Lines, Value, count, length, number, section, table
@@ -166,7 +167,12 @@ def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]
     if unseen:
         lines.append(f"Not seen at any possible size: {', '.join(cause(*each) for each in unseen)}.")
     if any(rival.likeness > 0.9999 for each in seen for rival in each.not_told):
-        lines.append("What is alike at every pose only another sensor tells apart (`linkwright effects show`).")
+        lines.append(
+            "What is alike at all poses of the plan only another sensor, or other poses, tell apart "
+            "(`linkwright effects show`)."
+        )
+    if rare := [cause(each.effect, each.at) for each in seen if each.smallest > each.usual]:
+        lines.append(f"Seen only at sizes beyond what is usual: {', '.join(rare)}.")
     return tuple(lines) or ("Every cause is told from every other at usual sizes.",)
 
 
@@ -257,10 +263,11 @@ def _kept_to(found: Planned) -> str:
 
 def _how(found: Planned) -> tuple[str, ...]:
     asked = found.asked
+    # Beyond it half of what a joint does may be drift.
+    apart = "drift is told from place" if found.with_time**2 < HALF else "drift is hardly told from place"
     lines = [
         "Come to each visit from some degrees before (dirN 1) or beyond (-1) in every joint, farther than any play.",
-        f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: drift is told from "
-        "place.",
+        f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: {apart}.",
         *_reading(found),
         f"Rests on a sound arm simulated at the plan's readings (noise {_scatter(found)}{_placed(found)}) "
         f"and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "

@@ -9,7 +9,7 @@ from arm.effects import EFFECTS
 from arm.effects.effect import Condition
 from diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from diagnose.recording import Recording
-from diagnose.result import Diagnosis, Finding, FittedParameter
+from diagnose.result import Diagnosis, Finding, FittedParameter, Left
 from linkwright.results.figures_in_words import figure, mm
 
 from .words import covariate_words, listed, name_words, portion, value
@@ -56,11 +56,15 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == "insufficient_data":
         return [diagnosis.sentence.removesuffix(".")]
     if diagnosis.verdict == "none" and diagnosis.labels is None:
-        floor = "scatter" if diagnosis.noise_floor is None else "the noise floor"
         if diagnosis.scatter is not None:
             times = figure(diagnosis.scatter, 2)
             return [f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"]
-        return [f"Nothing is missing that this recording could show: the {mismatch} that remain are {floor}"]
+        over = _over(diagnosis.left) or "scatter"
+        if diagnosis.unexplained:
+            return [f"More than noise, {mismatch} RMS, {over}, and nothing explains it beyond chance"]
+        plain = diagnosis.left.floor is None or diagnosis.left.is_noise
+        rest = f"the {mismatch} that remain are {over}" if plain else f"{mismatch} remain, {over}"
+        return [f"Nothing is missing that this recording could show: {rest}"]
     if diagnosis.other_arms is not None:
         leaves = mm(diagnosis.other_arms.leaves, 3)
         return [
@@ -85,7 +89,8 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
     rest = len(diagnosis.findings) - 1
     smaller = f"; with {rest} {'other' if rest == 1 else 'others'} {left} remain" if rest else f"; {left} remain"
-    floor = "" if diagnosis.noise_floor is None else f", {_over(diagnosis.rms_after, diagnosis.noise_floor)}"
+    over = _over(diagnosis.left)
+    floor = f", {over}" if over else ""
     return [f"left out: {name}{either}{size}{does}", smaller, floor]
 
 
@@ -93,9 +98,15 @@ def _size(fitted: FittedParameter) -> str:
     return f"{fitted.parameter.replace('_', ' ')} {value(fitted).text}"
 
 
-def _over(rms: float, floor: float) -> str:
-    times = rms / floor if floor > 0.0 else float("inf")
-    return "the noise floor" if times < 1.1 else f"{figure(times, 2)} times the noise floor"
+def _over(left: Left) -> str:
+    """What is left beside the noise floor; nothing where nobody knows that."""
+    if left.floor is None:
+        return ""
+    if left.is_noise:
+        return "the noise floor"
+    if left.fits:
+        return f"{figure(left.times_held_out, 2)} times the noise floor where not fitted"
+    return f"{figure(left.times, 2)} times the noise floor"
 
 
 def _largest(diagnosis: Diagnosis) -> Finding | None:
@@ -129,7 +140,7 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     logged = _to_log(diagnosis)
     if logged:
         named = listed([_with_meaning(each) for each in logged])
-        lines.append(f"Log {named}: that tells apart what this recording cannot.")
+        lines.append(f"Log {named}: that may tell apart what this recording cannot.")
     if diagnosis.noise_floor is None:
         lines.append("Read some poses twice in a row: repeats say how much of the mismatch is noise.")
     if diagnosis.unknown is not None and diagnosis.unknown.decide:
@@ -138,7 +149,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         number = len(diagnosis.next_poses)
         told = "which tell" if diagnosis.next_poses_enough else "each several times, which helps to tell"
         lines.append(f"Record the {number} poses listed below, {told} the names apart, and diagnose again.")
-    if diagnosis.unknown is None and diagnosis.findings:
+    helps = diagnosis.written is None or diagnosis.written.rms < diagnosis.rms_before
+    if diagnosis.unknown is None and diagnosis.findings and helps:
         whose = "these recordings" if diagnosis.recordings else "this recording"
         promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of {whose})"
         lines.append(f"Use arm.yaml, the arm with what was found in it{promised}, in evaluate, optimize, compensate.")

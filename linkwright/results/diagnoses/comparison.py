@@ -110,10 +110,13 @@ def comparison_sentence(comparison: Comparison) -> str:
         parts = ["The recordings cannot say whether anything changed."]
     else:
         parts = ["Nothing in the library was named in either recording."]
-    if verdicts == ("none", "unknown") or (verdicts[1] == "unknown" and verdicts[0] != "unknown"):
-        parts.append("The second holds a mismatch that nothing explains; the first does not.")
-    elif verdicts[0] == "unknown" and verdicts[1] != "unknown":
-        parts.append("The first held a mismatch that nothing explains; the second does not.")
+    open_ = [each.unexplained for each in (comparison.first, comparison.second)]
+    if any(open_):
+        which = "Both hold" if all(open_) else "The first held" if open_[0] else "The second holds"
+        other = f"; the {'second' if open_[0] else 'first'} does not"
+        # Of a recording that says nothing nobody can say that.
+        unsaid = all(open_) or "insufficient_data" in verdicts
+        parts.append(f"{which} a mismatch that nothing explains{'' if unsaid else other}.")
     shared = comparison.shared
     if shared is not None:
         poses = "the pose" if shared.count == 1 else f"the {shared.count} poses"

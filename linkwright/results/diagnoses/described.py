@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import PurePath
+from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from diagnose.answer.sentences import about_of, name_of
@@ -102,6 +103,8 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
 def _brief(diagnosis: Diagnosis) -> str:
     if not diagnosis.findings and diagnosis.scatter is not None:
         return f"scatter of {figure(diagnosis.scatter, 2)} times the noise floor that nothing explains"
+    if diagnosis.verdict == "none" and diagnosis.unexplained:
+        return f"more than noise, not explained, mismatch {mm(diagnosis.rms_before, 3)}"
     if not diagnosis.findings:
         return f"{verdict_words(diagnosis.verdict)}, mismatch {mm(diagnosis.rms_before, 3)}"
     places = [place_words(each.effect, each.at) for each in diagnosis.findings]
@@ -119,14 +122,26 @@ def _next_steps(diagnosis: Diagnosis) -> Lines | None:
     return Lines(steps) if steps else None
 
 
+_NOISE = MappingProxyType(
+    {
+        "repeats": "what repeats scatter by",
+        "declared": "as declared",
+        "revisits": "what visits of one pose differ by",
+        "none": "nothing tells it",
+    }
+)
+"""Whence the noise floor is known."""
+
+
 def _facts(diagnosis: Diagnosis) -> Facts:
     """The verdict and the sizes of mismatch and noise."""
     gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
-    scattered = diagnosis.verdict == "none" and diagnosis.scatter is not None
-    verdict = "scatter, not explained" if scattered else verdict_words(diagnosis.verdict, short=True)
+    verdict = verdict_words(diagnosis.verdict, short=True)
+    if diagnosis.verdict == "none" and diagnosis.unexplained:
+        verdict = f"{'more than noise' if diagnosis.scatter is None else 'scatter'}, not explained"
     facts = [
         Fact("verdict", verdict, gate),
-        Fact("noise floor", length(diagnosis.noise_floor, 3), "what repeats scatter by"),
+        Fact("noise floor", length(diagnosis.noise_floor, 3), _NOISE[diagnosis.noise_from]),
         Fact("RMS of the mismatch", length(diagnosis.rms_before, 3), f"{diagnosis.recording.size} readings"),
     ]
     if diagnosis.findings or diagnosis.unknown is not None:
@@ -278,10 +293,10 @@ def _unknown(unknown: Unknown) -> Section:
     if unknown.since is not None:
         lines.append(f"It is there since {time_words(unknown.since)} into the recording.")
     if unknown.held_out_share is not None:
+        good = "It describes and does not explain: good for compensation within the poses recorded only."
         lines.append(
             f"A smooth model of it predicts {portion(unknown.held_out_share).text} of its sum of squares on readings "
-            "that it has not seen. It describes and does not explain: good for compensation within the poses recorded "
-            "only."
+            f"that it has not seen. {good if _tells(unknown) else 'That is nothing to compensate by.'}"
         )
     forms = [
         (each.name.replace("_", " "), portion(each.share), portion(each.share_held_out), each.sentence)
@@ -300,6 +315,11 @@ def _unknown(unknown: Unknown) -> Section:
     )
 
 
+def _tells(unknown: Unknown) -> bool:
+    """Whether the smooth model predicts of readings that it has not seen what a form must to describe them."""
+    return unknown.held_out_share is not None and unknown.held_out_share > RULES.answer.form_tells
+
+
 def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     """What the files beside the page are good for."""
     if diagnosis.unknown is not None:
@@ -308,7 +328,8 @@ def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
             "as long as the cause stays as it was.",
         )
         again = "Record what would decide (above), and diagnose again."
-        return (*(described if diagnosis.unknown.predicted is not None else ()), again)
+        good = diagnosis.unknown.predicted is not None and _tells(diagnosis.unknown)
+        return (*(described if good else ()), again)
     return (
         "arm.yaml: the arm with what was found in it. linkwright evaluate and optimize take it; linkwright "
         "compensate makes the table of it that a controller can subtract.",

@@ -92,11 +92,11 @@ def watch_sentence(found: Watch) -> str:
         own = [change_words(found, e, c) for e in found.moved for c in e.changes if c.kind == kind]
         if own:
             parts.append(f"{words}: {'; '.join(own)}.")
-    series = [*found.parameters, found.left]
-    quiet = len(series) - len(found.moved)
+    known = [each for each in found.parameters if _shown(each)]
+    quiet = len(known) + int(_shown(found.left)) - len(found.moved)
     if not parts:
         days = [each.date.isoformat() for each in found.recordings]
-        of = f"{len(found.parameters)} parameters" if len(found.parameters) != 1 else "one parameter"
+        of = f"{len(known)} parameters" if len(known) != 1 else "one parameter"
         return f"Nothing moved beyond chance: {of} over {len(days)} recordings, {days[0]} to {days[-1]}."
     if quiet:
         parts.append(f"Nothing else moved beyond chance ({quiet} watched).")
@@ -120,6 +120,11 @@ def describe(found: Watch) -> Description:
     name = found.arm.name
     brief = sentence.split(". ")[0].rstrip(".")
     return Description(f"{name}: watched over {len(found.recordings)} recordings", sentence, tuple(items), brief)
+
+
+def _shown(each: Watched) -> bool:
+    """Whether any of the recordings shows a parameter: of others nobody knows whether they moved."""
+    return any(math.isfinite(value) for value in each.level)
 
 
 def _moves(found: Watch) -> Table:

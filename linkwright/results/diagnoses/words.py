@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from arm.effects import EFFECTS
 from diagnose.recording import Recording
-from diagnose.result import Alternative, Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
+from diagnose.result import HALF, Alternative, Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
 from diagnose.several.recordings import Several
 from linkwright.results.document import Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
@@ -191,11 +191,15 @@ def where_sentences(diagnosis: Diagnosis) -> list[str]:
     """Where the mismatch sits: joint, direction, what it depends on, since when."""
     where = diagnosis.where
     found: list[str] = []
-    if where.joint is not None:
-        share = where.joint_shares[where.joint - 1] if where.joint <= len(where.joint_shares) else math.nan
-        part = f": its motion alone could describe {percent(share)} of it" if math.isfinite(share) else ""
-        found.append(f"The mismatch sits at joint {where.joint}{part}.")
-    if where.direction:
+    if where.joint is not None and (share := where.share) is not None:
+        could = f"could describe {percent(share)} of it"
+        found.append(
+            f"The mismatch sits at joint {where.joint}: its motion alone {could}."
+            if share >= HALF
+            else f"The mismatch sits at no single joint: motion of joint {where.joint} alone, where most of what is "
+            f"described sits, {could}."
+        )
+    if where.direction and diagnosis.describes_most:
         words = dict(DIRECTIONS).get(where.direction, f"mostly {where.direction}")
         found.append(f"The tip is displaced {words}.")
     if where.depends_on:

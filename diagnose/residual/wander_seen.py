@@ -1,0 +1,40 @@
+"""Whether an instrument is seen to wander: by what does not move, or by poses that are come back to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sections.numeric import Array
+
+from .observed import Observed
+from .told_apart import come_back_to
+from .visits import poses
+from .wander import clock, wander_in
+
+
+def seen_to_wander(observed: Observed, left: Array) -> str:
+    """What shows that an instrument wanders, as words; empty where nothing does. `left` (N, D), m, is what is left of
+    the tip. What changes with time in the arm, or with its pose, leaves a target on the base where it is; of poses that
+    are come back to it is the mean at each that the pose has part in."""
+    recording, which, rules = observed.recording, observed.which, observed.rules.fitting
+    _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
+    visit = visit.reshape(-1)
+    count = np.bincount(visit)
+
+    def means(values: Array) -> Array:
+        return np.stack([np.bincount(visit, weights=column) / count for column in values.T], axis=1)
+
+    def wanders(values: Array, at: NDArray[np.int64]) -> bool:
+        nothing = np.zeros((*values.shape, 0))
+        own = None if which is None else which[first][at]
+        return wander_in(values, means(clock(recording)[:, None])[at, 0], own, nothing, rules=rules).rate > 0.0
+
+    if recording.base_target is not None:
+        target = means(recording.base_target)
+        if wanders(target - target.mean(axis=0), np.arange(len(first), dtype=np.int64)):
+            return "the target on the base"
+    told = come_back_to(recording, poses(observed), first, rules=rules)
+    if told is not None and wanders(told.of(means(left)), told.visit):
+        return "what was read again at poses that were come back to"
+    return ""
