@@ -61,6 +61,7 @@ def _front(result: Tradeoff, front: Front) -> dict[str, Any]:
     )
     return {
         **fields(front, "name", "points", "knee", "straight_line_error=error", "steps", "complete", "exhaustive"),
+        "undecided_points": front.undecided,
         "ends": {"best_x": best_x, "best_y": {**best_y, "at_the_limit_on_x": front.capped}},
         "idle": [[x.factor * start, x.factor * end] for start, end in front.idle],
         "not_solved": [x.factor * value for value in front.failed],

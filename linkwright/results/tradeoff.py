@@ -188,8 +188,11 @@ def gap_words(result: Tradeoff, front: Front) -> list[str]:
     ]
     lines += [f"not solved: at {shown(x, value)} the solver found no design" for value in front.failed]
     if not front.complete:
-        lines.append("the refinement was given up at its limit of points: some straight lines are further off")
-    if not front.exhaustive and result.asked.given.sizes is not None:
+        lines.append("the refinement did not come to its end: some straight lines are further off")
+    if front.undecided:
+        points = "one point" if front.undecided == 1 else f"{front.undecided} points"
+        lines.append(f"at {points} the solver failed on combinations that could be better there")
+    elif not front.exhaustive and result.asked.given.sizes is not None:
         lines.append("not every combination could be ruled out: some points may be beaten a little")
     elif not front.exhaustive:
         lines.append("there are too many combinations to try all: the search went link by link")

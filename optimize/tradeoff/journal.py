@@ -30,6 +30,7 @@ def design_record(design: Design) -> dict[str, Any]:
         "badness": design.badness,
         "elasticity": design.elasticity,
         "converged": design.converged,
+        "unsolved": design.unsolved,
     }
 
 
@@ -46,6 +47,7 @@ def design_of(record: Record, problem: Problem) -> Design:
         badness=record["badness"],
         elasticity=record["elasticity"],
         converged=record["converged"],
+        unsolved=record["unsolved"],
     )
 
 

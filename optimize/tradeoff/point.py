@@ -1,15 +1,16 @@
 """The best design at one point of a trade-off: one figure held, the other pushed, over all shapes and materials.
 
-A combination of shapes and materials that was bounded at a looser limit can do no better at a tighter one. So its bound
-there rules it out here as long as a better design is known, and along a front most combinations are never solved again.
-The designs at neighbouring points are where the search starts.
+A combination of shapes and materials that was bounded under one limit can do no better under a tighter one, and nothing
+follows for a looser one. Whichever figure was pushed, a bound is a corner: no design of the combination is better than
+it in both figures. Corners rule out what a better design is known for, so that along a front most combinations are not
+solved again. The designs at neighbouring points are where the search starts.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -34,6 +35,9 @@ _KEPT, _KEPT_SMALL = 6, 160
 """Compiled programs kept: those with room for many poses are large, those for bounds are not."""
 _STARTS = 5
 _SLACK = 1e-9
+_SAME = 1e-8
+"""Bounds that differ by less (relative) are the same: with so much less a bound excludes no design that just attains
+it."""
 _APART = 0.05
 """Designs whose numbers differ by more than this are tried as starts of their own."""
 
@@ -52,16 +56,22 @@ class Design:
     badness: float
     elasticity: float | None
     converged: bool
+    unsolved: int = 0
+    """How many combinations could be better for all that is known: the solver failed on them here."""
+
+
+Corner = tuple[float, float]
+"""Badness of x and of y: no design of a combination has less of the one and no more of the other."""
 
 
 @dataclass(frozen=True)
 class Learnt:
     """What a search knows beside its compiled programs: the poses that every point starts with, those that ever held a
-    design, bounds by limit pushed and combination (badness held, bound), and where combinations ended."""
+    design, corners of combinations, and where combinations ended."""
 
     first: Pool | None
     met: Pool
-    bounds: Mapping[tuple[int, Combination], tuple[tuple[float, float], ...]]
+    corners: Mapping[Combination, tuple[Corner, ...]]
     ends: Mapping[Combination, tuple[float, ...]]
 
 
@@ -79,7 +89,7 @@ class Search:
         self._small: dict[tuple[str | None, ...], Exchange] = {}
         self._met = Pool()
         self._first: Pool | None = None
-        self._bounds: dict[tuple[int, Combination], list[tuple[float, float]]] = {}
+        self._corners: dict[Combination, list[Corner]] = {}
         self._known: dict[Combination, Array] = {}
 
     def best(self, push: int, held: float, near: Sequence[Design], *, wide: bool = False) -> Design | None:
@@ -105,40 +115,48 @@ class Search:
         if wide:
             trial.polish()
         design = trial.design
-        return None if design is None or design.badness > self.asked.cap(push) * (1.0 + 1e-6) else design
+        if design is None or design.badness > self.asked.cap(push) * (1.0 + 1e-6):
+            return None
+        return replace(design, unsolved=len(trial.unsolved))
 
     def learnt(self) -> Learnt:
         """What is known now."""
-        bounds = {key: tuple(values) for key, values in self._bounds.items()}
-        return Learnt(self._first, self._met, bounds, {pick: tuple(x.tolist()) for pick, x in self._known.items()})
+        corners = {pick: tuple(own) for pick, own in self._corners.items()}
+        return Learnt(self._first, self._met, corners, {pick: tuple(x.tolist()) for pick, x in self._known.items()})
 
     def begin_with(self, learnt: Learnt) -> None:
         """Know that and nothing else."""
         self._first, self._met = learnt.first, learnt.met
-        self._bounds = {key: list(values) for key, values in learnt.bounds.items()}
+        self._corners = {pick: list(own) for pick, own in learnt.corners.items()}
         self._known = {pick: np.array(x) for pick, x in learnt.ends.items()}
 
     def learn_from(self, learnt: Learnt) -> None:
         """Know that as well."""
         self._met = self._met.joined(learnt.met)
-        for key, values in learnt.bounds.items():
-            own = self._bounds.setdefault(key, [])
-            own += [value for value in values if value not in own]
+        for pick, corners in learnt.corners.items():
+            for corner in corners:
+                self._keep(pick, corner)
         self._known.update((pick, np.array(x)) for pick, x in learnt.ends.items())
 
     def bound_on(self, push: int, pick: Combination, held: float) -> float:
-        """What is known from looser limits: no design of a combination has less badness than this."""
-        known = [value for loose, value in self._bounds.get((push, pick), ()) if loose >= held * (1.0 - 1e-12)]
-        other = self.asked.x_limit if push == self.asked.y_limit else self.asked.y_limit
-        # A combination whose least badness of the figure held is above what is allowed has no design at all.
-        least = max((value for _, value in self._bounds.get((other, pick), ())), default=0.0)
-        if other == self.asked.x_limit and least > held * (1.0 + 1e-7):
-            return math.inf
+        """No design of a combination whose figure held has at most that badness has less of the other than this, from
+        all that was learnt under the same limit or looser ones."""
+        pushed = 0 if push == self.asked.x_limit else 1
+        known = [corner[pushed] for corner in self._corners.get(pick, ()) if corner[1 - pushed] >= held]
         return max(known, default=0.0)
 
     def learn(self, push: int, pick: Combination, held: float, bound: float) -> None:
-        """Keep a bound for later points."""
-        self._bounds.setdefault((push, pick), []).append((held, bound))
+        """Keep, for later points, that no design of a combination has less than `bound` of the figure pushed where the
+        other has at most `held`."""
+        bound *= 1.0 - _SAME
+        self._keep(pick, (bound, held) if push == self.asked.x_limit else (held, bound))
+
+    def _keep(self, pick: Combination, corner: Corner) -> None:
+        """Keep a corner, and only those that say more than others."""
+        own = self._corners.setdefault(pick, [])
+        if not any(each[0] >= corner[0] and each[1] >= corner[1] for each in own):
+            own[:] = [each for each in own if each[0] > corner[0] or each[1] > corner[1]]
+            own.append(corner)
 
     def exchange(self, shapes: tuple[str | None, ...], *, small: bool = False) -> Exchange:
         """The exchange for a combination of shapes, the latest used last to go; the `small` ones are for bounds."""
@@ -160,12 +178,10 @@ class Search:
         return pool.joined(spare)
 
     def starts(self, pick: Combination, number: int = 2) -> list[Array]:
-        """Where to start for a combination: where it ended last, or its starting points."""
-        known = self._known.get(pick)
-        if known is not None and number <= 2:
-            return [known]
+        """Where to start for a combination: where it ended last, and its starting points."""
         space = self.exchange(pick.shapes, small=True).space
-        return starting_points(space, material_row(pick.materials, self.problem), number)
+        known = [] if pick not in self._known else [self._known[pick]]
+        return [*known, *starting_points(space, material_row(pick.materials, self.problem), number)]
 
     def remember(self, pick: Combination, x: Array) -> None:
         """Keep where a combination ended."""
@@ -195,6 +211,7 @@ class _Trial:
         self._limits = search.asked.limits(push, held)
         self.pool: Pool | None = None
         self.design: Design | None = None
+        self.unsolved: set[Combination] = set()
 
     @property
     def badness(self) -> float:
@@ -210,34 +227,50 @@ class _Trial:
         search = self._search
         for pick in picks:
             search.say("looking for a first design")
-            exchange, materials = self._exchange(pick, small=True)
-            for start in search.starts(pick):
-                if self.pool is None:
-                    self.pool = first_pool(exchange.context, exchange.space, start, pick.materials)
-                    search.keep_first(self.pool)
-                if exchange.bound(materials, self.pool, start, push=self._push) is None:
-                    continue
-                self.finish(pick, start)
-                if self.design is not None:
-                    return
-            search.learn(self._push, pick, self._held, math.inf)
+            if self.pool is None:
+                exchange, _ = self._exchange(pick, small=True)
+                self.pool = first_pool(exchange.context, exchange.space, search.starts(pick)[0], pick.materials)
+                search.keep_first(self.pool)
+            found = self._bound(pick, self.pool)
+            if found is not None and self.finish(pick, found[1]) and self.design is not None:
+                return
 
-    def finish(self, pick: Combination, start: Array) -> None:
-        """The exchange for a combination from a start; a better design is kept."""
+    def _bound(self, pick: Combination, pool: Pool) -> tuple[float, Array] | None:
+        """A combination's least badness for some poses alone, and where; None where it has no design, or the solver
+        failed, which proves nothing."""
+        search = self._search
+        exchange, materials = self._exchange(pick, small=True)
+        failed = False
+        for start in search.starts(pick):
+            found = exchange.bound(materials, pool, start, push=self._push)
+            if found is not None:
+                search.learn(self._push, pick, self._held, found[1])
+                search.remember(pick, found[0].x)
+                return found[1], found[0].x
+            failed = failed or not exchange.infeasible
+        if failed:
+            self.unsolved.add(pick)
+        else:
+            search.learn(self._push, pick, self._held, math.inf)
+        return None
+
+    def finish(self, pick: Combination, start: Array) -> bool:
+        """The exchange for a combination from a start; a better design is kept. Whether the exchange ended."""
         if self.pool is None:
-            return
+            return False
         exchange, materials = self._exchange(pick)
         try:
             done = exchange.run(
                 materials, pick.materials, self.pool, start, give_up_above=self.badness, push=self._push
             )
         except Unreachable:
-            return  # lengths that lead nowhere say nothing of others
+            return False  # lengths that lead nowhere say nothing of others
         if done is None:
-            return
+            return exchange.infeasible
+        self.unsolved.discard(pick)
         self.pool = self.pool.joined(done.solution.active)
         if done.bounded_out:
-            return
+            return True
         # The limit pushed stood at a badness of one.
         badness = math.exp(done.solution.slacks[self._push])
         self._search.remember(pick, done.x)
@@ -250,6 +283,7 @@ class _Trial:
                 elasticity=self._elasticity(done),
                 converged=done.converged,
             )
+        return True
 
     def _elasticity(self, done: Exchanged) -> float | None:
         """From the multiplier of the limit that is held: d log(badness of y) / d log(badness of x), not above zero."""
@@ -280,21 +314,15 @@ class _Trial:
             if pick == done or search.bound_on(self._push, pick, self._held) >= self.badness:
                 continue
             search.say(f"bounding combination {number + 1} of {len(picks)}", number / len(picks))
-            exchange, materials = self._exchange(pick, small=True)
-            found = None
-            for start in search.starts(pick):
-                found = exchange.bound(materials, pool, start, push=self._push)
-                if found is not None:
-                    break
-            search.learn(self._push, pick, self._held, math.inf if found is None else found[1])
+            found = self._bound(pick, pool)
             if found is not None:
-                search.remember(pick, found[0].x)
-                bounds.append((found[1], number, found[0].x))
+                bounds.append((found[0], number, found[1]))
         bounds.sort(key=lambda entry: entry[:2])
         for done_of, (bound, number, start) in enumerate(bounds):
             if bound < self.badness:
                 search.say("finishing the best combinations", done_of / len(bounds))
-                self.finish(picks[number], start)
+                if not self.finish(picks[number], start):
+                    self.unsolved.add(picks[number])
 
     def link_by_link(self) -> None:
         """Change one link at a time until none improves."""

@@ -21,6 +21,8 @@ Reach = Literal["long", "short"]
 
 _LOOSE = 1e9
 """A limit at this value (or its reciprocal, where more is better) holds nothing back."""
+_BOUNDS = 2
+"""Which way combinations are excluded at a point: what was solved in another one is another question's."""
 
 
 @dataclass(frozen=True)
@@ -223,6 +225,7 @@ def digest(asked: Question, accuracy: float) -> str:
         "caps": [asked.x_cap, asked.y_cap],
         "by": asked.by,
         "accuracy": accuracy,
+        "bounds": _BOUNDS,
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 

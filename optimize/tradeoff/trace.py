@@ -85,10 +85,15 @@ class Tracer:
 
     @property
     def exhaustive(self) -> bool:
-        """Whether every combination is in the running at each point."""
+        """Whether every combination was solved or excluded at each point."""
         if self._listed:
             return all(node.design.converged for node in self.nodes)
-        return count(self._problem) <= MOST_COMBINATIONS
+        return count(self._problem) <= MOST_COMBINATIONS and not self.undecided
+
+    @property
+    def undecided(self) -> int:
+        """At how many points the solver failed on a combination that could be better."""
+        return sum(node.design.unsolved > 0 for node in self.nodes)
 
     @property
     def _listed(self) -> bool:
@@ -157,6 +162,9 @@ class Tracer:
         most = asked.cap(asked.x_limit)
         right = self.solve(asked.y_limit, most, [left], wide=True)
         if right is None:
+            # The first end's design keeps the limits, so that there must be one here.
+            failed = (most,) if math.isfinite(most) else ()
+            self.refined = Refined(tuple(self.nodes), 0.0, (), failed, complete=False)
             return True
         self.capped = asked.x.badness(right.x) > most * (1.0 - 1e-4)
         if self._listed:
@@ -170,30 +178,37 @@ class Tracer:
             # The ends are one in x: where they are two in y, the better one is best in both.
             self.nodes = [min((left, right), key=lambda node: asked.y.badness(node.y))]
             return True
-        self._spread(left, right)
+        missed = self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
         together = 1 if self._crew is None else self._crew.together
         refined = refine_steps if self._listed else refine
-        self.refined = refined(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
+        done = refined(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
+        failed = (*missed, *done.failed)
+        self.refined = replace(done, failed=failed, complete=done.complete and not failed)
         return True
 
     @property
     def _axes(self) -> tuple[Axis, Axis]:
         return self.asked.x, self.asked.y
 
-    def _spread(self, left: Node, right: Node) -> None:
-        """The first points, from the loose end to the tight one: what is known of combinations there rules them out."""
+    def _spread(self, left: Node, right: Node) -> list[float]:
+        """The first points, from the loose end to the tight one: what is known of combinations there rules them out.
+        Returns the badness of x at which no design was found though there must be one."""
         width = math.log(right.level / left.level)
         count = max(_LEAST_POINTS - 1, math.ceil(width / _STEP))
         self._first = count + 1
-        made = [right]
+        made, missed = [right], list[float]()
         self.nodes.append(right)
         for number in range(count - 1, 0, -1):
-            node = self.solve(self.asked.y_limit, left.level * math.exp(width * number / count), [left, made[-1]])
-            if node is not None:
+            level = left.level * math.exp(width * number / count)
+            node = self.solve(self.asked.y_limit, level, [left, made[-1]])
+            if node is None:
+                missed.append(level)
+            else:
                 made.append(node)
                 self.nodes.append(node)
         self.nodes = [left, *reversed(made)]
+        return missed
 
     def _between(self, stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
         self._error = max(each.expected for each in stretches)

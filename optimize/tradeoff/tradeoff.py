@@ -180,6 +180,7 @@ def _result(
             capped=capped,
             complete=refined is None or refined.complete,
             exhaustive=all(each.exhaustive for each in tracers if name in (each.name, "envelope")),
+            undecided=sum(each.undecided for each in tracers if name in (each.name, "envelope")),
         )
 
     fronts = tuple(front(each.name, kept[each.name], each.refined, capped=each.capped) for each in tracers)
