@@ -35,6 +35,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TypeAlias, cast, get_args
 
+from materials.in_place import with_units
 from materials.laminate import Ply, Unbalanced, wall_of
 from materials.material import Constant, Law, Material, Polynomial, Property, PropertyName, Table, property_kinds
 from materials.walls import Orthotropic
@@ -82,7 +83,7 @@ def read_inline(content: object, *, file: object, key: str, name: str = "", find
     named = mapping.text("name", name or key or "material in place")
     material = _read(mapping, named, references=None, family="in place", find=find)
     mapping.close()
-    return material
+    return replace(material, in_place=with_units(mapping.content))
 
 
 def read_entry(

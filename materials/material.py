@@ -236,8 +236,10 @@ class MaterialValues:
 class Material:
     """A material: its name, its properties by name, and where they come from.
 
-    `magnetic` tells whether it is ferromagnetic (None: not known). `isotropic` materials have consistent E, G
-    and nu; for others the elastic modulus is the one along the link. `family` is the catalogue file's name.
+    `in_place` holds the keys by which a file described it where it stands, and it is written so; None for one that a
+    catalogue names. `magnetic` tells whether it is ferromagnetic (None: not known). `isotropic` materials have
+    consistent E, G and nu; for others the elastic modulus is the one along the link. `family` is the catalogue file's
+    name.
     `references` holds the text of each source that a property names. `magnetic_unconfirmed` and `magnetic_found_in` say
     of `magnetic` what those of a `Property` say of its value. `bending` is 12 D/t^3 of a wall of plies, None where a
     wall is the same all through.
@@ -254,6 +256,7 @@ class Material:
     magnetic_unconfirmed: str = ""
     magnetic_found_in: str = ""
     bending: Orthotropic | None = None
+    in_place: MappingLike[str, object] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         """Freeze the mappings too."""

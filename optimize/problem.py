@@ -394,7 +394,11 @@ def _choose(
                         read += materials_where(own, catalogue, arm, needs)
                 else:
                     read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of('material')}[{number}]"))
-            materials = tuple({material.name: material for material in read}.values())
+            materials = tuple(dict.fromkeys(read))
+            for material in materials:
+                if any(other.name == material.name and other != material for other in materials):
+                    message = f"calls two materials {material.name}; give each a name of its own (name: ...)"
+                    raise body.error("material", message)
         same = body.items("same", [])
         for name in same:
             if name not in ("section", "material", "size", "actuator"):

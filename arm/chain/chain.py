@@ -106,13 +106,13 @@ class Link:
     at `center_of_mass` m from its joint (the middle by default). `height_direction` is the direction in the
     link's frame along which the section's height lies; None takes the plane in which the joint turns the link, and
     `height_up` says that the file called it `up`.
-    `section_name` is the stock size that the section was named by, `material_given` what the file said of the
-    material; both are for writing it back. `masses` hang on its ends. `cost` (EUR) is for the part beside its material:
-    machining, fittings; for a rigid link all of it; `cost_date` is when (`2026-01`). One that `runs_out` slides along
-    itself out of a sleeve where its joint, a slide, stands at zero: it is a cantilever as long as its joint's
-    coordinate (with its `zero`), and what has not run out stays in the sleeve and weighs there. `name` is what other
-    programs call it. `inertia` of a rigid link (kg*m^2; xx, yy, zz, xy, xz, yz along the axes of its frame) is that of
-    all that weighs on it (`mass` and `masses`, but motors of joints) about their common centre; None: not known.
+    `section_name` is the stock size that the section was named by, for writing it back. `masses` hang on its ends.
+    `cost` (EUR) is for the part beside its material: machining, fittings; for a rigid link all of it; `cost_date` is
+    when (`2026-01`). One that `runs_out` slides along itself out of a sleeve where its joint, a slide, stands at zero:
+    it is a cantilever as long as its joint's coordinate (with its `zero`), and what has not run out stays in the sleeve
+    and weighs there. `name` is what other programs call it. `inertia` of a rigid link (kg*m^2; xx, yy, zz, xy, xz, yz
+    along the axes of its frame) is that of all that weighs on it (`mass` and `masses`, but motors of joints) about
+    their common centre; None: not known.
     """
 
     length: float
@@ -125,7 +125,6 @@ class Link:
     height_direction: FloatVector | None = None
     height_up: bool = field(default=False, compare=False)
     section_name: str | None = None
-    material_given: object = field(default=None, compare=False)
     masses: tuple[PointMass, ...] = ()
     cost: float | None = None
     cost_date: str = ""

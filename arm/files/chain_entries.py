@@ -221,8 +221,7 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
             section, name = _section(mapping)
             raw = mapping.raw("material", "a material's name, e.g. steel-s355")
             material = catalogue.read(raw, file=mapping.file, key=mapping.path_of("material"))
-            given = raw if isinstance(raw, dict) else None
-            return replace(link, section=section, section_name=name, material=material, material_given=given)
+            return replace(link, section=section, section_name=name, material=material)
         if mapping.has("material"):
             raise mapping.error("section", "is missing; a link with a material needs its section")
         if not rigid and not mapping.has("mass"):

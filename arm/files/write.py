@@ -13,6 +13,7 @@ import yaml
 from arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
 from arm.chain.vectors import IDENTITY, Rotation, to_roll_pitch_yaw
 from arm.effects import EFFECTS, kind_at
+from materials.material import Material
 from sections.section import Section
 from units.files import write_whole
 from units.quantities import format_quantity
@@ -200,7 +201,7 @@ def _link(link: Link, number: int, height: object) -> dict[str, Any]:
         body["bends_over"] = f"q{number}"
     if link.section is not None and link.material is not None:
         body["section"] = link.section_name or section_to_mapping(link.section)
-        body["material"] = material_to_value(link)
+        body["material"] = material_to_value(link.material)
     else:
         body["rigid"] = True
         body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
@@ -244,11 +245,9 @@ def _dimension(value: Any) -> Any:
     return format_quantity(float(value), "length")
 
 
-def material_to_value(link: Link) -> Any:
-    """A link's material as an arm file names it, or describes it in place."""
-    if link.material_given is not None or link.material is None:
-        return link.material_given
-    return link.material.name
+def material_to_value(material: Material) -> Any:
+    """A material as an arm file names it, or describes it in place."""
+    return material.name if material.in_place is None else dict(material.in_place)
 
 
 def _effect(arm: Arm, entry: EffectEntry) -> dict[str, Any]:

@@ -15,8 +15,7 @@ from arm.files.read import arm_from
 from arm.files.write import arm_to_yaml, write_arm
 from linkwright.results.figures_in_words import mm, section_words
 from materials.catalogue import Catalogue, load_catalogue
-from materials.material import property_kinds
-from units.quantities import InputError, SIFloat, SIInt, format_quantity
+from units.quantities import InputError
 from units.reading import Mapping as Reader
 from units.reading import load_yaml, parse_yaml
 
@@ -81,18 +80,6 @@ class Link:
 
 def _written(keys: Mapping[str, Any]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in keys.items())
-
-
-def _with_units(material: dict[str, Any]) -> dict[str, Any]:
-    """A material in place is written back as it was given, so its numbers get their units at once."""
-    found: dict[str, Any] = {}
-    kinds = {str(name): kind for name, kind in property_kinds().items() if kind != "dimensionless"}
-    for name, value in material.items():
-        if isinstance(value, SIFloat | SIInt):
-            found[name] = format_quantity(float(value), kinds[name]) if name in kinds else float(value)
-        else:
-            found[name] = value
-    return found
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -227,14 +214,7 @@ class Arm:
 
 
 def _read(content: dict[str, Any], catalogue: File | None, tip: str | None = None) -> Model:
-    """The arm that content describes, its materials in place given their units in it."""
-    chain: object = content.get("chain")
-    for each in cast(list[object], chain) if isinstance(chain, list) else []:
-        link = cast(dict[str, Any], each).get("link") if isinstance(each, dict) else None
-        if isinstance(link, dict):
-            held = cast(dict[str, Any], link)
-            if isinstance(held.get("material"), dict):
-                held["material"] = _with_units(held["material"])
+    """The arm that content describes."""
     return arm_from(Reader(content, file="Arm"), catalogue_of(catalogue), tip=tip)
 
 

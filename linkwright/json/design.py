@@ -101,7 +101,7 @@ def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]
             "dimensions_mm": _dimensions(link),
             "height_points": None if points is None else points.words,
             "height_direction": None if points is None else points.direction,
-            "material": material_to_value(link) if link.material is not None else None,
+            "material": material_to_value(link.material) if link.material is not None else None,
             "mass_kg": mass,
         }
         for number, (link, mass, points) in enumerate(zip(arm.links, masses, heights(arm), strict=True), start=1)

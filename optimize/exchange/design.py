@@ -336,10 +336,7 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
         plain: Section = type(section)(**{name: float(value) for name, value in section.given().items()})
         ratio = math.exp(float(tapers[k]))
         plain = plain if abs(ratio - 1.0) < _UNIFORM else similar(plain, ratio)
-        given = links[k].material_given if material == links[k].material else None
-        links[k] = replace(
-            links[k], section=plain, length=float(length), material=material, section_name=None, material_given=given
-        )
+        links[k] = replace(links[k], section=plain, length=float(length), material=material, section_name=None)
     return balanced(space.problem.arm.with_links(tuple(links)), space.balance([float(value) for value in x]))
 
 

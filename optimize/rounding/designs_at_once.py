@@ -190,13 +190,11 @@ class Table:
         lengths = self.lengths[pick[-1]]
         for number, group in enumerate(self.groups):
             for option, link in zip(group.options[pick[number]], group.links, strict=True):
-                given = links[link].material_given if option.material == links[link].material else None
                 links[link] = replace(
                     links[link],
                     section=option.section,
                     section_name=option.stock,
                     material=option.material,
-                    material_given=given,
                 )
         links = [replace(link, length=length) for link, length in zip(links, lengths, strict=True)]
         return self.arm.with_links(tuple(links))

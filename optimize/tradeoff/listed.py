@@ -147,9 +147,6 @@ def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:
             continue
         m, k = divmod(int(number), len(listed))
         own, material = listed[k], _materials(problem, place)[m]
-        given = links[place].material_given if material == links[place].material else None
         name = None if own.stock is None else own.stock.name
-        links[place] = replace(
-            links[place], section=own.section, section_name=name, material=material, material_given=given
-        )
+        links[place] = replace(links[place], section=own.section, section_name=name, material=material)
     return problem.arm.with_links(tuple(links))
