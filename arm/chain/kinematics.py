@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from sections.numeric import cos, sin
+from sections.symbols import column_of_symbols
 
 from .chain import Arm, FloatVector, Joint, Link
 from .following import turns
@@ -170,9 +171,7 @@ def tip_position(arm: Arm, q: Any) -> Any:
 
 def symbols(arm: Arm) -> Any:
     """The joint coordinates as a column of CasADi symbols."""
-    import casadi as ca
-
-    return ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
+    return column_of_symbols("q", arm.size)
 
 
 def parts(column: Any) -> list[Any]:

@@ -25,6 +25,7 @@ from arm.compiled.vectorise import VectorFunction, vectorise
 from arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
 from materials.material import MissingProperty
 from sections.numeric import Array
+from sections.symbols import column_of_symbols
 from sections.taper import FreeTaper, Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
@@ -250,7 +251,7 @@ def error_model(
 def beam_symbols(arm: Arm, *, drives: bool = False) -> Any:
     """The symbols p: one for each of `BEAM_FIELDS`, link after link; with `drives` two more for each joint."""
     size = (len(BEAM_FIELDS) + (2 if drives else 0)) * arm.size
-    return ca.SX.sym("p", size)  # pyright: ignore[reportCallIssue]
+    return column_of_symbols("p", size)
 
 
 def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:

@@ -20,6 +20,7 @@ from arm.chain.statics import solve
 from arm.compiled.expressions import Expressions
 from arm.errors.model import beam_symbols, symbolic_beams
 from sections.numeric import Array
+from sections.symbols import column_of_symbols
 
 from .weakest_poses import climbed
 
@@ -52,7 +53,7 @@ def rated_torques(arm: Arm) -> tuple[float | None, ...]:
 
 def drive_case(arm: Arm, load: LoadCase) -> Expressions:
     """The loads on an arm's drives under a load case (N*m; N for a slide), one a joint, for symbols (q, p)."""
-    q = ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
+    q = column_of_symbols("q", arm.size)
     p = beam_symbols(arm)
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
     return Expressions((q, p), (ca.vertcat(*[ca.SX(joint.drive_load) for joint in state.joints]),))

@@ -26,6 +26,7 @@ from arm.compiled.expressions import Expressions
 from arm.effects.elastic.link_bending import bent_end, in_both_planes
 from arm.errors.model import beam_symbols, symbolic_beams
 from sections.numeric import Array
+from sections.symbols import column_of_symbols
 
 if TYPE_CHECKING:
     from sections.properties import SectionProperties
@@ -61,9 +62,9 @@ def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
 
 def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
     """The strength of an arm's links under a load case."""
-    q = ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]
+    q = column_of_symbols("q", arm.size)
     p = beam_symbols(arm)
-    s = ca.SX.sym("s", len(STRENGTH_FIELDS) * arm.size)  # pyright: ignore[reportCallIssue]
+    s = column_of_symbols("s", len(STRENGTH_FIELDS) * arm.size)
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
     links = tuple(index for index, link in enumerate(arm.links) if link.elastic)
     stress = [each for i in links for each in _stresses(state.links[i], _entries(s, i))]

@@ -18,6 +18,7 @@ from arm.chain.chain import Arm, LoadCase
 from arm.compiled.expressions import Expressions
 from arm.errors.model import beam_symbols, error_model
 from sections.numeric import Array
+from sections.symbols import column_of_symbols
 
 from .weakest_poses import climbed, plainest
 
@@ -74,7 +75,7 @@ def compliance_along(arm: Arm, axes: Sequence[int], tips: Sequence[str] = ()) ->
     drives = tuple(replace(joint, zones=()) for joint in arm.joints)  # each with the stiffness of its softest zone
     still = replace(arm, gravity=(0.0, 0.0, 0.0), joints=drives)
     forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in axes)]
-    q, p = ca.SX.sym("q", arm.size), beam_symbols(arm)  # pyright: ignore[reportCallIssue]
+    q, p = column_of_symbols("q", arm.size), beam_symbols(arm)
     cases = error_model(still, [LoadCase(force=force) for force in forces]).cases
     rest, *moved = [case.function(q, p)[0] for case in cases]
     columns = [(each - rest)[list(axes)] for each in moved]

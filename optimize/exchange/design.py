@@ -33,6 +33,7 @@ from sections import SHAPES
 from sections.numeric import Array
 from sections.properties import SectionProperties
 from sections.section import DesignVariable, Section
+from sections.symbols import column_of_symbols
 from sections.taper import FreeTaper, Tapered, similar, size_ratio
 
 MATERIAL_FIELDS = (
@@ -160,8 +161,8 @@ def properties_function(shape: str) -> Any:
     among shapes meets the same few hundreds of times.
     """
     kind = SHAPES[shape]
-    sizes = ca.SX.sym("sizes", len(kind.variables))  # pyright: ignore[reportCallIssue]
-    poisson_ratio = ca.SX.sym("nu")  # pyright: ignore[reportCallIssue]
+    sizes = column_of_symbols("sizes", len(kind.variables))
+    poisson_ratio = column_of_symbols("nu")
     found = kind.from_variables([sizes[k] for k in range(sizes.numel())]).properties(poisson_ratio)
     column = ca.vertcat(*[ca.SX(getattr(found, item.name)) for item in fields(SectionProperties)])
     return ca.Function(shape, [sizes, poisson_ratio], [column])

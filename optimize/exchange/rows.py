@@ -12,6 +12,7 @@ from arm.chain.kinematics import place
 from arm.effects.functions import wound_up
 from arm.errors.model import ErrorModel
 from optimize.limits import Cut, DesignExpressions, Held, Limit, OfLinks, PoseFamily, ThroughPoses, Totals, WorstError
+from sections.symbols import column_of_symbols
 
 from .binding_poses import ErrorCut
 from .design import DesignSpace
@@ -40,7 +41,7 @@ class Rows:
 
 def symbol(name: str, size: int = 1) -> Any:
     """A column of CasADi symbols."""
-    return ca.SX.sym(name, size)  # pyright: ignore[reportCallIssue]
+    return column_of_symbols(name, size)
 
 
 def error_rows(
