@@ -28,7 +28,7 @@ from units.quantities import InputError
 from .asked import Asked
 from .tried import Tried
 
-_ALONG_BAR = "bar_mm"
+ALONG_BAR = "bar_mm"
 _TURNS = ("qw", "qx", "qy", "qz")
 READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm", "tilt_x_deg", "tilt_y_deg", *_TURNS)
 """What a plan leaves blank of what a recording holds."""
@@ -96,9 +96,9 @@ def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
 def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: bool = False) -> str:
     """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip, and for the
     drives' `torques`."""
-    kept = [each for each in recording_columns(recording, arm) if each[0] not in (*READ, _ALONG_BAR)]
+    kept = [each for each in recording_columns(recording, arm) if each[0] not in (*READ, ALONG_BAR)]
     if recording.bar_at is not None:
-        kept.append((_ALONG_BAR, 1e3 * recording.bar_at, 5))
+        kept.append((ALONG_BAR, 1e3 * recording.bar_at, 5))
     units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
     held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
     left = [name for axis in axes for name in _HEADERS.get(axis, (f"{axis}_mm",))]

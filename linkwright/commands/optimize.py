@@ -116,10 +116,10 @@ def optimize(
     read = files_of(problem, asked.arm_file, catalogue)
     with not_lost(described):
         write_result(json, result.to_json())
-        if out is not None:
-            result.save(out, made_from=read, author=author, comment=comment)
         if pdf is not None:
             result.save_pdf(pdf, made_from=read, author=author, comment=comment)
+        if out is not None:
+            result.save(out, made_from=read, author=author, comment=comment)
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
     tell(described, markdown, *written, pdf, json)
     if result.interrupted:

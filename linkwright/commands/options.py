@@ -128,10 +128,13 @@ def tell(described: Description, markdown: Path | None, *written: Path | None) -
 
 @contextmanager
 def not_lost(described: Description) -> Generator[None]:
-    """While an answer is written: where that fails (a full disk), it is shown before the error is told."""
+    """While an answer is written: where that fails (a full disk), or what was written does not read back as it, it is
+    shown before the error is told."""
+    from linkwright.output.read_back import NotAsWritten
+
     try:
         yield
-    except (InputError, OSError):
+    except (InputError, NotAsWritten, OSError):
         from linkwright.screen.console import console
         from linkwright.screen.described import show
 

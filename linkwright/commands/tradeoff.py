@@ -129,9 +129,9 @@ def tradeoff(
         origin = origin_of(read, author=author, comment=comment)
         described = describe(result.found)
         with not_lost(described):
-            written = _write(result, out, json, csv, origin)
             if pdf is not None:
                 result.save_pdf(pdf, made_from=read, author=author, comment=comment)
+            written = _write(result, out, json, csv, origin)
     if loudness() != "answer":
         console().print()
     tell(described, markdown, *written, pdf)
@@ -192,6 +192,7 @@ def _traced(
 
 def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | None, origin: Origin) -> list[Path]:
     """Write what is asked for; the files of the folder, and which there are."""
+    from linkwright.face.arm import catalogue_of
     from linkwright.json.tradeoff import tradeoff_csv
     from linkwright.output.table_file import WAYS, write_table
     from linkwright.output.tradeoff_folder import write_tradeoff
@@ -202,5 +203,6 @@ def _write(result: Tradeoff, out: Path | None, json: Path | None, csv: Path | No
             write_table(result.table, csv)
         else:
             write_file(csv, tradeoff_csv(result.found))
-    written = [] if out is None else write_tradeoff(result.found, out, origin)
+    materials = catalogue_of(result.problem.arm.catalogue)
+    written = [] if out is None else write_tradeoff(result.found, out, origin, materials)
     return written + [path for path in (json, csv) if path is not None]

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 from arm.chain.chain import Arm as Model
 from arm.files.origin import UNKNOWN_ORIGIN
 from arm.files.read import arm_from
-from arm.files.write import arm_to_yaml, write_arm
+from arm.files.write import arm_to_yaml
+from linkwright.output.arm_file import arm_file
+from linkwright.output.files import write_file
+from linkwright.output.read_back import ReadBack
 from linkwright.results.figures_in_words import mm, section_words
 from materials.catalogue import Catalogue, load_catalogue
 from units.quantities import InputError
@@ -23,6 +26,8 @@ from .given import File, edited, plain
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from arm.evaluation import Evaluation
 
 
 @dataclass(frozen=True, init=False)
@@ -190,8 +195,12 @@ class Arm:
         return arm_to_yaml(self.model)
 
     def save(self, path: File) -> None:
-        """Write the arm file, whole or not at all."""
-        write_arm(self.model, Path(path))
+        """Write the arm file, whole or not at all, and read it back. Raises `InputError`."""
+        write_file(Path(path), self.to_file())
+
+    def to_file(self, promised: Evaluation | None = None) -> ReadBack:
+        """Its file to be written, which is read back with its own catalogue and held to the figures `promised`."""
+        return arm_file(self.model, catalogue_of(self.catalogue), promised)
 
     def __repr__(self) -> str:
         """One line."""

@@ -13,6 +13,7 @@ from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
+from linkwright.output.read_back import ReadBack
 from linkwright.redesigning import Redesign as FoundRedesign
 from linkwright.report.contents import Contents
 from linkwright.report.pages.optimization import optimization_report
@@ -127,8 +128,10 @@ class Optimization(Reported):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Links": self.links, "What binds": self.binding}
 
-    def _files(self) -> Mapping[str, str]:
-        return {DESIGN: self.arm.to_yaml()}
+    def _files(self) -> Mapping[str, str | ReadBack]:
+        found = self.found
+        promised = found.after if found.rounded is None else found.rounded.evaluation
+        return {DESIGN: self.arm.to_file(promised)}
 
     def _report(self) -> Contents:
         return optimization_report(self.found)
@@ -263,5 +266,5 @@ class Redesign(Result):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Worst error": self.table}
 
-    def _files(self) -> Mapping[str, str]:
-        return {DESIGN: self.arm.to_yaml()}
+    def _files(self) -> Mapping[str, str | ReadBack]:
+        return {DESIGN: self.arm.to_file(self.found.new.after)}

@@ -30,8 +30,8 @@ from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from linkwright.results.diagnoses.words import name_words
 from linkwright.results.redesign import redesign_json
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 
 from .arm import Arm, arm_of, catalogue_of
 from .design import Redesign
@@ -146,7 +146,8 @@ class Diagnosis(Reported):
         place = Path(folder)
         claim_diagnosis(place)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        write_diagnosis(place, self.found, self.to_json(), signed(page_of(self._report()), origin))
+        page = signed(page_of(self._report()), origin)
+        write_diagnosis(place, self.found, self.to_json(), page, catalogue_of(self.arm.catalogue))
 
     def _report(self) -> Contents:
         return diagnosis_report(self.found, None if self.redesign is None else self.redesign.found)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Protocol, cast, runtime_checkable
 
 from sections.section import Section
+from units.names import nearest
 from units.quantities import InputError, SIFloat, SIInt, read_quantity, shown
-from units.reading import nearest
 
 Quantity = str | float
 """A quantity as text with its unit (`"400 mm"`), or a number in SI."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import replace as replaced
+from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,6 +18,7 @@ from diagnose.instruments.instrument import LABELS
 from diagnose.plan.written import read_plan
 from diagnose.reading.read import read_recording as read_file
 from diagnose.reading.read import recording_from
+from diagnose.reading.read_back import unlike, unlike_settings
 from diagnose.reading.settings import find_settings, read_settings
 from diagnose.reading.table import table_of
 from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
@@ -27,9 +29,10 @@ from diagnose.simulate import Simulation as Made
 from diagnose.simulate import simulate as simulated
 from linkwright.json.simulation import simulation_json
 from linkwright.output.files import json_text, write_file
+from linkwright.output.read_back import ReadBack
+from units.names import nearest
 from units.quantities import InputError, shown
 from units.reading import Mapping as Reader
-from units.reading import nearest
 
 from .arm import Arm, arm_of, catalogue_of
 from .given import File, Quantity, in_si, plain
@@ -71,10 +74,18 @@ class Recording:
         return self.found.warnings
 
     def save(self, path: File) -> None:
-        """Write the recording as CSV and its settings beside it, as `simulate --out` does. Raises `InputError`."""
+        """Write the recording as CSV and its settings beside it, as `simulate --out` does, and read it back. Raises
+        `InputError`."""
         place = Path(path)
-        write_file(place, recording_text(self.found, self.arm.model))
-        write_file(place.with_suffix(".yaml"), settings_text(self.found))
+        settings = place.with_suffix(".yaml")
+        write_file(settings, settings_text(self.found))
+        write_file(place, ReadBack(recording_text(self.found, self.arm.model), partial(self._unlike, settings)))
+
+    def _unlike(self, settings: Path, path: Path) -> Iterator[str]:
+        """What the recording that is read from a file says otherwise."""
+        back = read_file(path, self.arm.model, settings)
+        yield from unlike(self.found, back, self.arm.model)
+        yield from unlike_settings(self.found, back)
 
     def _line(self) -> str:
         found, aside = self.found, len(self.found.rejected)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
+from linkwright.output.read_back import ReadBack
 from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
@@ -57,7 +58,7 @@ class Result(ABC):
     def plot(self) -> go.Figure:
         """The result as a plotly figure."""
 
-    def _files(self) -> Mapping[str, str]:
+    def _files(self) -> Mapping[str, str | ReadBack]:
         """What `--out` writes beside the result, text by name."""
         return {}
 

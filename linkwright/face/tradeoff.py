@@ -21,7 +21,7 @@ from optimize.tradeoff.question import Question, question
 from optimize.tradeoff.trace import Progress as Traced
 from optimize.tradeoff.tradeoff import ACCURACY, trade_off
 
-from .arm import Arm
+from .arm import Arm, catalogue_of
 from .given import File
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
@@ -82,7 +82,8 @@ class Tradeoff(Reported):
         """Write what `tradeoff --out` does but the journal. Raises `InputError` for a folder with other files."""
         place = Path(folder)
         claim_tradeoff(place)
-        write_tradeoff(self.found, place, origin_of(map(Path, made_from), author=author, comment=comment))
+        origin = origin_of(map(Path, made_from), author=author, comment=comment)
+        write_tradeoff(self.found, place, origin, catalogue_of(self.problem.arm.catalogue))
 
     def _report(self) -> Contents:
         return tradeoff_report(self.found)

@@ -10,15 +10,17 @@ import numpy as np
 import pandas as pd
 
 from arm.chain.chain import Arm
-from arm.files.write import arm_to_yaml
 from diagnose.result import Diagnosis
 from diagnose.several.recordings import Several
 from linkwright.json.fields import joint_columns
 from linkwright.results.diagnoses.recordings import unit_files
+from materials.catalogue import Catalogue
 from units.quantities import InputError
 from units.reading import load_json, read_text
 
-from .files import DESIGN, REPORT, claim_own, made_by, write_file
+from .arm_file import arm_file
+from .files import DESIGN, REPORT, claim_own, made_by, write_each
+from .read_back import NotAsWritten, ReadBack
 
 DIAGNOSIS, RESIDUALS, COMPENSATION = "diagnosis.json", "residuals.csv", "compensation.csv"
 FILES = (REPORT, DIAGNOSIS, DESIGN, RESIDUALS, COMPENSATION)
@@ -32,27 +34,35 @@ def claim_diagnosis(folder: Path | None) -> None:
         claim_own(folder, "diagnose", (*FILES, *_own_files(folder)), DIAGNOSIS)
 
 
-def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str) -> tuple[str, ...]:
-    """Write the files, diagnosis.json first; gives their names. Raises `InputError`."""
-    files = {
+def write_diagnosis(
+    folder: Path, diagnosis: Diagnosis, content: str, page: str, catalogue: Catalogue
+) -> tuple[str, ...]:
+    """Write the files, diagnosis.json first; gives their names. `catalogue` is that by which the arm was read. Raises
+    `InputError`, and `NotAsWritten` at the end."""
+    files: dict[str, str | ReadBack] = {
         DIAGNOSIS: content,
         REPORT: page,
-        DESIGN: arm_to_yaml(diagnosis.corrected),
+        DESIGN: arm_file(diagnosis.corrected, catalogue),
         RESIDUALS: residuals_csv(diagnosis),
     }
     compensation = compensation_csv(diagnosis)
     if compensation is not None:
         files[COMPENSATION] = compensation
     for one, name in zip(diagnosis.recordings, unit_files(diagnosis.recordings), strict=False):
-        files[name] = arm_to_yaml(one.corrected if one.corrected is not None else diagnosis.corrected)
+        files[name] = arm_file(one.corrected if one.corrected is not None else diagnosis.corrected, catalogue)
     earlier = _own_files(folder)
-    for name, text in files.items():
-        write_file(folder / name, text)
+    unlike = None
+    try:
+        write_each({folder / name: text for name, text in files.items()})
+    except NotAsWritten as error:
+        unlike = error
     for name in earlier.keys() - files.keys():
         (folder / name).unlink(missing_ok=True)
     if compensation is None:
         # One of an earlier diagnosis would be taken for this one's.
         (folder / COMPENSATION).unlink(missing_ok=True)
+    if unlike is not None:
+        raise unlike
     return tuple(files)
 
 

@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from linkwright.output.read_back import NotAsWritten, ReadBack
 from linkwright.output.stream import write_result_out
 from units.files import left_over_of, neighbour, write_whole
 from units.quantities import InputError
@@ -77,11 +78,17 @@ def _same(one: Path, other: Path) -> bool:
     return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
 
 
-def write_file(path: Path, text: str | bytes) -> None:
-    """Write a file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is.
+def write_file(path: Path, text: str | bytes | ReadBack) -> None:
+    """Write a file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is. What
+    the program reads too is read back from there.
 
-    `-` is standard output. Raises `InputError`.
+    `-` is standard output. Raises `InputError`, and `NotAsWritten` where what is read back is not what was found.
     """
+    if isinstance(text, ReadBack):
+        write_file(path, text.text)
+        if os.path.isfile(path):
+            text.hold(path)
+        return
     if path == OUTPUT and isinstance(text, str):
         write_result_out(text)
         return
@@ -157,11 +164,23 @@ def made_by(path: Path) -> str | None:
     return words[1] if len(words) > 1 and words[0] == "linkwright" else None
 
 
-def write_folder(folder: Path | None, files: Mapping[str, str]) -> None:
-    """Write a command's files into its folder, `result.json` first. Raises `InputError`."""
+def write_folder(folder: Path | None, files: Mapping[str, str | ReadBack]) -> None:
+    """Write a command's files into its folder, `result.json` first. Raises `InputError`, `NotAsWritten`."""
     if folder is not None:
-        for name in sorted(files, key=lambda name: name != RESULT):
-            write_file(folder / name, files[name])
+        write_each({folder / name: files[name] for name in sorted(files, key=lambda name: name != RESULT)})
+
+
+def write_each(files: Mapping[Path, str | ReadBack]) -> None:
+    """Write files in their order, all of them, whatever one of them reads back as. Raises `InputError`, and at the end
+    `NotAsWritten` for the first that does not read back as what was found."""
+    unlike: list[NotAsWritten] = []
+    for path, text in files.items():
+        try:
+            write_file(path, text)
+        except NotAsWritten as error:
+            unlike.append(error)
+    if unlike:
+        raise unlike[0]
 
 
 def write_markdown(path: Path | None, described: Description) -> None:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from arm.files.write import arm_to_yaml
 from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
 from linkwright.report.contents import page_of
 from linkwright.report.origin import Origin, signed
 from linkwright.report.pages.tradeoff import tradeoff_report
 from linkwright.report.pictures.tradeoff import tradeoff_picture
+from materials.catalogue import Catalogue
 from optimize.tradeoff.front import Tradeoff
 from optimize.tradeoff.journal import JOURNAL, LOCK
 
-from .files import REPORT, RESULT, claim_own, json_text, made_folder, refuse_strangers, write_file, write_folder
+from .arm_file import arm_file
+from .files import REPORT, RESULT, claim_own, json_text, made_folder, refuse_strangers, write_each
+from .read_back import ReadBack
 
 CSV, PICTURE, POINTS = "tradeoff.csv", "tradeoff.svg", "points"
 FILES = (RESULT, REPORT, CSV, PICTURE, POINTS, JOURNAL, LOCK)
@@ -25,29 +27,27 @@ def claim_tradeoff(folder: Path) -> None:
     claim_own(folder, "tradeoff", FILES)
 
 
-def write_tradeoff(result: Tradeoff, out: Path, origin: Origin) -> list[Path]:
-    """Write the files, result.json last; gives where they are. Raises `InputError`."""
-    _write_points(result, out)
-    files = {
-        REPORT: signed(page_of(tradeoff_report(result)), origin),
-        PICTURE: tradeoff_picture(result),
-        CSV: tradeoff_csv(result),
+def write_tradeoff(result: Tradeoff, out: Path, origin: Origin, catalogue: Catalogue) -> list[Path]:
+    """Write the files, result.json last; gives where they are. `catalogue` is that by which the problem was read.
+    Raises `InputError`, and `NotAsWritten` at the end."""
+    files: dict[str, str | ReadBack] = {
+        point_file(result, point): arm_file(point.arm, catalogue) for point in result.points
     }
-    for name, text in files.items():
-        write_file(out / name, text)
-    write_folder(out, {RESULT: json_text(tradeoff_json(result))})
+    _clear_points(out / POINTS, {Path(name).name for name in files})
+    files[REPORT] = signed(page_of(tradeoff_report(result)), origin)
+    files[PICTURE] = tradeoff_picture(result)
+    files[CSV] = tradeoff_csv(result)
+    files[RESULT] = json_text(tradeoff_json(result))
+    write_each({out / name: text for name, text in files.items()})
     return [out / name for name in (REPORT, PICTURE, CSV, RESULT, POINTS)]
 
 
-def _write_points(result: Tradeoff, out: Path) -> None:
-    files = {point_file(result, point): arm_to_yaml(point.arm) for point in result.points}
-    folder = out / POINTS
+def _clear_points(folder: Path, names: set[str]) -> None:
+    """Take the arm files of an earlier trade-off away, where the new ones are not called so."""
     there = made_folder(folder)
     refuse_strangers(folder, {name for name in there if not _numbered(name)}, ())
-    for name in there - {Path(name).name for name in files}:
+    for name in there - names:
         (folder / name).unlink()
-    for name, text in files.items():
-        write_file(out / name, text)
 
 
 def _numbered(name: str) -> bool:

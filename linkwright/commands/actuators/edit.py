@@ -68,6 +68,7 @@ OWN = OwnCatalogue(
     helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
     such_as="mass='2 kg'",
     made=_made,
+    table=lambda path: lw.actuators.with_file(path).table,
     read={".yaml": read_entries, ".csv": read_table, ".xlsx": read_table},
 )
 

@@ -1,13 +1,15 @@
 """What `linkwright materials` and `linkwright sections` do alike to a catalogue of one's own."""
 
+import math
 import os
 import shlex
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as renamed
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
@@ -18,7 +20,8 @@ from catalogues.editor import Editor
 from catalogues.prices import remove_price, set_price
 from linkwright.commands.groups import Commands
 from linkwright.output.files import write_file
-from linkwright.output.table_file import WAYS
+from linkwright.output.read_back import ReadBack
+from linkwright.output.table_file import WAYS, rows_of
 from units.quantities import InputError
 from units.reading import parse_yaml
 
@@ -53,6 +56,8 @@ class KeysEditor(Protocol):
         ...
 
 
+_AS_WRITTEN = 1e-4
+"""How far a figure may be from what it was, of it, once it has been written in a format's units and digits."""
 T = TypeVar("T")
 W = TypeVar("W")
 
@@ -75,6 +80,7 @@ class OwnCatalogue:
         such_as: a KEY=VALUE, for messages.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
+        table: the figures of all entries with those of a file, a row each.
         doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
         keys: what keys are called for short in lists, by which they may be given too.
     """
@@ -92,6 +98,7 @@ class OwnCatalogue:
     such_as: str
     made: Callable[[str, dict[str, str], str], Any]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
+    table: "Callable[[Path], pd.DataFrame]"
     doubts: Callable[[Path], Sequence[str]] = lambda _: ()
     keys: Mapping[str, str] = field(default_factory=dict[str, str])
 
@@ -148,11 +155,36 @@ class OwnCatalogue:
         ways: Mapping[str, Callable[[Sequence[T]], str | bytes]],
         table: "Callable[[], pd.DataFrame]",
     ) -> None:
-        """Write entries to a file in the way that its ending asks for: those of `ways`, which are read again, else as
-        their figures in a `table` that is not."""
+        """Write entries to a file in the way that its ending asks for: those of `ways`, which are read back and held
+        against the figures of their `table`, else as that table, which nothing reads."""
         way = _by_ending(out, {**ways, **{ending: None for ending in WAYS if ending not in ways}})
-        write_file(out, WAYS[out.suffix.lower()](table()) if way is None else way(found))
+        if way is None:
+            write_file(out, WAYS[out.suffix.lower()](table()))
+        else:
+            text = way(found)
+            held = None if isinstance(text, bytes) else ReadBack(text, partial(self._unlike, table()))
+            write_file(out, text if held is None else held)
         typer.echo(f"wrote {len(found)} {self.editor.what}{'' if len(found) == 1 else 's'} to {out}")
+
+    def _unlike(self, meant: "pd.DataFrame", path: Path) -> Iterator[str]:
+        """The figures that entries of a file, once they are imported, have otherwise than was meant, in its rows; a
+        format that holds less leaves some out."""
+        from pandas.api.types import is_numeric_dtype
+
+        entries = _by_ending(path, self.read)(path)
+        with tempfile.TemporaryDirectory() as folder:
+            held = Path(folder) / "read.yaml"
+            self.editor.add(held, entries)
+            read = rows_of(self.table(held), [each.name for each in entries])
+        if len(read) != len(meant):
+            yield f"it had {len(meant)} entries and reads {len(read)}"
+            return
+        for column in meant.columns:
+            if not is_numeric_dtype(meant[column]) or not is_numeric_dtype(read[column]):
+                continue
+            for name, was, reads in zip(meant["name"], meant[column], read[column], strict=True):
+                if was == was and reads == reads and not math.isclose(was, reads, rel_tol=_AS_WRITTEN):
+                    yield f"{column} of {name} was {was:g} and reads {reads:g}"
 
     def question(self, path: Path, *names: str) -> None:
         """Warn of what is hardly believable of a file's entries of these names, all of them without a name."""

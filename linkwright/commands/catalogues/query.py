@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Generic, Protocol, TypeVar
 
+from units.names import nearest
 from units.quantities import InputError, read_quantity
-from units.reading import nearest
 
 _CONDITION = re.compile(r"\s*(\w+)\s*(<=|>=|==|=|<|>)\s*(.+)")
 

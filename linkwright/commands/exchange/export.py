@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, tell
+from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, not_lost, tell
 from linkwright.output.files import check_target, write_result
 from units.quantities import InputError
 
@@ -55,6 +55,7 @@ def export(
         found = lw.export_arm(given, to=to, into=into)
     for each in (target, json, markdown):
         check_target(each, arm, catalogue, into)
-    found.save(target)
-    write_result(json, found.to_json())
+    with not_lost(describe(found.found)):
+        write_result(json, found.to_json())
+        found.save(target)
     tell(describe(found.found), markdown, target, json)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import JsonFile, MarkdownFile, as_options, tell
+from linkwright.commands.options import JsonFile, MarkdownFile, as_options, not_lost, tell
 from linkwright.output.files import DESIGN, check_target, write_result
 from units.quantities import InputError
 
@@ -45,6 +45,7 @@ def import_(
         check_target(each, file)
     with as_options():
         found = lw.import_arm(file, tip=tip, base=base)
-    found.save(target)
-    write_result(json, found.to_json())
+    with not_lost(describe(found.found)):
+        write_result(json, found.to_json())
+        found.save(target)
     tell(describe(found.found), markdown, target, json)

@@ -75,6 +75,7 @@ OWN = OwnCatalogue(
     helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
     such_as="density='3000 kg/m^3'",
     made=_made,
+    table=lambda path: lw.materials.with_file(path).table,
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
     keys=MappingProxyType({short: name for name, short in SHORT.items()}),
     read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table, ".xlsx": read_table},

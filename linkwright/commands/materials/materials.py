@@ -15,8 +15,8 @@ from linkwright.output.files import check_target, write_file, write_json
 from linkwright.version import program_version
 from materials.catalogue import Catalogue
 from materials.material import Constant, Material, Property, PropertyName, property_kinds
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from . import HELP, edit

@@ -145,9 +145,9 @@ def plan(
         if out is not None and beside is not None:
             check_target(beside, arm, catalogue, json)
             refuse_others_settings(beside, out)
+        write_result(json, found.to_json())
         if out is not None:
             found.save(out)
-        write_result(json, found.to_json())
     tell(described, markdown, out, beside, json)
     if found.interrupted:
         console(errors=True).print("stopped: this is the best plan so far", soft_wrap=True)

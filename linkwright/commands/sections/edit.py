@@ -65,6 +65,7 @@ OWN = OwnCatalogue(
     helps={"add": ADD_HELP, "import": IMPORT_HELP, "check": CHECK_HELP},
     such_as="thickness='4 mm'",
     made=_made,
+    table=lambda path: lw.sections.with_file(path).table,
     read={
         ".yaml": lambda path: [row_of(size) for size in STOCK.check(read_text(path), path)],
         ".csv": read_table,

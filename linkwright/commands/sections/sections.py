@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +14,7 @@ from linkwright.output.files import check_target, write_json
 from linkwright.results.figures_in_words import figure
 from linkwright.version import program_version
 from sections import SHAPES, Section, Stock, StockSize
+from units.names import meant
 from units.quantities import InputError
 
 from . import HELP, edit
@@ -91,8 +91,8 @@ def show_section(
     except InputError as error:
         if error.key != "section":
             raise
-        near = difflib.get_close_matches(name, SHAPES, n=1, cutoff=0.7)
-        message = f"there is no shape or stock size {name!r}; did you mean {near[0]}?" if near else error.message
+        near = meant(name, SHAPES, 0.7)
+        message = error.message if near is None else f"there is no shape or stock size {name!r}; did you mean '{near}'?"
         raise InputError("", "section", message) from None
     _write(json, _stock_json(size))
     _print_size(size)

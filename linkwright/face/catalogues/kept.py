@@ -8,8 +8,8 @@ from typing import Generic, Self, TypeVar
 
 from linkwright.face.given import File
 from registries import Registry
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 
 T = TypeVar("T")
 

@@ -8,8 +8,8 @@ from arm.files.read import read_section
 from linkwright.face.given import plain
 from sections import SHAPES
 from sections.section import Section
+from units.names import nearest
 from units.reading import Mapping as Reader
-from units.reading import nearest
 
 
 class Shapes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from arm.descriptions.formats import Exported as Found
 from arm.descriptions.formats import export_arm as exported
 from arm.descriptions.into import into_file
+from arm.descriptions.read_back import unlike
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
@@ -18,6 +20,7 @@ from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result
 from linkwright.json.exchange import export_json
 from linkwright.output.files import write_file
+from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import WAYS, write_table
 from units.quantities import InputError, shown
 
@@ -42,6 +45,8 @@ class Export(Result):
 
     arm: Arm
     found: Found
+    into: File | None = None
+    """Whose file it is, where that is somebody's own, whose tips have names of their own."""
 
     @property
     def text(self) -> str:
@@ -75,7 +80,9 @@ class Export(Result):
         if self.found.format == "bom" and target.suffix.lower() in WAYS:
             write_table(parts(self.arm.model), target)
         else:
-            write_file(target, self.found.text)
+            text = self.found.text
+            read = partial(unlike, self.arm.model) if self.found.format == "urdf" and self.into is None else None
+            write_file(target, text if read is None else ReadBack(text, read))
 
     def _content(self) -> Mapping[str, Any]:
         return export_json(self.found)
@@ -106,7 +113,7 @@ def export_arm(
         if to is not None:
             raise InputError("", "into", "goes without a format, which is that of its file; leave one out")
         given = arm_of(arm, tips="every")
-        return Export(given, into_file(given.model, into))
+        return Export(given, into_file(given.model, into), into)
     if to is None:
         raise InputError("", "to", f"is missing; write {', '.join(SUFFIXES)}, or into: a file of your own")
     if to not in SUFFIXES:

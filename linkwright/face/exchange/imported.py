@@ -15,7 +15,9 @@ from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.result import Result, figure_of
 from linkwright.json.exchange import import_json
+from linkwright.output.arm_file import arm_file
 from linkwright.output.files import write_file
+from materials.catalogue import load_catalogue
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +70,8 @@ class Import(Result):
         """Write the arm file, with the names of the description and what is lacking as comments; into a folder as
         `arm.yaml`."""
         place_ = Path(folder)
-        write_file(place_ / "arm.yaml" if place_.is_dir() else place_, self.found.to_yaml())
+        text = arm_file(self.found.arm, load_catalogue(), text=self.found.to_yaml())
+        write_file(place_ / "arm.yaml" if place_.is_dir() else place_, text)
 
     def _content(self) -> Mapping[str, Any]:
         return import_json(self.found)

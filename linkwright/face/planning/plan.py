@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,13 +15,14 @@ from arm.avoid.regions import Region
 from arm.effects import EFFECTS
 from arm.files.avoid import read_avoid
 from diagnose.instruments.asked import observed_by
-from diagnose.instruments.instrument import Instrument
+from diagnose.instruments.instrument import LABELS, Instrument
 from diagnose.plan.asked import INSTRUMENTS, Asked, Place, seen_axes
 from diagnose.plan.planned import Planned
 from diagnose.plan.planning import NothingToSee
 from diagnose.plan.planning import plan as planned
 from diagnose.plan.tried import TooFewPostures
-from diagnose.plan.written import READ, plan_text
+from diagnose.plan.written import ALONG_BAR, READ, plan_text, read_plan
+from diagnose.reading.read_back import unlike
 from diagnose.reading.write import settings_text
 from diagnose.recording import Recording as Readings
 from diagnose.result import Diagnosis as Found
@@ -36,10 +37,11 @@ from linkwright.face.recording import Recording, recording_columns, torque_noise
 from linkwright.face.result import Result, figure_of
 from linkwright.json.planning import plan_json
 from linkwright.output.files import write_file
+from linkwright.output.read_back import ReadBack
 from linkwright.results.planning import cause
+from units.names import nearest
 from units.quantities import InputError, NoAnswer, shown
 from units.reading import Mapping as Reader
-from units.reading import nearest
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -102,9 +104,14 @@ class Plan(Result):
     def save(self, folder: File) -> None:
         """Write the plan as CSV, and beside it what it reads where that is no place, as `plan --out` does. Raises
         `InputError`."""
-        write_file(Path(folder), self.text())
         if self.settings is not None:
             write_file(Path(folder).with_suffix(".yaml"), self.settings)
+        write_file(Path(folder), ReadBack(self.text(), self._unlike))
+
+    def _unlike(self, path: Path) -> Iterator[str]:
+        """What the plan that is read from a file says otherwise; what it leaves blank says nothing."""
+        back = read_plan(path, self.arm.model)
+        return unlike(self.found.recording, back, self.arm.model, without=(*READ, *LABELS.values(), ALONG_BAR))
 
     def plot(self) -> go.Figure:
         """The smallest size of each cause over what is usual at most: this plan, and poses at random."""

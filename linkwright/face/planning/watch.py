@@ -29,8 +29,8 @@ from linkwright.output.files import REPORT, RESULT
 from linkwright.report.contents import Contents
 from linkwright.report.pages.watch import watch_report
 from linkwright.results.diagnoses.watch import title_of, watch_sentence
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 
 if TYPE_CHECKING:
     import pandas as pd

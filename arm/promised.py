@@ -1,0 +1,47 @@
+"""An evaluation's figures as a promise, and an arm that is held to them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from arm.chain.chain import Arm
+from arm.errors.model import beam_values, beams_of, error_model
+from arm.errors.unknown_mass import of_unknown_mass, unknown_taken_out
+from arm.evaluation import Evaluation, link_masses, material_cost
+from arm.worst.parts import projections_at, worst_search
+from units.quantities import format_quantity
+
+_WITHIN = 1e-6
+"""How far a figure may be from what was promised, of it: what a file's twelve digits leave of it and more."""
+
+
+def missed(promised: Evaluation, arm: Arm) -> Iterator[str]:
+    """The figures of an evaluation that an arm does not have, in words: the masses and the price of its links, its
+    reach, and its error at each of the worst poses, which is the worst error at the first of them."""
+    cases = promised.load_cases
+    taken = unknown_taken_out(arm, cases)
+    beams = beams_of(taken, cases)
+    p = beam_values(beams)
+    model = error_model(taken, cases)
+    search = worst_search(model, promised.workspace)
+    figures: list[tuple[str, str, float | None, float | None]] = []
+    masses = link_masses(beams)
+    if promised.mass is not None:
+        figures.append(("mass", "mass", promised.mass, None if of_unknown_mass(arm) else sum(masses)))
+    figures.append(("cost", "cost", promised.cost, material_cost(taken, masses)))
+    for number, pose in enumerate(promised.worst.poses, start=1):
+        q = np.array([pose.q])
+        case = pose.load_case
+        if projections_at(model, promised.workspace, search.tip(q, p)) is not None:
+            case = search.case_at(q, p, case)
+        error = float(search.errors(q, p, case).error[0])
+        figures.append((f"error at worst pose {number}", "length", pose.error, error))
+    for name, kind, meant, read in figures:
+        if meant is None and read is None:
+            continue
+        if meant is None or read is None or not math.isclose(meant, read, rel_tol=_WITHIN, abs_tol=1e-12):
+            told = ["not known" if each is None else format_quantity(each, kind, digits=6) for each in (meant, read)]
+            yield f"{name} {told[0]} was promised, {told[1]} is had"

@@ -1,0 +1,44 @@
+"""Files that the program reads too are read back once they are written, and held against what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from units.quantities import InputError, NoAnswer
+
+_MOST = 3
+"""How many differences a line tells."""
+
+
+class NotAsWritten(NoAnswer):
+    """A file was written, and reading it back does not give what was found. Its `path`, and what differs, in words."""
+
+    def __init__(self, path: Path, differs: str) -> None:
+        self.path = path
+        self.differs = differs
+        super().__init__(f"{path}: is written, but does not read back as what was found: {differs}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the fields when the error crosses between processes."""
+        return NotAsWritten, (self.path, self.differs)
+
+
+@dataclass(frozen=True)
+class ReadBack:
+    """The text of a file that the program reads too. `differs` reads the file and tells in words what it says otherwise
+    than was found, figures against those that were promised; nothing where it is the same."""
+
+    text: str
+    differs: Callable[[Path], Iterable[str]]
+
+    def hold(self, path: Path) -> None:
+        """Read the file back. Raises `NotAsWritten` where it cannot be read, or says otherwise."""
+        try:
+            found = list(self.differs(path))
+        except InputError as error:
+            raise NotAsWritten(path, f"{error.key}: {error.message}" if error.key else error.message) from None
+        if found:
+            more = f", and {len(found) - _MOST} more" if len(found) > _MOST else ""
+            raise NotAsWritten(path, "; ".join(found[:_MOST]) + more)
