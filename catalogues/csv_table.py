@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest, read_text
+from units.reading import read_text
 from units.spreadsheet import defused, fused
 from units.workbook import is_workbook, workbook_text
 

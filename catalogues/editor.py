@@ -15,8 +15,9 @@ from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from catalogues.store import edit_text
 from catalogues.yaml_edit import YamlText
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import load_yaml, nearest, read_text
+from units.reading import load_yaml, read_text
 
 Place: TypeAlias = list[str | int]
 """Where an entry stands in a file: the keys and numbers on the way to it."""

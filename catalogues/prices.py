@@ -8,8 +8,8 @@ from typing import Any
 
 from catalogues.editor import E, Editor
 from catalogues.yaml_edit import YamlText
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 
 
 def set_price(editor: Editor[E], path: Path | str, name: str, price: Mapping[str, Any], known: Sequence[str]) -> str:

@@ -15,8 +15,8 @@ from catalogues.csv_table import read_rows, table_text
 from catalogues.stock_editor import Row, column_of, columns_of, neat
 from sections import SHAPES
 from sections.stock.tables import PRINTED
+from units.names import nearest
 from units.quantities import InputError
-from units.reading import nearest
 
 _HEAD = ("name", "family", "shape", "source")
 _MARKS = ("found_in", "unconfirmed")
@@ -42,7 +42,7 @@ def read_table(path: Path | str) -> tuple[Row, ...]:
     def row(texts: dict[str, str], where: str) -> Row:
         name, family, shape, source = (texts.pop(column) for column in _HEAD)
         if shape not in SHAPES:
-            raise InputError(path, f"{where}: shape", f"there is no shape '{shape}'{nearest(shape, list(SHAPES))}")
+            raise InputError(path, f"{where}: shape", f"there is no shape '{shape}'{nearest(shape, SHAPES)}")
         marks = [texts.pop(name, "") for name in _MARKS]
         cells: dict[str, float] = {}
         for column, text in texts.items():

@@ -16,8 +16,8 @@ from catalogues.editor import Editor, Place
 from catalogues.yaml_edit import YamlText
 from sections import SHAPES, SectionError, StockSize
 from sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
+from units.names import nearest
 from units.quantities import InputError, read_quantity
-from units.reading import nearest
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\ntables: []\n"
 """What a file of stock sizes begins as."""
@@ -69,7 +69,7 @@ def neat(value: float) -> float:
 def columns_of(shape: str) -> tuple[str, ...]:
     """The columns that a table of this shape can have beside `name`. Raises `InputError` for no such shape."""
     if shape not in SHAPES:
-        raise InputError("", "shape", f"there is no shape '{shape}'{nearest(shape, list(SHAPES))}")
+        raise InputError("", "shape", f"there is no shape '{shape}'{nearest(shape, SHAPES)}")
     dimensions = [each.name for each in SHAPES[shape].dimensions if each.kind != "points"]
     return (*(f"{name}_mm" for name in dimensions), *PRINTED)
 

@@ -33,9 +33,10 @@ from types import MappingProxyType
 from platformdirs import user_config_dir
 
 from materials.material import Constant, Material, Property
+from units.names import nearest
 from units.prices import Price, read_prices
 from units.quantities import InputError
-from units.reading import Mapping, load_yaml, nearest, shipped_files
+from units.reading import Mapping, load_yaml, shipped_files
 
 from .catalogue_entry import read_entry, read_inline
 

@@ -8,7 +8,8 @@ from arm.chain.chain import Arm
 from arm.errors.model import needs_shear_modulus, needs_thermal_expansion
 from materials.catalogue import Catalogue
 from materials.material import Material, MissingProperty, OutOfRange, PropertyName, property_kinds
-from units.reading import Mapping, nearest
+from units.names import nearest
+from units.reading import Mapping
 
 _ALIASES = MappingProxyType({"service_temperature": "highest_service_temperature"})
 

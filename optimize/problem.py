@@ -24,14 +24,16 @@ from materials.catalogue import Catalogue, load_catalogue
 from materials.material import Material
 from sections import SHAPES
 from sections.taper import MOST_TAPER, Tapered, size_ratio
+from units.names import nearest
 from units.quantities import format_quantity, read_quantity, shown
-from units.reading import Mapping, load_yaml, nearest
+from units.reading import Mapping, load_yaml
 
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
+from .called import CHOICES_CALLED, PROBLEM_CALLED
 from .conditions import materials_where
-from .limits import FIGURES, RANGES, Figure, Limit
+from .limits import FIGURES, RANGES, RANGES_CALLED, Figure, Limit
 from .limits.read import read_limit
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
@@ -116,7 +118,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
     if arm.unknown_origins:
         raise mapping.error("arm", f"chain[{arm.unknown_origins[0] + 1}].origin {UNKNOWN_ORIGIN}")
     with mapping.reading("arm"):
-        objectives = [figure.name for figure in figures.values() if figure.minimised]
+        mapping.also_called(PROBLEM_CALLED)
+        objectives = {name: figure for name, figure in figures.items() if figure.minimised}
         minimize = mapping.choice("minimize", objectives, "max_error")
         workspace = _workspace(mapping, arm)
         cases = _load_cases(mapping, arm) or arm.cases
@@ -313,6 +316,7 @@ def _subject_to(
     if not mapping.has("subject_to"):
         return (), {}, frozenset()
     with mapping.mapping("subject_to").reading() as body:
+        body.also_called({**RANGES_CALLED, **{name: figure.synonyms for name, figure in figures.items()}})
         for name, default in RANGES.items():
             if body.has(name):
                 ranges[name] = _range(body, name, default)
@@ -372,11 +376,12 @@ def _choose(
     if not mapping.has("choose"):
         return None, None, frozenset(), None, None
     with mapping.mapping("choose").reading("balancer", "counterweight", "motor") as body:
+        body.also_called(CHOICES_CALLED)
         shapes: tuple[str, ...] | None = None
         materials: tuple[Material, ...] | None = None
         if body.has("section"):
             names = _names(body, "section")
-            free = [name for name in SHAPES if _can_be_chosen(name)]
+            free = {name: kind for name, kind in SHAPES.items() if _can_be_chosen(name)}
             for number, name in enumerate(names, start=1):
                 if name not in free:
                     raise body.error(f"section[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from sections.numeric import is_symbol
 from sections.section import Section, SectionError
 from sections.shapes import SHAPES
+from units.names import nearest
 
 
 def build(shape_name: str, dimensions: Mapping[str, Any]) -> Section:
@@ -22,11 +22,11 @@ def build(shape_name: str, dimensions: Mapping[str, Any]) -> Section:
     """
     kind = SHAPES.get(shape_name)
     if kind is None:
-        raise SectionError("shape", f"unknown shape {shape_name!r}{_nearest(shape_name, SHAPES)}")
+        raise SectionError("shape", f"unknown shape {shape_name!r}{nearest(shape_name, SHAPES)}")
     known = {dimension.name: dimension for dimension in kind.dimensions}
     for name in dimensions:
         if name not in known:
-            raise SectionError(name, f"a {shape_name} has no dimension {name!r}{_nearest(name, known)}")
+            raise SectionError(name, f"a {shape_name} has no dimension {name!r}{nearest(name, known)}")
     for dimension in kind.dimensions:
         replaced = bool(dimension.unless) and all(name in dimensions for name in dimension.unless)
         if dimension.name not in dimensions and not dimension.optional and not replaced:
@@ -49,9 +49,3 @@ def _require_positive(name: str, value: Any) -> None:
     array = np.asarray(value, dtype=float)
     if not np.all(np.isfinite(array)) or not np.all(array > 0.0):
         raise SectionError(name, f"must be positive, not {value}")
-
-
-def _nearest(name: str, known: Iterable[str]) -> str:
-    names = list(known)
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    return f"; did you mean {close[0]}?" if close else f"; known: {', '.join(names)}"

@@ -7,6 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
@@ -23,6 +24,15 @@ Outline: TypeAlias = list[NDArray[np.float64]]
 
 LEAST_OPENING = 0.02
 """A hollow or flanged section keeps at least this fraction of its size free of wall."""
+
+_ALSO_CALLED = MappingProxyType(
+    {
+        "diameter": ("d", "dia", "outer_diameter", "od", "size"),
+        "thickness": ("t", "wall", "wall_thickness"),
+        "width": ("b", "breadth"),
+        "height": ("h", "depth"),
+    }
+)
 
 CURVE_POINTS = 96
 """Points on a drawn circle or ellipse."""
@@ -60,6 +70,11 @@ class Dimension:
     kind: Literal["outer", "wall", "radius", "points"]
     optional: bool = False
     unless: tuple[str, ...] = ()
+
+    @property
+    def synonyms(self) -> tuple[str, ...]:
+        """What people call it as well."""
+        return _ALSO_CALLED.get(self.name, ())
 
 
 @dataclass(frozen=True)
@@ -110,6 +125,8 @@ class Section(ABC):
 
     shape: ClassVar[str]
     """Name in arm files."""
+    synonyms: ClassVar[tuple[str, ...]] = ()
+    """What people call the shape as well, for who is told its name."""
     dimensions: ClassVar[tuple[Dimension, ...]]
     """What describes the shape."""
     variables: ClassVar[tuple[DesignVariable, ...]]

@@ -7,7 +7,6 @@ one line that names the file, the key and what would do.
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from decimal import Context, Decimal
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from units.names import meant
 from units.units import Kind, kinds, registry
 
 if TYPE_CHECKING:
@@ -153,8 +153,8 @@ def _factor(unit: pint.Unit, si: str) -> Decimal:
 def _unknown_unit(text: str, kind: Kind) -> str:
     if _CURRENCY.search(text):
         return f"money is in EUR only, {shown(text)} is not converted; write {_what_would_do(kind)}"
-    near = difflib.get_close_matches(text, kind.units, n=1, cutoff=0.5)
-    hint = f"did you mean '{near[0]}'?" if near else "write " + _what_would_do(kind)
+    near = meant(text, kind.units, 0.5)
+    hint = f"did you mean '{near}'?" if near else "write " + _what_would_do(kind)
     return f"{shown(text)} is not a unit known here; {hint}"
 
 
@@ -192,7 +192,8 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     """Return the quantity `value` in SI.
 
     `value` is what YAML gave: a string `NUMBER UNIT` (`400 mm`, `12 kN*m/rad`, `30 EUR/kg`), or a bare number
-    where `kind` is `dimensionless`; or an `SIFloat` or `SIInt` that a program gave. Temperatures are absolute
+    where `kind` is `dimensionless`; or an `SIFloat` or `SIInt` that a program gave. Nought is nought in any unit, but
+    of temperature, so it needs none. Temperatures are absolute
     (`20 degC` is 293.15). `kind` is a name in
     `units.kinds()`. Raises `InputError` for a missing or unknown unit, a wrong dimension, nan or infinity, or
     anything else.
@@ -206,7 +207,9 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     if isinstance(value, bool) or value is None or not isinstance(value, str | int | float):
         raise InputError(file, key, f"needs a quantity with its unit, {would_do}, not {shown(value)}")
     if isinstance(value, int | float) or _PURE.fullmatch(value.strip()):
-        _finite(value if isinstance(value, int | float) else float(value), file, key)
+        number = _finite(value if isinstance(value, int | float) else float(value), file, key)
+        if number == 0.0 and due.name != "temperature":
+            return 0.0
         raise InputError(file, key, f"needs a unit, {would_do}, not the bare number {shown(value)}")
     text = _with_ascii_symbols(value)
     if _NOT_FINITE.fullmatch(text):
@@ -323,17 +326,34 @@ def format_quantity(si_value: float, kind: str, unit: str | None = None, digits:
     return f"{_plain(Context(prec=34).plus(value))} {symbol}".strip()
 
 
-def read_bound(text: object, kind: str, *, file: object, key: str) -> Bound:
-    """Return the limit written as `<= 26 kg`, `== 1240 mm` or `>= 2`, in SI; raises `InputError`."""
-    due = kind_of(kind)
-    would_do = f"write a relation and a limit, e.g. '<= {due.example}' (<=, ==, >=)"
+def read_bound(
+    text: object, kind: str, *, file: object, key: str, senses: Sequence[Relation] = ("<=", "==", ">=")
+) -> Bound:
+    """Return the limit written as `<= 26 kg`, `== 1240 mm` or `>= 2`, in SI; raises `InputError`, which says how it
+    would be written with the relations that it can have (`senses`)."""
     found = _BOUND.fullmatch(text.strip()) if isinstance(text, str) else None
     if not found:
-        raise InputError(file, key, f"{shown(text)} is not a limit; {would_do}")
+        raise InputError(file, key, f"{shown(text)} is not a limit; write {_as_limit(text, kind, senses)}")
     relation = {"≤": "<=", "=<": "<=", "≥": ">=", "=>": ">=", "=": "=="}.get(found[1], found[1])
     if relation in ("<", ">"):
         raise InputError(file, key, f"{shown(text)}: a strict limit has no optimum; write '{relation}='")
     return Bound(cast(Relation, relation), read_quantity(found[2], kind, file=file, key=key))
+
+
+def _as_limit(text: object, kind: str, senses: Sequence[Relation]) -> str:
+    """How a limit is written that says no relation, or what one looks like."""
+    value = kind_of(kind).example
+    if isinstance(text, str | int | float) and not isinstance(text, bool):
+        number = str(text).strip()
+        bare = _PURE.fullmatch(number) is not None and bool(kind_of(kind).si)
+        try:
+            read_quantity(f"{number} {kind_of(kind).zero}" if bare else text, kind, file="", key="")
+        except InputError:
+            pass
+        else:
+            value = f"{number} {kind_of(kind).zero}" if bare else number
+            return " or ".join(f"'{relation} {value}'" for relation in senses)
+    return "a relation and a limit, e.g. " + " or ".join(f"'{relation} {value}'" for relation in senses)
 
 
 def read_range(value: object, kind: str, *, file: object, key: str) -> tuple[float, float]:

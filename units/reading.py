@@ -6,10 +6,10 @@ dictionary and, at its `close()`, refuses what nobody knows, with the nearest kn
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Mapping as MappingLike
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
@@ -18,10 +18,13 @@ from typing import Any, cast
 import yaml
 
 from units.files import LARGEST_FILE, read_bytes
+from units.names import Known, meant, nearest
 from units.quantities import Bound, InputError, kind_of, read_bound, read_number, read_quantity, read_range, shown
 
 _LARGEST_YAML = 8 * 1024 * 1024
 _DEEPEST = 60
+_QUITE_ALIKE = 0.75
+"""How alike a key that is missing and one that nobody knows are, for the one to be told beside the other."""
 _MOST_DIGITS = 100
 _WHEN = re.compile(r"[12][0-9]{3}(-(0[1-9]|1[0-2])(-(0[1-9]|[12][0-9]|3[01]))?)?")
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
@@ -173,20 +176,6 @@ def shipped_files(package: str, folder: str = "") -> Iterator[Mapping]:
             yield Mapping(parse_yaml(item.read_text(encoding="utf-8"), file=name), file=name)
 
 
-def nearest(name: str, known: Sequence[str]) -> str:
-    """Return `; did you mean 'X'?` for the known name most like `name`, or a short list of what is known."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-    if not close:
-        by_case = {item.lower(): item for item in known}
-        likely = difflib.get_close_matches(name.lower(), list(by_case), n=1, cutoff=0.6)
-        close = [by_case[item] for item in likely]
-    if close:
-        return f"; did you mean '{close[0]}'?"
-    if not known:
-        return ""
-    return f"; known: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
-
-
 class Mapping:
     """One mapping of a file, read key by key.
 
@@ -202,6 +191,7 @@ class Mapping:
         self.file = file
         self.key = key
         self._asked: dict[str, None] = {}
+        self._synonyms: dict[str, Known] = {}
 
     def path_of(self, name: str) -> str:
         """Return the full key of the entry `name`, such as `chain[2].joint.range`."""
@@ -219,11 +209,16 @@ class Mapping:
     def raw(self, name: str, would_do: str = "a value") -> object:
         """Return the entry as YAML gave it; raises `InputError` where it is missing, saying what would do."""
         if not self.has(name):
-            others = [item for item in self.content if item not in self._asked]
-            near = difflib.get_close_matches(name, others, n=1, cutoff=0.75)
-            hint = f" ('{near[0]}' is not a key known here; did you mean '{name}'?)" if near else ""
+            known = {each: self._synonyms.get(each) for each in (*self._asked, name)}
+            others = (item for item in self.content if item not in self._asked)
+            near = next((item for item in others if meant(item, known, _QUITE_ALIKE) == name), None)
+            hint = "" if near is None else f" ('{near}' is not a key known here; did you mean '{name}'?)"
             raise self.error(name, f"is missing; write {would_do}{hint}")
         return self.content[name]
+
+    def also_called(self, synonyms: MappingLike[str, tuple[str, ...]]) -> None:
+        """Say what people call the entries of some names as well, so that they are told the names known here."""
+        self._synonyms.update({name: Known(each) for name, each in synonyms.items()})
 
     def version(self, known: int) -> None:
         """Refuse another `format_version` than the one that is known."""
@@ -287,12 +282,12 @@ class Mapping:
             raise self.error(name, f"needs true or false, not {shown(value)}")
         return value
 
-    def choice(self, name: str, choices: Sequence[str], default: str | None = None) -> str:
-        """Return one of the names in `choices`."""
+    def choice(self, name: str, choices: Iterable[str], default: str | None = None) -> str:
+        """Return one of the names in `choices`: those, or what they stand for by name (see `units.names.meant`)."""
         value = self.text(name, default) if default is not None else self.text(name)
         if value not in choices:
-            meant = _meant(value, choices)
-            raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{meant}")
+            hint = "" if meant(value, choices) is None else nearest(value, choices)
+            raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{hint}")
         return value
 
     def items(self, name: str, default: Sequence[object] | None = None) -> list[object]:
@@ -335,7 +330,7 @@ class Mapping:
 
     def close(self, *also_known: str) -> None:
         """Refuse the keys that nobody asked for; `also_known` names keys that are read elsewhere."""
-        known = [*self._asked, *also_known]
+        known = {name: self._synonyms.get(name) for name in (*self._asked, *also_known)}
         for name in self.content:
             if name not in known:
                 raise self.error("", f"unknown key '{name}'{nearest(name, known)}")
@@ -345,11 +340,6 @@ class Mapping:
         """Read inside `with`; at its end the keys that nobody asked for are refused."""
         yield self
         self.close(*also_known)
-
-
-def _meant(value: str, choices: Sequence[str]) -> str:
-    near = difflib.get_close_matches(value, choices, n=1, cutoff=0.6)
-    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def _example(kind: str) -> str:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
 
 from units.files import read_bytes
+from units.names import nearest
 from units.quantities import InputError, shown
-from units.reading import nearest
 
 if TYPE_CHECKING:
     from openpyxl.workbook.workbook import Workbook

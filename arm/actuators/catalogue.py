@@ -43,10 +43,11 @@ from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
+from units.names import nearest
 from units.prices import read_prices
 from units.quantities import InputError, read_quantity, shown
 from units.reading import Mapping as Keys
-from units.reading import load_yaml, nearest, shipped_files
+from units.reading import load_yaml, shipped_files
 
 FORMAT_VERSION = 1
 """The version of the format that this code reads."""

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from arm.chain.chain import Branch
 from arm.chain.vectors import scale, subtract
+from units.names import nearest
 from units.quantities import InputError, shown
-from units.reading import nearest
 
 from .imported_arm import Imported, Lacking
 from .urdf import Robot, UrdfJoint, read_urdf

@@ -17,8 +17,8 @@ import numpy as np
 from arm.chain.chain import FloatVector
 from arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
 from sections.numeric import Array
+from units.names import nearest
 from units.quantities import InputError, shown
-from units.reading import nearest
 
 from .elements import Element, read_elements
 

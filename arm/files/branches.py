@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from arm.chain.chain import Branch, FloatVector, Joint, Link, LoadCase
 from arm.chain.vectors import ZERO
 from materials.catalogue import Catalogue
+from units.names import nearest
 from units.quantities import shown
-from units.reading import Mapping, nearest
+from units.reading import Mapping
 
 from .chain_entries import Entry, joined, read_entry
 from .origin import read_origin, read_vector

@@ -28,6 +28,29 @@ from .running_out import running_out
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
+_JOINT_CALLED = MappingProxyType(
+    {
+        "range": ("limits", "limit", "travel", "bounds", "joint_limits"),
+        "stiffness": ("torsional_stiffness", "rigidity", "compliance", "spring_rate"),
+        "mass": ("weight",),
+        "backlash": ("lost_motion", "slack"),
+        "clearance": ("gap", "bearing_play", "play"),
+        "actuator": ("drive", "gearbox", "gear"),
+        "zero": ("offset", "home"),
+    }
+)
+"""What people call the keys of a joint as well."""
+_LINK_CALLED = MappingProxyType(
+    {
+        "length": ("l", "len"),
+        "section": ("shape", "profile", "cross_section", "beam"),
+        "mass": ("weight",),
+        "center_of_mass": ("centre_of_mass", "com", "centre", "center"),
+        "cost": ("price",),
+    }
+)
+"""What people call the keys of a link as well."""
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -95,6 +118,7 @@ def _length(body: Mapping) -> float:
 
 def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
     with mapping.reading():
+        mapping.also_called(_JOINT_CALLED)
         motor = read_motor(mapping, size)
         kind = cast(JointType, mapping.choice("type", ("revolute", "prismatic"), "revolute"))
         turns = kind == "revolute"
@@ -201,6 +225,7 @@ def _axis(mapping: Mapping, default: str) -> FloatVector:
 
 def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
     with mapping.reading("length", "bends_over"):
+        mapping.also_called(_LINK_CALLED)
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
         cost, cost_date = read_cost(mapping)

@@ -12,8 +12,9 @@ from arm.chain.chain import STANDARD_GRAVITY, AngleConvention, Arm, EffectEntry,
 from arm.chain.vectors import IDENTITY, ZERO
 from arm.effects import EFFECTS, Effect, Parameter, kind_at
 from materials.catalogue import Catalogue, load_catalogue
+from units.names import nearest
 from units.quantities import format_quantity, shown
-from units.reading import Mapping, load_yaml, nearest
+from units.reading import Mapping, load_yaml
 from units.temperature import REFERENCE_TEMPERATURE
 
 from .avoid import read_avoid
@@ -24,6 +25,16 @@ from .heights import stood_up
 from .origin import TURNS, read_vector
 from .prices import read_machining
 
+_ALSO_CALLED = MappingProxyType(
+    {
+        "chain": ("links", "joints", "segments"),
+        "payload": ("load", "loads"),
+        "leave_out": ("without", "ignore", "exclude"),
+        "tool": ("tcp", "end_effector"),
+        "effects": ("physics", "errors"),
+    }
+)
+"""What people call the keys of an arm file as well."""
 _AS_WRITTEN = 1e-11
 """How far a quantity that was written and read may be from what it was, of it (`format_quantity`: 1e-12)."""
 
@@ -39,6 +50,7 @@ def read_arm(path: Path | str, catalogue: Catalogue | None = None, *, tip: str |
 def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) -> Arm:
     """The arm that a mapping describes, to a `tip` where it has several; every key of it is accounted for."""
     with mapping.reading():
+        mapping.also_called(_ALSO_CALLED)
         name = mapping.text("name", "arm")
         gravity = read_vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
         angles = cast(AngleConvention, mapping.choice("angles", ("relative", "absolute"), "relative"))
@@ -103,6 +115,7 @@ def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:
 def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
     """What acts at the tip: mass, force and moment."""
     with mapping.reading():
+        mapping.also_called({"mass": ("weight", "payload"), "moment": ("torque",)})
         return LoadCase(
             mass=not_negative(mapping, "mass", "mass", mass),
             force=read_vector(mapping, "force", "force", ZERO),

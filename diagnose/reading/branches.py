@@ -7,8 +7,8 @@ from collections.abc import Collection
 import numpy as np
 
 from arm.chain.chain import Arm, Branch
+from units.names import nearest
 from units.quantities import InputError, format_quantity
-from units.reading import nearest
 
 from .columns import meaning_of
 from .read_column import ReadColumn

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sections.numeric import Array
+from units.names import nearest
 from units.quantities import InputError, shown
-from units.reading import nearest
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[^\W\d]\w*")

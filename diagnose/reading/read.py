@@ -24,8 +24,8 @@ from diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
 from diagnose.recording import Recording, RejectedRow
 from diagnose.rules.rules import RULES, Rules
 from sections.numeric import Array
+from units.names import nearest
 from units.quantities import InputError, shown
-from units.reading import nearest
 
 from .assemble import assembled
 from .branches import to_its_tip, with_others_at_rest

@@ -27,6 +27,14 @@ RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)}
 )
 """Keys of `subject_to` that are ranges of sizes (m) and no limits, with what may stand there at most."""
+RANGES_CALLED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "link_length": ("length", "lengths", "link_lengths"),
+        "section_size": ("diameter", "outer_diameter", "width", "height", "size", "sizes", "dimensions"),
+        "thickness": ("wall", "wall_thickness", "walls"),
+    }
+)
+"""What people call those ranges as well."""
 
 
 def _fault(entry: object) -> str | None:
@@ -82,6 +90,7 @@ __all__ = [
     "FIGURES",
     "KEPT_WITHIN",
     "RANGES",
+    "RANGES_CALLED",
     "Asked",
     "Cut",
     "DesignExpressions",

@@ -35,6 +35,7 @@ def _aspect(section: Section, material: MaterialValues) -> tuple[Any, ...]:
 
 ASPECT = Figure(
     name="aspect",
+    synonyms=("aspect_ratio", "proportions"),
     title="height over width",
     senses=("<=",),
     key="aspect",

@@ -6,6 +6,7 @@ from .figure import Figure, WorstError
 
 MAX_ERROR = Figure(
     name="max_error",
+    synonyms=("deflection", "displacement", "error", "position_error", "worst_error", "accuracy", "sag", "deformation"),
     title="worst error",
     kind="length",
     unit="mm",

@@ -205,6 +205,7 @@ class Figure:
         assumed: the limit (SI) that a problem has on it without asking, if any.
         everywhere: whether any arm has it; where one that need not has none, nothing is told of it.
         digits: significant digits where it stands alone.
+        synonyms: what people call it as well, for who is told its name.
     """
 
     name: str
@@ -228,6 +229,7 @@ class Figure:
     assumed: Callable[[Asked], float | None] | None = None
     everywhere: bool = True
     digits: int = 4
+    synonyms: tuple[str, ...] = ()
 
     def __reduce__(self) -> tuple[object, ...]:
         """To another process a figure that is shipped or registered goes by its name."""

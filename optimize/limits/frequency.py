@@ -87,6 +87,7 @@ def _pose(evaluation: Evaluation) -> tuple[float, ...] | None:
 
 FIRST_FREQUENCY = Figure(
     name="first_frequency",
+    synonyms=("frequency", "natural_frequency", "eigenfrequency", "resonance", "fundamental_frequency"),
     title="first frequency",
     kind="frequency",
     unit="Hz",

@@ -32,7 +32,7 @@ def read_limit(body: Mapping, figure: Figure, entry: object, arm: Arm) -> Limit:
             bound = Bound(relation, inner.quantity(word, figure.kind))
             poses = _poses(inner, arm)
     else:
-        bound = read_bound(entry, figure.kind, file=body.file, key=body.path_of(name))
+        bound = read_bound(entry, figure.kind, file=body.file, key=body.path_of(name), senses=figure.senses)
     if bound.relation not in figure.senses:
         raise body.error(name, f"can only be limited by {' or '.join(figure.senses)}, not {shown(entry)}")
     if bound.value <= 0.0:

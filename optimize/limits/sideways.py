@@ -33,6 +33,7 @@ class Sideways(Stiffness):
 
 SIDEWAYS_STIFFNESS = Figure(
     name="sideways_stiffness",
+    synonyms=("lateral_stiffness", "out_of_plane_stiffness"),
     title="sideways stiffness",
     kind="linear_stiffness",
     unit="N/mm",

@@ -91,6 +91,7 @@ _STRENGTH = Strength()
 
 SAFETY_FACTOR = Figure(
     name="safety_factor",
+    synonyms=("stress", "strength", "yield", "max_stress", "safety", "factor_of_safety", "fos"),
     title="safety factor",
     senses=(">=",),
     key="min_safety_factor",
@@ -102,6 +103,7 @@ SAFETY_FACTOR = Figure(
 )
 BUCKLING = Figure(
     name="buckling",
+    synonyms=("critical_load", "column_buckling", "euler"),
     title="buckling",
     senses=(">=",),
     key="min_buckling",

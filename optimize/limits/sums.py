@@ -11,6 +11,7 @@ from .figure import Figure, OfDesign
 
 MASS = Figure(
     name="mass",
+    synonyms=("weight", "link_mass", "links_mass"),
     title="mass of the links",
     kind="mass",
     unit="kg",
@@ -22,6 +23,7 @@ MASS = Figure(
 )
 TOTAL_MASS = Figure(
     name="total_mass",
+    synonyms=("total_weight", "overall_mass"),
     title="total mass",
     kind="mass",
     unit="kg",
@@ -66,6 +68,7 @@ def dates_in_words(dates: Sequence[str]) -> str:
 
 COST = Figure(
     name="cost",
+    synonyms=("price", "costs"),
     title="material cost",
     kind="cost",
     unit="EUR",
@@ -81,6 +84,7 @@ COST = Figure(
 )
 REACH = Figure(
     name="reach",
+    synonyms=("total_length", "range_of_motion"),
     title="reach",
     kind="length",
     unit="mm",

@@ -130,6 +130,7 @@ def _at_poses(evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> flo
 
 TIP_STIFFNESS = Figure(
     name="tip_stiffness",
+    synonyms=("stiffness", "compliance"),
     title="tip stiffness",
     kind="linear_stiffness",
     unit="N/mm",

@@ -72,6 +72,7 @@ def _assumed(problem: Asked) -> float | None:
 
 TORQUE_USE = Figure(
     name="torque_use",
+    synonyms=("torque", "drive_torque", "motor_torque", "joint_torque"),
     title="use of rated torque",
     senses=("<=",),
     key="torque_use",

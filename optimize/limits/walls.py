@@ -31,6 +31,7 @@ def _assumed(problem: Asked) -> float | None:
 
 WALL_SLENDERNESS = Figure(
     name="wall_slenderness",
+    synonyms=("slenderness", "wall_buckling"),
     title="wall slenderness",
     senses=("<=",),
     key="wall_slenderness",

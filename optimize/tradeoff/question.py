@@ -14,6 +14,7 @@ from materials.material import Material
 from optimize.limits import Figure, Limit
 from optimize.problem import Problem
 from optimize.sizes.listed import Listed
+from units.names import meant, nearest
 from units.quantities import InputError, format_quantity
 
 By = Literal["material", "shape"]
@@ -154,7 +155,9 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
         _check_listed(problem, (x, y))
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:
-            raise InputError("", option, f"there is no figure '{name}'; take one of {', '.join(known)}")
+            figures = {each: axis.figure for each, axis in known.items()}
+            hint = nearest(name, figures) if meant(name, figures) else f"; take one of {', '.join(known)}"
+            raise InputError("", option, f"there is no figure '{name}'{hint}")
     if x == y:
         raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
     if {x, y} == {"mass", "total_mass"}:

@@ -41,6 +41,7 @@ class Angle(Section):
     thickness: Number
 
     shape: ClassVar[str] = "angle"
+    synonyms: ClassVar[tuple[str, ...]] = ("l_section", "l_profile")
     most_wall: ClassVar[float] = 1.0
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "length of the leg across the bending plane", "outer"),

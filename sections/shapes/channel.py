@@ -43,6 +43,7 @@ class Channel(Section):
     web_thickness: Number
 
     shape: ClassVar[str] = "channel"
+    synonyms: ClassVar[tuple[str, ...]] = ("u_section", "u_profile", "c_section", "c_profile")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "width of both flanges, with the web", "outer"),
         Dimension("height", "overall height, in the bending plane", "outer"),

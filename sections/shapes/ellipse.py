@@ -31,6 +31,7 @@ class Ellipse(Section):
     height: Number
 
     shape: ClassVar[str] = "ellipse"
+    synonyms: ClassVar[tuple[str, ...]] = ("oval",)
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "full axis across the bending plane", "outer"),
         Dimension("height", "full axis in the bending plane", "outer"),

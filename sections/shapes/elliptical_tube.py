@@ -69,6 +69,7 @@ class EllipticalTube(Section):
     thickness: Number
 
     shape: ClassVar[str] = "elliptical_tube"
+    synonyms: ClassVar[tuple[str, ...]] = ("oval_tube", "hollow_ellipse")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "outer axis across the bending plane", "outer"),
         Dimension("height", "outer axis in the bending plane", "outer"),

@@ -58,6 +58,7 @@ class ISection(Section):
     root_radius: Number | None = None
 
     shape: ClassVar[str] = "i_section"
+    synonyms: ClassVar[tuple[str, ...]] = ("i_beam", "h_beam", "ibeam", "i", "i_profile", "double_t", "wide_flange")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "width of both flanges", "outer", unless=("top_flange_width", "bottom_flange_width")),
         Dimension("height", "overall height, in the bending plane", "outer"),

@@ -27,6 +27,7 @@ class Rectangle(Section):
     height: Number
 
     shape: ClassVar[str] = "rectangle"
+    synonyms: ClassVar[tuple[str, ...]] = ("square", "flat_bar", "block")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "side across the bending plane", "outer"),
         Dimension("height", "side in the bending plane", "outer"),

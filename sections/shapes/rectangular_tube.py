@@ -48,6 +48,7 @@ class RectangularTube(Section):
     inner_corner_radius: Number | None = None
 
     shape: ClassVar[str] = "rectangular_tube"
+    synonyms: ClassVar[tuple[str, ...]] = ("box", "box_section", "square_tube", "hollow_rectangle", "rhs", "shs")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "outer width, across the bending plane", "outer"),
         Dimension("height", "outer height, in the bending plane", "outer"),

@@ -40,6 +40,7 @@ class TSection(Section):
     web_thickness: Number
 
     shape: ClassVar[str] = "t_section"
+    synonyms: ClassVar[tuple[str, ...]] = ("t_beam", "tee", "t_profile")
     most_wall: ClassVar[float] = 1.0
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "width of the flange", "outer"),

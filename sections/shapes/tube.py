@@ -46,6 +46,7 @@ class Tube(Section):
     bore_squared: Number = field(default=None, repr=False, compare=False, kw_only=True)
 
     shape: ClassVar[str] = "tube"
+    synonyms: ClassVar[tuple[str, ...]] = ("pipe", "round_tube", "circular_tube", "hollow_circle", "ring", "chs")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("diameter", "outer diameter", "outer"),
         Dimension("thickness", "wall thickness", "wall"),

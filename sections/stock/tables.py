@@ -31,7 +31,6 @@ of the source's intermediate steps. A row beyond that is refused.
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import re
@@ -49,6 +48,7 @@ from platformdirs import user_config_dir
 from sections.build import build
 from sections.section import Section, SectionError
 from sections.shapes import SHAPES
+from units.names import meant, nearest
 from units.quantities import InputError, shown
 from units.reading import parse_own_yaml, parse_yaml
 from units.reading import read_text as file_text
@@ -153,10 +153,10 @@ class Stock:
         return found
 
     def _nearest(self, name: str) -> str:
-        close = difflib.get_close_matches(plain_name(name), list(self._by_key), n=1, cutoff=0.6)
-        if close:
-            return f"; did you mean {self._by_key[close[0]].name}?"
-        return f"; families: {', '.join(self.families)}"
+        near = meant(plain_name(name), self._by_key)
+        if near is None:
+            return f"; families: {', '.join(self.families)}"
+        return f"; did you mean '{self._by_key[near].name}'?"
 
 
 def plain_name(name: str) -> str:
@@ -268,17 +268,14 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
         raise _wrong(where, "family, shape and source are text")
     kind = SHAPES.get(shape)
     if kind is None:
-        near = difflib.get_close_matches(shape, SHAPES, n=1)
-        raise _wrong(where, f"there is no shape {shown(shape)}" + (f"; did you mean {near[0]}?" if near else ""))
+        raise _wrong(where, f"there is no shape {shown(shape)}{nearest(shape, SHAPES)}")
     known = {"name", *PRINTED, *(f"{each.name}_mm" for each in kind.dimensions if each.kind != "points")}
     listed = isinstance(columns, list) and all(isinstance(column, str) for column in columns)
     if not listed or "name" not in columns or len(set(columns)) != len(columns):
         raise _wrong(where, "columns is a list without repeats, one of which is name")
     for column in columns:
         if column not in known:
-            near = difflib.get_close_matches(str(column), known, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise _wrong(where, f"a {shape} has no column {shown(column)}{hint}")
+            raise _wrong(where, f"a {shape} has no column {shown(column)}{nearest(str(column), sorted(known))}")
     if not isinstance(rows, list) or not rows:
         raise _wrong(where, "rows is a list of at least one row")
     sizes = [_read_row(row, columns, family, shape, source, where) for row in rows]

@@ -77,7 +77,9 @@ def test_decimal_factors_give_the_nearest_float():
     [
         (400, "length", ["needs a unit", "400 mm", "mm", "bare number 400"]),
         ("400", "length", ["needs a unit", "400 mm"]),
-        (0, "length", ["needs a unit"]),
+        (1, "length", ["needs a unit"]),
+        (0, "temperature", ["needs a unit"]),
+        (False, "length", ["needs a quantity"]),
         ("400 kg", "length", ["mass", "not a length", "mm"]),
         ("12 kN*m", "torsional_stiffness", ["moment", "kN*m/rad"]),
         ("3 rad/s", "frequency", ["angular speed", "Hz"]),
@@ -284,3 +286,29 @@ def test_threads_that_ask_first_together_get_one_registry():
     )
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert ended.stdout.strip() == "1"
+
+
+@pytest.mark.parametrize("nought", [0, 0.0, -0.0, "0", "0.0", "0e3"])
+@pytest.mark.parametrize("kind", [name for name, kind in kinds().items() if kind.si and name != "temperature"])
+def test_nought_needs_no_unit_but_of_temperature(nought, kind):
+    assert read_quantity(nought, kind, file="arm.yaml", key="x") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "senses", "would_do"),
+    [
+        (2, (">=",), "2 is not a limit; write '>= 2'"),
+        ("2", (">=", "=="), "write '>= 2' or '== 2'"),
+        (True, (">=",), "write a relation and a limit, e.g. '>= 0.3'"),
+        ("much", (">=",), "write a relation and a limit, e.g. '>= 0.3'"),
+    ],
+)
+def test_a_limit_without_a_relation_is_told_with_those_that_it_can_have(text, senses, would_do):
+    with pytest.raises(InputError) as caught:
+        read_bound(text, "dimensionless", file="problem.yaml", key="safety_factor", senses=senses)
+    assert would_do in str(caught.value)
+
+
+def test_a_limit_without_relation_or_unit_is_told_with_both():
+    with pytest.raises(InputError, match="26 is not a limit; write '<= 26 kg'"):
+        read_bound(26, "mass", file="problem.yaml", key="mass", senses=("<=",))

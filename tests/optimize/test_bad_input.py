@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from optimize.called import CHOICES_CALLED, PROBLEM_CALLED
+from optimize.limits import FIGURES, RANGES_CALLED
 from optimize.run import optimise
+from sections.shapes import SHAPES
 from tests.optimize.builders import PAPER_ARM, problem_of
 from units.quantities import InputError
 
@@ -66,6 +69,48 @@ def test_wrong_input_is_one_line_with_file_key_and_remedy(name: str, tmp_path: P
     assert "problem.yaml" in message
     assert key in f"{caught.value.key}: {caught.value.message}"
     assert remedy in caught.value.message
+
+
+SAID = {
+    "minimize: weight": "mass",
+    "minimize: deflection": "max_error",
+    "objective: max_error": "minimize",
+    "constraints: {mass: '<= 3 kg'}": "subject_to",
+    "limits: {mass: '<= 3 kg'}": "subject_to",
+    "subject_to: {weight: '<= 3 kg'}": "mass",
+    "subject_to: {Wieght: '<= 3 kg'}": "mass",
+    "subject_to: {deflection: '<= 3 mm'}": "max_error",
+    "subject_to: {stress: '<= 100 MPa'}": "safety_factor",
+    "subject_to: {diameter: [20 mm, 80 mm]}": "section_size",
+    "subject_to: {wall thickness: [2 mm, 8 mm]}": "thickness",
+    "subject_to: {natural-frequency: '>= 20 Hz'}": "first_frequency",
+    "choose: {shape: [tube]}": "section",
+    "choose: {section: [pipe]}": "tube",
+    "choose: {section: [round]}": "circle",
+    "choose: {section: [I-beam]}": "i_section",
+    "choose: {section: [box]}": "rectangular_tube",
+}
+"""What people write first, and what they mean."""
+
+
+@pytest.mark.parametrize("text", SAID)
+def test_what_people_write_first_is_guessed(text: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=f"did you mean '{SAID[text]}'"):
+        problem_of(tmp_path, PAPER_ARM, f"{text}\n")
+
+
+def test_no_word_means_two_things() -> None:
+    """A synonym is no name of another, nor another's synonym, among what can stand in the same place."""
+    places = [
+        {name: kind.synonyms for name, kind in SHAPES.items()},
+        {**RANGES_CALLED, **{name: figure.synonyms for name, figure in FIGURES.items()}},
+        PROBLEM_CALLED,
+        CHOICES_CALLED,
+    ]
+    for called in places:
+        words = [word for each in called.values() for word in each]
+        assert len(words) == len(set(words))
+        assert not set(words) & set(called)
 
 
 def test_arm_file_that_is_not_there(tmp_path: Path) -> None:
