@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from arm.chain.chain import Arm as Model
 from arm.evaluation import Evaluation as Evaluated
 from executors import Executor
 from linkwright.json.design import objective_unit, optimization_json
@@ -21,6 +22,7 @@ from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.redesign import redesign_json, redesign_sentences
 from optimize.choice.kept import search_journal
+from optimize.limits import Figure
 from optimize.result import Iteration, OptimizationResult
 from optimize.rounding.options import read_rounding
 from optimize.rounding.rounding import optimise_rounded
@@ -29,6 +31,7 @@ from units.quantities import InputError, format_quantity
 
 from .arm import Arm
 from .evaluation import Evaluation
+from .figures import LOWER, ROBUST, Figured, Values, values_of
 from .given import File, Quantity
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
@@ -41,7 +44,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Optimization(Reported):
+class Optimization(Figured, Reported):
     """The best design of a problem, with the arm as given for comparison; `found` holds everything in SI.
 
     `interrupted`: Ctrl-C ended the search, and this is the best design that it had.
@@ -66,6 +69,22 @@ class Optimization(Reported):
     def after(self) -> Evaluation:
         """The new design, before any rounding."""
         return Evaluation(Arm.of(self.found.arm, catalogue=self.problem.arm.catalogue), self.found.after)
+
+    def _designs(self) -> Mapping[str, Values]:
+        found = self.found
+        bound = found.lower_bound if found.minimize == "max_error" else None
+        robust = None if found.robust is None else found.robust.design.value
+        known = found.figures
+        designs = {
+            "before": values_of(found.before, known),
+            "after": values_of(found.after, known, **{LOWER: bound, ROBUST: robust}),
+        }
+        if found.rounded is not None:
+            designs["rounded"] = values_of(found.rounded.evaluation, known, **{LOWER: bound})
+        return designs
+
+    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+        return self.found.built, self.found.figures
 
     @property
     def interrupted(self) -> bool:
@@ -216,7 +235,7 @@ def _metres(length: float) -> str:
 
 
 @dataclass(frozen=True, repr=False)
-class Redesign(Result):
+class Redesign(Figured, Result):
     """A problem solved with an arm as given and as a diagnosis corrected it; `found` holds everything in SI."""
 
     _command = "redesign"
@@ -238,6 +257,13 @@ class Redesign(Result):
     def arm(self) -> Arm:
         """The new design with the corrected physics."""
         return self.new.arm
+
+    def _designs(self) -> Mapping[str, Values]:
+        new = self.new._designs()  # pyright: ignore[reportPrivateUsage] - the same of one of the designs
+        return {"old": values_of(self.found.old.after, self.found.old.figures), "new": [*new.values()][-1]}
+
+    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+        return self.found.new.built, self.found.new.figures
 
     @property
     def sentences(self) -> tuple[str, ...]:

@@ -22,11 +22,13 @@ from linkwright.report.contents import Contents
 from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
 from linkwright.results.figures_in_words import effect_title
+from optimize.limits import FIGURES, Figure
 from optimize.robust.figure import robust_figure
 from optimize.robust.result import RobustFigure
 from units.quantities import InputError
 
 from .arm import Arm, arm_of
+from .figures import ROBUST, Figured, Values, values_of
 from .given import File, Quantity, in_si
 from .problem import Problem, cases_at, problem_of
 from .result import Reported, figure_of
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Evaluation(Reported):
+class Evaluation(Figured, Reported):
     """An arm's worst position error over its workspace and load cases, and its figures.
 
     `found` holds everything in SI. Errors in mm, masses in kg; None where the arm's data cannot tell.
@@ -49,22 +51,6 @@ class Evaluation(Reported):
     found: Found
     robust: RobustFigure | None = None
     """The error over what the problem calls uncertain, SI."""
-
-    @property
-    def max_error_mm(self) -> float:
-        """The worst position error over the workspace and all load cases, mm."""
-        return 1e3 * self.found.max_error
-
-    @property
-    def upper_bound_mm(self) -> float | None:
-        """The bound to first order and the most by which samples were longer beyond it, mm; None where unknown."""
-        bound = self.found.upper_bound
-        return None if bound is None else 1e3 * bound
-
-    @property
-    def mass_kg(self) -> float | None:
-        """The links' mass, kg; None where some link's is unknown."""
-        return self.found.mass
 
     @property
     def min_safety_factor(self) -> float | None:
@@ -114,6 +100,13 @@ class Evaluation(Reported):
         field = field_of(self.found)
         colours, spans = colour_range([field], [self.found]), shared_spans([field])
         return figure_of(error_map_figure(field, self.found, colours, spans))
+
+    def _designs(self) -> Mapping[str, Values]:
+        robust = None if self.robust is None else self.robust.value
+        return {"value": values_of(self.found, **{ROBUST: robust})}
+
+    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+        return self.found.arm, FIGURES
 
     def _content(self) -> Mapping[str, Any]:
         return evaluation_json(self.found, self.robust)

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from arm.chain.chain import Arm as Model
 from executors import Executor
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
 from linkwright.report.contents import Contents
 from linkwright.report.origin import origin_of
 from linkwright.report.pages.tradeoff import front_figure, tradeoff_report
+from optimize.limits import Figure
 from optimize.tradeoff.front import Point
 from optimize.tradeoff.front import Tradeoff as Found
 from optimize.tradeoff.journal import Journal
@@ -22,6 +24,7 @@ from optimize.tradeoff.trace import Progress as Traced
 from optimize.tradeoff.tradeoff import ACCURACY, trade_off
 
 from .arm import Arm, catalogue_of
+from .figures import Figured, Values
 from .given import File
 from .problem import Problem, problem_of
 from .progress import Progress, interrupts, told
@@ -34,12 +37,19 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class TradeoffDesign:
-    """A design of a front: its number (from 1), the arm, and its figures (SI) by name."""
+class TradeoffDesign(Figured):
+    """A design of a front: its number (from 1), the arm, and its figures; `values` holds them in SI by name."""
 
     number: int
     arm: Arm
-    figures: Mapping[str, Any]
+    values: Mapping[str, Any]
+    known: Mapping[str, Figure]
+
+    def _designs(self) -> Mapping[str, Values]:
+        return {"value": self.values}
+
+    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+        return self.arm.model, self.known
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +82,8 @@ class Tradeoff(Reported):
         return self.found.interrupted
 
     def _design(self, point: Point) -> TradeoffDesign:
-        return TradeoffDesign(point.number, Arm.of(point.arm, catalogue=self.problem.arm.catalogue), point.figures)
+        arm = Arm.of(point.arm, catalogue=self.problem.arm.catalogue)
+        return TradeoffDesign(point.number, arm, point.figures, self.problem.model.figures)
 
     def plot(self) -> go.Figure:
         """The fronts, a line each."""

@@ -1,0 +1,65 @@
+"""Every design result of the face tells its figures: those that everybody asks for, and a table of all."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+import linkwright as lw
+from optimize.limits import FIGURES
+
+LIMITS = {"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]}
+
+
+@pytest.fixture(scope="module")
+def problem() -> lw.Problem:
+    """A small problem of one free size."""
+    return lw.Problem(
+        arm="examples/welding-arm/arm.yaml",
+        workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
+        subject_to=LIMITS,
+        choose={"section": ["circle"], "same": ["size"]},
+    )
+
+
+def test_an_evaluation_has_all_that_its_json_has(problem: lw.Problem) -> None:
+    found = lw.evaluate(problem.arm, problem)
+    written = json.loads(found.to_json())
+    table = found.figures
+    assert list(table.columns) == ["title", "value", "unit"]
+    for name, figure in FIGURES.items():
+        if written.get(figure.key) is not None:
+            assert table.loc[name, "value"] == pytest.approx(written[figure.key], rel=1e-12), name
+            assert table.loc[name, "unit"] == figure.unit
+    assert table.loc["max_error", "value"] == found.max_error_mm == written["max_error_mm"]
+    assert table.loc["upper_bound", "value"] == found.upper_bound_mm == written["upper_bound_mm"]
+    assert table.loc["mass", "value"] == found.mass_kg == written["mass_kg"]
+
+
+def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(problem: lw.Problem) -> None:
+    best = lw.optimize(problem, round_to="1 mm")
+    table = best.figures
+    assert list(table.columns) == ["title", "before", "after", "rounded", "unit"]
+    assert table.loc["max_error", "before"] == best.before.max_error_mm
+    assert table.loc["max_error", "after"] == best.after.max_error_mm
+    # The arm is the rounded one, and so are the figures that are the result's.
+    assert best.max_error_mm == table.loc["max_error", "rounded"] == lw.evaluate(best.arm, problem).max_error_mm
+    assert best.mass_kg == table.loc["mass", "rounded"]
+    assert best.lower_bound_mm == json.loads(best.to_json())["lower_bound_mm"]
+    assert best.lower_bound_mm <= best.max_error_mm <= best.upper_bound_mm
+    lightest = lw.optimize(problem.replace("minimize", "mass"))
+    assert lightest.lower_bound_mm is None
+    assert "lower_bound" not in lightest.figures.index
+    assert lightest.mass_kg < best.mass_kg
+
+
+def test_the_designs_of_a_front_have_them_too(problem: lw.Problem) -> None:
+    front = lw.tradeoff(problem, accuracy=0.3)
+    for design, (_, row) in zip(front.designs, front.table.iterrows(), strict=True):
+        assert design.max_error_mm == pytest.approx(row["max_error_mm"], rel=1e-9)
+        assert design.mass_kg == pytest.approx(row["mass_kg"], rel=1e-9)
+        assert design.upper_bound_mm == pytest.approx(row["upper_bound_mm"], rel=1e-9)
+        assert design.lower_bound_mm is None
+        assert math.isfinite(design.figures.loc["total_mass", "value"])
