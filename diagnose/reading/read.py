@@ -39,6 +39,7 @@ from .table import Table, read_table
 
 _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "basex_mm", "fx_N", "qw", "rx_deg")
 _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
+_PLACE = ("x", "y", "z")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _LEVEL = 1e-9
 _LARGEST = 1e12
@@ -71,6 +72,7 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
     warnings += said
     columns = with_followers(columns, table, arm, rules.residual)
     partly = in_part(columns, table, held, rules.reading.some_blank)
+    _refuse_torques_alone(columns, table)
     _require(columns, table, arm, held, whole=not partly)
     sights, seen = None, columns
     bare: list[RejectedRow] = []
@@ -276,6 +278,18 @@ def _stamp(text: str, form: str) -> datetime.datetime | None:
         return None
 
 
+def _refuse_torques_alone(columns: dict[str, ReadColumn], table: Table) -> None:
+    """Refuse a log of torques that holds nothing of the tip, whatever its settings call it."""
+    torques = [column.header for name, column in columns.items() if name.startswith("tau")]
+    seen = (*_PLACE, "along", "distance", "tilt_x", "tilt_y")
+    if torques and not any(name in columns for name in seen) and not set(table.names) & set(LABELS.values()):
+        message = (
+            "has drives' torques and nothing of the tip, beside which alone torques are judged; record the tip too "
+            "(x_mm, y_mm), or a height, a distance or a level (along_mm, distance_mm, tilt_x_deg) in the same rows"
+        )
+        raise InputError(table.file, torques[0], message)
+
+
 def _require(
     columns: dict[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings, *, whole: bool = True
 ) -> None:
@@ -291,7 +305,13 @@ def _require(
         (first, would_do), others = missing[0], [called.get(name, name) for name, _ in missing[1:]]
         also = f" (and {', '.join(others)})" if others else ""
         where = "" if held.columns else f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
-        part = "; `observes: position` in recording.yaml if it was not measured" if first in ("x", "y", "z") else ""
+        part = ""
+        if first in _PLACE:
+            some = any(name in columns for name in _PLACE)
+            part = (
+                "position` in recording.yaml if it was not" if some else "along`, distance, tilt or the like if it was"
+            )
+            part = f"; `observes: {part} measured"
         said = called.get(first, first)
         raise InputError(table.file, said, f"is missing{also}; the file has {there}; write {would_do}{where}{part}")
     given = [name for name in _QUATERNION if name in columns]

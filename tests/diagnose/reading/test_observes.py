@@ -269,3 +269,19 @@ def test_ends_of_bars_are_read_and_written_again(tmp_path):
 def test_bars_that_tell_nothing(tmp_path, columns, words):
     with pytest.raises(InputError, match=words):
         _read(tmp_path, "observes: bar", columns)
+
+
+@pytest.mark.parametrize("settings", ["frame: known", "observes: position", "observes: along\ndirection: [0, 1, 0]"])
+def test_a_log_of_torques_alone_is_told_what_it_lacks_whatever_it_is_called(tmp_path, settings):
+    """Nobody is sent to `observes:` for it and back."""
+    torques = {f"tau{joint}_Nm": np.linspace(1.0, 5.0, 24) for joint in (1, 2, 3)}
+    with pytest.raises(InputError, match="tau1_Nm: has drives' torques and nothing of the tip") as caught:
+        _read(tmp_path, settings, _only(**torques))
+    assert "observes" not in str(caught.value)
+
+
+def test_what_was_measured_is_asked_for_where_no_coordinate_is_there(tmp_path):
+    with pytest.raises(InputError, match=r"x: is missing \(and y\).*`observes: along`, distance, tilt or the like"):
+        _read(tmp_path, "frame: known", _only())
+    with pytest.raises(InputError, match=r"y: is missing.*`observes: position` in recording.yaml if it was not"):
+        _read(tmp_path, "frame: known", _only("x_mm"))
