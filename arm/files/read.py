@@ -28,7 +28,6 @@ from .prices import read_machining
 _ALSO_CALLED = MappingProxyType(
     {
         "chain": ("links", "joints", "segments"),
-        "payload": ("load", "loads"),
         "leave_out": ("without", "ignore", "exclude"),
         "tool": ("tcp", "end_effector"),
         "effects": ("physics", "errors"),
@@ -115,7 +114,7 @@ def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:
 def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
     """What acts at the tip: mass, force and moment."""
     with mapping.reading():
-        mapping.also_called({"mass": ("weight", "payload"), "moment": ("torque",)})
+        mapping.also_called({"mass": ("weight",), "moment": ("torque",)})
         return LoadCase(
             mass=not_negative(mapping, "mass", "mass", mass),
             force=read_vector(mapping, "force", "force", ZERO),

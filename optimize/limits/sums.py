@@ -11,7 +11,7 @@ from .figure import Figure, OfDesign
 
 MASS = Figure(
     name="mass",
-    synonyms=("weight", "link_mass", "links_mass"),
+    synonyms=("weight", "mass_of_links", "total_link_mass"),
     title="mass of the links",
     kind="mass",
     unit="kg",
