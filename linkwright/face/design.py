@@ -76,11 +76,11 @@ class Optimization(Figured, Reported):
         robust = None if found.robust is None else found.robust.design.value
         known = found.figures
         designs = {
-            "before": values_of(found.before, known),
-            "after": values_of(found.after, known, **{LOWER: bound, ROBUST: robust}),
+            "before": values_of(found.before, known=known),
+            "after": values_of(found.after, {LOWER: bound, ROBUST: robust}, known),
         }
         if found.rounded is not None:
-            designs["rounded"] = values_of(found.rounded.evaluation, known, **{LOWER: bound})
+            designs["rounded"] = values_of(found.rounded.evaluation, {LOWER: bound}, known)
         return designs
 
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
@@ -260,7 +260,7 @@ class Redesign(Figured, Result):
 
     def _designs(self) -> Mapping[str, Values]:
         new = self.new._designs()  # pyright: ignore[reportPrivateUsage] - the same of one of the designs
-        return {"old": values_of(self.found.old.after, self.found.old.figures), "new": [*new.values()][-1]}
+        return {"old": values_of(self.found.old.after, known=self.found.old.figures), "new": [*new.values()][-1]}
 
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.new.built, self.found.new.figures

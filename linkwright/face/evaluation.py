@@ -103,7 +103,7 @@ class Evaluation(Figured, Reported):
 
     def _designs(self) -> Mapping[str, Values]:
         robust = None if self.robust is None else self.robust.value
-        return {"value": values_of(self.found, **{ROBUST: robust})}
+        return {"value": values_of(self.found, {ROBUST: robust})}
 
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.arm, FIGURES

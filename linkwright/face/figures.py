@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from arm.chain.chain import Arm
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 UPPER, LOWER, ROBUST, DRIVES = "upper_bound", "lower_bound", "robust_error", "first_frequency_of_drives"
 Values = Mapping[str, float | None]
 """Figures (SI) by name; None where one is not known."""
+_NONE: Values = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class Figured(ABC):
         return frame.astype(dict.fromkeys(columns, float))
 
 
-def values_of(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES, **beside: float | None) -> Values:
+def values_of(evaluation: Evaluation, beside: Values = _NONE, known: Mapping[str, Figure] = FIGURES) -> Values:
     """The figures (SI) of an evaluated design, those `beside` too."""
     drives = evaluation.frequency_of_drives
     found = {name: each.value(evaluation) if each.told(evaluation) else None for name, each in known.items()}

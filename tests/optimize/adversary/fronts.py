@@ -73,9 +73,7 @@ def front_of(asked: Question, accuracy: float) -> Tradeoff:
     assert found.envelope.exhaustive
     assert found.envelope.complete
     points = [(point.x, point.y) for point in found.of(found.envelope)]
-    assert not any(
-        other != own and other[0] <= own[0] and other[1] <= own[1] for own in points for other in points
-    )
+    assert not any(other != own and other[0] <= own[0] and other[1] <= own[1] for own in points for other in points)
     return found
 
 
