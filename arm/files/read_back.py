@@ -25,8 +25,8 @@ def differences(meant: Arm, back: Arm) -> Iterator[str]:
 def _told(arm: Arm) -> dict[str, Any]:
     """What a file tells of an arm, by its keys."""
     chain = [{"joint": _joint(joint), "link": link} for joint, link in zip(arm.joints, arm.links, strict=True)]
-    whole = {each.name: getattr(arm, each.name) for each in fields(arm) if each.name not in ("joints", "links")}
-    return {**whole, "chain": chain}
+    whole = {each.name: getattr(arm, each.name) for each in fields(arm) if each.compare}
+    return {name: value for name, value in whole.items() if name not in ("joints", "links")} | {"chain": chain}
 
 
 def _joint(joint: Joint) -> Joint:
