@@ -48,7 +48,7 @@ CHOICES: dict[str, dict[str, str]] = {
     "listed sizes in place": {"choose": "section: [tube], sizes: {diameter: [50 mm, 70 mm], thickness: [3 mm, 5 mm]}, "
                                         f"material: [steel-s355, {ALLOY}]"},
     "stock sizes": {"choose": "section: [tube], sizes: stock, material: [steel-s355]"},
-    "a counterweight": {"choose": "counterweight: [{link: 1, mass: [0 kg, 8 kg]}]"},
+    "a counterweight": {"choose": "counterweight: [{link: 1, at: -200 mm, mass: [0 kg, 8 kg]}]"},
     "free lengths": {"choose": f"section: [tube], material: [{ALLOY}]",
                      "limits": ", link_length: [300 mm, 600 mm], reach: '== 900 mm'"},
     "sizes to be had": {"choose": f"section: [tube], material: [{ALLOY}]", "options": "--round stock"},
