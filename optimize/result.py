@@ -248,7 +248,8 @@ class OptimizationResult:
     combinations: int = 1
     """How many combinations of shapes and materials there were; `candidates` are those that were looked at alone."""
     gap: float | None = 0.0
-    """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
+    """How much better (relative) a combination that was not solved could be at most, but for those that are `unsolved`;
+    None where nothing tells."""
     bound_of: Literal["binding_poses", "all_designs"] = "binding_poses"
     near_ties: tuple[NearTie, ...] = ()
     """Combinations within 3 % of the best, best first."""
@@ -281,6 +282,11 @@ class OptimizationResult:
     def lower_bound_gap(self) -> float:
         """By how much (relative) the objective is above its lower bound."""
         return max(0.0, 1.0 - self.lower_bound / self.objective) if self.objective else 0.0
+
+    @property
+    def unsolved(self) -> tuple[Candidate, ...]:
+        """The combinations on which the solver failed: they may be better for all that is known."""
+        return tuple(each for each in self.candidates if each.outcome == "unsolved")
 
     @property
     def basis(self) -> Literal["certified", "bounded", "local"]:

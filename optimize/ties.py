@@ -38,7 +38,7 @@ def _near_tie(context: Context, tie: Tie) -> NearTie:
     problem, arm = context.problem, tie.arm
     beams = beams_of(arm, problem.load_cases)
     p = beam_values(beams)
-    slowest = least_frequency(arm, context.search, beams, p, problem.load_cases)
+    slowest = least_frequency(arm, context.search, beams, p, problem.load_cases, plain=False)
     masses = link_masses(beams)
     return NearTie(
         tie.combination.shapes,

@@ -221,6 +221,8 @@ class Section(ABC):
         All outer sizes are equal, and so are all walls. Raises SectionError where the bounds contradict
         each other.
         """
+        from scipy.optimize import brentq  # commands that only look things up load no solver
+
         reason = cls.contradiction(outer, wall)
         if reason is not None:
             raise SectionError("shape", reason)
@@ -235,14 +237,14 @@ class Section(ABC):
             return cls.uniform(size, thickness)
 
         has_walls = any(d.kind == "wall" for d in cls.dimensions)
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if float(at(middle).properties(0.3).area) < area:
-                low = middle
-            else:
-                high = middle
-        return at(0.5 * (low + high))
+
+        def short(fraction: float) -> float:
+            """By how much (in its logarithm) the area is too small; it grows all along."""
+            return math.log(area / float(at(fraction).properties(0.3).area))
+
+        if short(0.0) <= 0.0:
+            return at(0.0)
+        return at(1.0) if short(1.0) >= 0.0 else at(float(brentq(short, 0.0, 1.0)))  # type: ignore[arg-type]
 
     @classmethod
     def uniform(cls, size: float, thickness: float) -> Self:

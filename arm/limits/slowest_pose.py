@@ -46,11 +46,18 @@ class Frequency:
 
 
 def least_frequency(
-    arm: Arm, search: WorstSearch, beams: Sequence[Beam], p: Array, cases: Sequence[LoadCase]
+    arm: Arm,
+    search: WorstSearch,
+    beams: Sequence[Beam],
+    p: Array,
+    cases: Sequence[LoadCase],
+    *,
+    plain: bool = True,
 ) -> Frequency | None:
     """The least first bending frequency over the workspace; None where nothing gives.
 
-    Joint ranges are scanned and the slowest poses refined; boxes and paths are scanned.
+    Joint ranges are scanned and the slowest poses refined; boxes and paths are scanned. With `plain` the pose is the
+    plainest of those that are as slow; the value is the same without.
     """
     poses = search.poses(p, _POSES)
     best: Frequency | None = None
@@ -69,7 +76,7 @@ def least_frequency(
         lowest = int(np.argmin(values))
         if best is None or values[lowest] < best.value:
             pose = candidates[lowest]
-            if search.workspace.kind == "joints":
+            if plain and search.workspace.kind == "joints":
                 slowness = partial(_slowness, arm, beams, payloads)
                 pose = plainest(slowness, pose, (search.lower, search.upper))
             best = Frequency(float(values[lowest]), tuple(pose.tolist()), number)

@@ -327,6 +327,10 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
             "exhaustive",
             "combinations",
             "combinations_gap=gap",
+        ),
+        "combinations_unsolved": [fields(each, "shapes", "materials") for each in result.unsolved],
+        **fields(
+            result,
             "actuators_exhaustive=drives_exhaustive",
             "seconds",
         ),

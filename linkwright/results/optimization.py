@@ -169,7 +169,7 @@ def _candidates(result: OptimizationResult) -> Table | None:
     if len(result.candidates) < 2:
         return None
     ranked = sorted(result.candidates, key=lambda each: float("inf") if each.objective is None else each.objective)
-    some = "" if result.exhaustive else ", not all of them tried"
+    some = "" if result.exhaustive else _failed(result) or ", not all of them tried"
     if result.combinations > len(ranked):
         some = f" solved of {result.combinations:,}; {_others(result)}"
     rows = [
@@ -223,8 +223,15 @@ def _others(result: OptimizationResult) -> str:
     if result.exhaustive:
         return "bounds leave out the others"
     if result.gap is None:
-        return "nothing is known of the others"
-    return f"none of the others is more than {percent(result.gap)} better"
+        return f"nothing is known of the others{_failed(result)}"
+    if not result.gap:
+        return f"bounds leave out the others{_failed(result)}"
+    return f"none of the others is more than {percent(result.gap)} better{_failed(result)}"
+
+
+def _failed(result: OptimizationResult) -> str:
+    """On how many of the combinations the solver failed."""
+    return f", but for {len(result.unsolved):,} on which the solver failed" if result.unsolved else ""
 
 
 def _balance(result: OptimizationResult) -> list[Section]:

@@ -55,6 +55,8 @@ class CombinationBounds:
     impossible: NDArray[np.bool_]
     closed: NDArray[np.bool_]
     """Those that were solved or cannot be: nothing more is to be learnt about them."""
+    unsolved: NDArray[np.bool_]
+    """Those on which the solver failed: nothing is known of them but what bounds others."""
     feasibility: Feasibility | None
     """What rules out others where one cannot keep the limits."""
 
@@ -83,8 +85,17 @@ class CombinationBounds:
             self.impossible |= self.feasibility.impossible
         self.closed |= self.impossible
 
-    def learn(self, exchange: Exchange, solution: Solution, materials: Array, pick: Combination, pool: Pool) -> bool:
-        """Raise the bounds by a solution for the pool; False where the model is no sum of products."""
+    def learn(
+        self,
+        exchange: Exchange,
+        solution: Solution,
+        materials: Array,
+        pick: Combination,
+        pool: Pool,
+        enough: float = np.inf,
+    ) -> bool:
+        """Raise the bounds by a solution for the pool, of those that are below `enough` (SI) and not closed; False
+        where the model is no sum of products."""
         found = _lagrangian(self.context, exchange, solution, materials, pick, pool)
         if found is None:
             return False
@@ -92,8 +103,11 @@ class CombinationBounds:
         constant, parts = minorant(products, at)
         lengths = self.context.problem.arm.lengths
         bound = np.array(constant)
+        low = ~self.closed & (self.bounds < enough)
         for axis, (link, table) in enumerate(zip(self.links, self.tables, strict=True)):
-            least = table.least(parts[link], per_cost * float(lengths[link]))
+            # An option that is in none of those need not be looked at.
+            asked = np.asarray(low.any(axis=tuple(k for k in range(low.ndim) if k != axis)))
+            least = table.least(parts[link], per_cost * float(lengths[link]), asked)
             shape = [1] * len(self.links)
             shape[axis] = len(least)
             bound = bound + least.reshape(shape)
@@ -118,12 +132,15 @@ def combination_bounds(context: Context, feasibility: Feasibility | None) -> Com
     )
     if math.prod(len(own) for own in choices) > MOST_AT_ONCE:
         return None
-    tables = tuple(LinkOptions(problem, own) for own in choices)
+    # Links that can be the same share what that can be.
+    alike = {own: LinkOptions(problem, own) for own in dict.fromkeys(choices)}
+    tables = tuple(alike[own] for own in choices)
     sizes = tuple(len(own) for own in choices)
     out = ~_agreeing(problem, choices, sizes)
     if feasibility is not None:
         out |= feasibility.impossible
-    return CombinationBounds(context, links, choices, tables, np.full(sizes, -np.inf), out, out.copy(), feasibility)
+    least, unsolved = np.full(sizes, -np.inf), np.zeros(sizes, dtype=bool)
+    return CombinationBounds(context, links, choices, tables, least, out, out.copy(), unsolved, feasibility)
 
 
 def _agreeing(

@@ -73,6 +73,8 @@ class Solved:
     objective: float | None
     solution: Solution | None
     relaxed: Solution | None = None
+    unsolved: bool = False
+    """Whether the solver failed, which proves nothing."""
 
 
 class Chooser:
@@ -399,12 +401,19 @@ class Chooser:
         assert self.pool is not None
         if answer.solution is None:
             self.note(pick, None, "unsolved" if answer.unsolved else "infeasible")
-        return Solved(exchange, materials, self.pool, answer.objective, answer.solution, answer.relaxed)
+        return Solved(
+            exchange, materials, self.pool, answer.objective, answer.solution, answer.relaxed, answer.unsolved
+        )
 
     @property
     def some_impossible(self) -> bool:
         """Whether combinations are known that cannot keep the limits, so that there may be many."""
         return self.feasibility is not None and bool(self.feasibility.impossible.any())
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the solver failed on a combination that could be better for all that is known."""
+        return any(each.outcome == "unsolved" for each in self.candidates.values())
 
     def ruled_out(self, pick: Combination) -> bool:
         """Whether others show that a combination cannot keep the limits; it is noted then."""

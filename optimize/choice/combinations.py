@@ -25,7 +25,9 @@ from .picks import Combination, combinations, count
 Array = NDArray[np.float64]
 
 MOST_COMBINATIONS = 1000
-"""Up to this many combinations every one is tried."""
+"""Up to this many combinations every one is tried where nothing bounds them."""
+_EACH = 200
+"""Up to this many all are solved for the binding poses; of more, those that the others' bounds leave."""
 _FEW = 24
 """Up to this many it is not asked first whether any can keep the limits."""
 
@@ -50,7 +52,8 @@ class Choice:
     interrupted: bool = False
     """Whether an interrupt ended the search."""
     gap: float | None = 0.0
-    """How much better (relative) a combination that was not solved could be at most; None where nothing tells."""
+    """How much better (relative) a combination that was not solved could be at most, but for those of the candidates on
+    which the solver failed; None where nothing tells."""
     bound: float | None = None
     """What no design of any combination goes below (SI), where all were bounded at once."""
     ties: Ties = field(default_factory=Ties)
@@ -111,24 +114,27 @@ def chosen(
     problem = context.problem
     shared = executor if executor is not None and executor.shares else None
     chooser = Chooser(context, progress, log, known, shared, journal)
-    exhaustive = count(problem) <= MOST_COMBINATIONS
+    exhaustive = False
     interrupted = False
     gap: float | None = None
     among: Among | None = None
     near = Ties()
     try:
-        picks: list[Combination] = []
-        if exhaustive:
+        if count(problem) <= _EACH:
             picks = combinations(problem)
             picks = possible(chooser, picks) if len(picks) > _FEW else picks
             # What cannot keep the limits takes longest to solve.
             exhaustive = not picks or not chooser.some_impossible
-        if exhaustive:
-            chooser.try_all(picks)
-            gap = 0.0
-        else:
+            if exhaustive:
+                chooser.try_all(picks)
+        if not exhaustive:
             among = among_many(chooser)
             gap = among.gap
+            if gap is None and count(problem) <= MOST_COMBINATIONS:
+                # Nothing bounds them.
+                chooser.try_all(combinations(problem))
+                among, exhaustive = None, True
+        gap = 0.0 if exhaustive else gap
         chooser.polish()
         chooser.try_other_lengths()
         own = given_design(problem)
@@ -146,6 +152,7 @@ def chosen(
                 gap = 0.0 if near.all_solved else among.gap_of(chooser.objective)
         if among is not None:
             exhaustive = gap is not None and gap <= CLOSE
+        exhaustive = exhaustive and not chooser.undecided
     except KeyboardInterrupt:
         if chooser.best is None:
             raise

@@ -64,14 +64,16 @@ class LinkOptions:
         self._groups = tuple(self._group(shape) for shape in dict.fromkeys(shape for shape, _ in self.options))
         self._solvers: dict[tuple[str, int], Any] = {}
 
-    def least(self, part: OfLink, per_price: float = 0.0) -> Array:
-        """The least of a link's part over each option's sizes; -inf where no least was found.
+    def least(self, part: OfLink, per_price: float = 0.0, asked: NDArray[np.bool_] | None = None) -> Array:
+        """The least of a link's part over each option's sizes; -inf where no least was found, or none was `asked` for.
 
         `per_price` is what each (EUR/kg)(kg/m) adds.
         """
         found = np.full(len(self.options), -np.inf)
         for group in self._groups:
-            found[group.places] = self._least(group, part, per_price)
+            wanted = np.ones(len(group.places), dtype=bool) if asked is None else asked[group.places]
+            if wanted.any():
+                found[group.places] = self._least(group, part, per_price, wanted)
         return found
 
     def _group(self, shape: str) -> _Group:
@@ -119,7 +121,7 @@ class LinkOptions:
         own = (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness))
         return [*(each.value for each in own), *(x for limit in self._limits for x in _held(limit, section, materials))]
 
-    def _least(self, group: _Group, part: OfLink, per_price: float) -> Array:
+    def _least(self, group: _Group, part: OfLink, per_price: float, wanted: NDArray[np.bool_]) -> Array:
         growth = group.rows[:, MATERIAL_FIELDS.index("thermal_expansion"), None]
         prices = group.rows[:, MATERIAL_FIELDS.index("cost"), None]
         values = part.values(group.logarithms, growth) + per_price * prices * np.exp(group.logarithms[..., 0])
@@ -128,7 +130,7 @@ class LinkOptions:
         scale = float(np.median(np.abs(values[np.isfinite(values)]))) if np.isfinite(values).any() else 1.0
         solver, numbers = self._solver(group.shape, part, per_price, scale or 1.0)
         for k, own in enumerate(values):
-            if not np.isfinite(own).any():
+            if not wanted[k] or not np.isfinite(own).any():
                 continue
             first = int(own.argmin())
             far = np.abs(group.grid - group.grid[first]).max(axis=1) >= _FAR
@@ -172,10 +174,7 @@ class LinkOptions:
         width = EXPANSION + 1
         coefficients, logs = symbol("c", count), symbol("logs", width)
         powers = symbol("powers", count * width)
-        materials = material_values(row, 0)
-        # A yield strength that is not known is nought, which has no reciprocal.
-        strong: Any = materials.yield_strength
-        materials = replace(materials, yield_strength=ca.fmax(strong, 1.0))
+        materials = _with_strength(row)
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
         found = symbolic_properties(shape, sizes, materials.poisson_ratio)
         features = self._features(found, materials)
@@ -187,8 +186,7 @@ class LinkOptions:
         products = products * ca.if_else(table[:, EXPANSION] > 0.0, growth, 1.0)
         least = ca.dot(coefficients, products) + ca.dot(logs[:EXPANSION], logarithms)
         least = least + price * row[MATERIAL_FIELDS.index("cost")] * features[0]
-        rows = [ca.SX(value) for value in self._rows(kind.from_variables(sizes), materials)]
-        rows = [value for value in rows if not value.is_constant()]
+        rows = self._symbolic_rows(shape, at, materials)
         program = {
             "x": at,
             "p": ca.vertcat(row, coefficients, powers, logs, price),
@@ -196,6 +194,21 @@ class LinkOptions:
             "g": ca.vertcat(*rows) if rows else ca.SX(0, 1),
         }
         return ca.nlpsol("least", "ipopt", program, ipopt_options()), len(rows)
+
+
+    def _symbolic_rows(self, shape: str, at: Any, materials: MaterialValues) -> list[Any]:
+        """What must not be above zero, in symbols for shares of the ranges."""
+        kind = SHAPES[shape]
+        sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
+        rows = [ca.SX(value) for value in self._rows(kind.from_variables(sizes), materials)]
+        return [value for value in rows if not value.is_constant()]
+
+
+def _with_strength(row: Any) -> MaterialValues:
+    """A material's figures in symbols; a yield strength that is not known is nought, which has no reciprocal."""
+    materials = material_values(row, 0)
+    strong: Any = materials.yield_strength
+    return replace(materials, yield_strength=ca.fmax(strong, 1.0))
 
 
 def _held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]:

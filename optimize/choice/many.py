@@ -22,6 +22,8 @@ from .picks import Combination, count, uniform
 
 CLOSE = 1e-4
 """A bound this near to the best design (relative) leaves nothing to win: the exchange's own gap."""
+NEAR = 0.03
+"""How far (relative) from the best objective a combination counts as a near tie."""
 WANTED = 1e-2
 """The gap that is always worth more solutions."""
 _MOST_CLOSING, _MOST_SOLVED = 200, 600
@@ -36,8 +38,9 @@ _MOST_PARTS, _MOST_PARTS_FREE = 120, 400
 
 @dataclass(frozen=True)
 class Among:
-    """What is known of the combinations that were not solved: how much better (relative) one could be at most, None
-    where nothing tells; where all were bounded at once, the bound and what it came from; else the bound of each."""
+    """What is known of the combinations that were not solved: how much better (relative) one could be at most (but for
+    those on which the solver failed), None where nothing tells; where all were bounded at once, the bound and what it
+    came from; else the bound of each."""
 
     gap: float | None
     proof: Proof | None = None
@@ -94,7 +97,8 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
     """Look for the best of all combinations, a bound for each; returns how much better (relative) one that was not
     solved could be, or None where nothing bounds them: they were then searched link by link.
 
-    A combination at which the solver failed counts as not solved.
+    Combinations on which the solver failed, and that their bounds do not exclude, are noted as unsolved; the figure is
+    of the others.
     """
     if bounds is None or _begin(chooser, bounds) is False:
         chooser.link_by_link()
@@ -104,13 +108,24 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
         running = ~bounds.closed & (bounds.bounds < chooser.objective * (1.0 - CLOSE))
         left = int(running.sum())
         if not left or (gap <= WANTED and number >= _MOST_CLOSING):
-            return gap
+            return _settled(chooser, bounds)
         if chooser.progress is not None:
             told = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
             chooser.progress(number, number + left, f"solving combinations{told}")
-        place = np.unravel_index(int(np.argmin(np.where(running, bounds.bounds, np.inf))), running.shape)
-        _solve(chooser, bounds, bounds.combination([int(k) for k in place]))
+        # What has no bound of its own tells nothing of where the best is.
+        finite = running & np.isfinite(bounds.bounds)
+        place = np.argmin(np.where(finite, bounds.bounds, np.inf)) if finite.any() else np.argmax(running)
+        _solve(chooser, bounds, bounds.combination([int(k) for k in np.unravel_index(int(place), running.shape)]))
     chooser.link_by_link()
+    return _settled(chooser, bounds)
+
+
+def _settled(chooser: Chooser, bounds: CombinationBounds) -> float:
+    """The gap at the end, when it is known which of the combinations on which the solver failed are excluded."""
+    for place in np.argwhere(bounds.unsolved).tolist():
+        bound = float(bounds.bounds[tuple(place)])
+        if bound >= chooser.objective * (1.0 - CLOSE):
+            chooser.note(bounds.combination(place), bound, "bounded out")
     return _gap(chooser, bounds)
 
 
@@ -129,8 +144,9 @@ def possible(chooser: Chooser, picks: list[Combination]) -> list[Combination]:
 
 
 def _gap(chooser: Chooser, bounds: CombinationBounds) -> float:
-    """How much better than the best design (relative) a combination that was not solved could be."""
-    least = float(np.where(bounds.impossible, np.inf, bounds.bounds).min())
+    """How much better than the best design (relative) a combination that was not solved could be, but for those on
+    which the solver failed."""
+    least = float(np.where(bounds.impossible | bounds.unsolved, np.inf, bounds.bounds).min())
     if least == math.inf:
         return 0.0
     if math.isinf(chooser.objective):
@@ -155,7 +171,7 @@ def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bo
     """Solve a combination, with an exchange where it could win; whether bounds could be raised by it, None where it has
     no solution that could."""
     solved = chooser.solve(pick, explain=True)
-    learnt = learn_from(bounds, pick, solved)
+    learnt = learn_from(bounds, pick, solved, chooser.objective * (1.0 + NEAR))
     if solved.objective is None or solved.solution is None:
         return None
     if solved.objective < chooser.objective:
@@ -168,9 +184,9 @@ def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bo
     return learnt
 
 
-def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved) -> bool | None:
-    """Raise the bounds by what a combination came to; whether they could be, None where it has no solution that
-    could."""
+def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved, enough: float) -> bool | None:
+    """Raise the bounds by what a combination came to, of combinations whose bound is below `enough` (SI); whether they
+    could be, None where it has no solution that could."""
     place = bounds.place(pick)
     known = float(bounds.bounds[place])
     bounds.closed[place] = True
@@ -178,9 +194,10 @@ def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved) -> 
         if solved.relaxed is not None:
             bounds.impossible[place] = True
             bounds.rule_out(solved.exchange, solved.relaxed, pick, solved.pool)
+        bounds.unsolved[place] = solved.unsolved
         return None
     learnt = True
     if known < solved.objective * (1.0 - _LOOSE):
-        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool)
+        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool, enough)
     bounds.bounds[place] = max(float(bounds.bounds[place]), solved.objective)
     return learnt

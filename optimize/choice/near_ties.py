@@ -14,11 +14,9 @@ from optimize.exchange.design import arm_of
 
 from .bounds import CombinationBounds
 from .chooser import Chooser
-from .many import Among, learn_from
+from .many import NEAR, Among, learn_from
 from .picks import Combination
 
-NEAR = 0.03
-"""How far (relative) from the best objective a combination counts as a near tie."""
 MOST_SOLVED = 100
 """So many are solved to the end."""
 _MOST_TRIED = 300
@@ -120,7 +118,7 @@ class _Search:
             return
         solved = chooser.solve(pick)
         if self.among is not None and self.among.bounds is not None:
-            learn_from(self.among.bounds, pick, solved)
+            learn_from(self.among.bounds, pick, solved, self.limit)
         if solved.objective is None or solved.solution is None:
             self.failed = self.failed or chooser.candidates[pick].outcome == "unsolved"
             self._in_vain += branching is not None
@@ -155,7 +153,7 @@ class _Search:
         """Those that a bound for each leaves; what is solved meanwhile raises the bounds of the others."""
         told = np.zeros(bounds.bounds.shape, dtype=bool)
         while True:
-            could = ~told & ~bounds.impossible & (bounds.bounds <= self.limit)
+            could = ~told & ~bounds.impossible & ~bounds.unsolved & (bounds.bounds <= self.limit)
             if not could.any():
                 return
             place = np.unravel_index(int(np.argmin(np.where(could, bounds.bounds, np.inf))), could.shape)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 from arm.evaluation import evaluate
 from optimize.choice import combinations as chooser
 from optimize.choice.at_once.feasibility import Feasibility
-from optimize.choice.chooser import Chooser
-from optimize.choice.picks import combinations, count
+from optimize.choice.chooser import Chooser, Solved
+from optimize.choice.picks import Combination, combinations, count
 from optimize.exchange.exchange import context_of
 from optimize.infeasible.answer import Infeasible
 from optimize.run import optimise
@@ -190,3 +191,35 @@ def test_what_a_limit_would_have_to_be_is_found_among_all(tmp_path: Path) -> Non
     assert found.verdict == "infeasible"
     needed = {each.limit.name: each.needed for each in found.limits}
     assert needed["max_error"] == pytest.approx(least.min(), rel=2e-3)
+
+
+def test_a_combination_that_fails_is_listed_and_the_gap_is_of_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The solver fails on the best one: what is known of the others stands, and nothing is called exhaustive."""
+    rows = materials(15, 3)
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"choose: {{section: [circle], material: {named(rows)}}}\n"
+        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
+    )
+    problem = problem_of(tmp_path, arm, text)
+    least = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
+    lost = tuple(f"m{k}" for k in np.unravel_index(int(least.argmin()), least.shape))
+    solve = Chooser.solve
+
+    def fails(chooser: Chooser, pick: Combination, *, explain: bool = False) -> Solved:
+        found = solve(chooser, pick, explain=explain)
+        if tuple(each and each.name for each in pick.materials) != lost:
+            return found
+        chooser.note(pick, None, "unsolved")
+        return replace(found, objective=None, solution=None, relaxed=None, unsolved=True)
+
+    monkeypatch.setattr(Chooser, "solve", fails)
+    result = optimise(problem)
+    rest = np.where(least == least.min(), np.inf, least)
+    assert result.objective == pytest.approx(rest.min(), rel=1e-3)
+    assert [each.materials for each in result.unsolved] == [lost]
+    assert (result.status, result.exhaustive, result.optimum) == ("searched", False, "local")
+    assert result.gap is not None
+    assert result.gap <= 1e-4
