@@ -37,9 +37,11 @@ MIXED = (
 
 @pytest.mark.parametrize("seed", range(FRONTS) if FRONTS else (2,))
 def test_points_are_what_optimise_finds(seed: int, tmp_path: Path) -> None:
-    compared = held(front_of(random_front(tmp_path, seed), ACCURACY), every=EVERY)
-    assert compared
-    assert max(abs(each.off) for each in compared) <= WITHIN
+    front = front_of(random_front(tmp_path, seed), ACCURACY)
+    compared = held(front, every=EVERY)
+    # One design may be best in both figures.
+    assert compared or len(front.envelope.points) < 3
+    assert all(abs(each.off) <= WITHIN for each in compared)
 
 
 def test_a_mixed_combination_is_best_between_two_plain_ends(tmp_path: Path) -> None:
