@@ -24,7 +24,7 @@ def made(name, wave):
 
     amplitude = Parameter("amplitude", "angle", "amplitude", -1e-2, 1e-2, (1e-5, 1e-3), "makers", role="size")
     told = dict(formula="sum J_i a f(q_i)", place="joint", cause="angle errors", automatic=False, needs="wide travel")
-    return Effect(id=name, title=name, source="made here", parameters=(amplitude,), twists=twists, linear=True, **told)
+    return Effect(id=name, title=name, source="made here", aliases=(), parameters=(amplitude,), twists=twists, linear=True, **told)
 
 
 def by_numpy(q):
