@@ -24,7 +24,8 @@ def made(name, wave):
 
     amplitude = Parameter("amplitude", "angle", "amplitude", -1e-2, 1e-2, (1e-5, 1e-3), "makers", role="size")
     told = dict(formula="sum J_i a f(q_i)", place="joint", cause="angle errors", automatic=False, needs="wide travel")
-    return Effect(id=name, title=name, source="made here", aliases=(), parameters=(amplitude,), twists=twists, linear=True, **told)
+    told |= dict(source="made here", aliases=(), parameters=(amplitude,), twists=twists, linear=True)
+    return Effect(id=name, title=name, **told)
 
 
 def by_numpy(q):
