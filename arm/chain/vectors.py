@@ -28,16 +28,20 @@ def _is(value: Scalar, constant: float) -> bool:
 
 def times(a: Scalar, b: Scalar) -> Scalar:
     """a * b, with the floats 0, 1 and -1 folded."""
-    if _is(a, 0.0) or _is(b, 0.0):
+    # Arms of many pieces ask this millions of times: what a factor is, is asked but once.
+    a_number, b_number = isinstance(a, (float, int)), isinstance(b, (float, int))
+    if (a_number and a == 0.0) or (b_number and b == 0.0):
         return 0.0
-    if _is(a, 1.0):
-        return b
-    if _is(b, 1.0):
-        return a
-    if _is(a, -1.0):
-        return -b
-    if _is(b, -1.0):
-        return -a
+    if a_number:
+        if a == 1.0:
+            return b
+        if a == -1.0:
+            return -b
+    if b_number:
+        if b == 1.0:
+            return a
+        if b == -1.0:
+            return -a
     return a * b
 
 

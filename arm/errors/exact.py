@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,25 @@ from arm.chain.arrays import columns, matrices
 from arm.chain.kinematics import Frames, JointFrame, LinkFrame, Orientation
 from arm.chain.segments import PIECES, Pieces, cut
 from arm.chain.statics import JointState, LinkState, PoseState, solve
+from arm.chain.vectors import (
+    IDENTITY,
+    ZERO,
+    Scalar,
+    Vector,
+    add,
+    compose,
+    cross,
+    dot,
+    is_zero,
+    minus,
+    plus,
+    rotate,
+    scale,
+    subtract,
+    times,
+    transpose,
+)
 from arm.chain.vectors import Rotation as Rows
-from arm.chain.vectors import Scalar, Vector
 from arm.effects import Twist
 from arm.effects.effect import NO_LOAD
 from arm.effects.loads.added_weights import bearing, borne_wholly
@@ -32,6 +50,9 @@ from sections.numeric import Array
 from .tip import ActiveEffect, on_the_way
 
 Node = tuple[str, int]
+
+Quaternion = tuple[Scalar, Vector]
+"""A rotation: cosine of half its angle, and its axis times the sine."""
 
 SETTLED = 1e-9
 """m; the shape is found when a pass moves no tip by more."""
@@ -59,15 +80,21 @@ class _Shape:
     """Places and orientations along the chain, and what the effects did at them.
 
     `pieces` are the frames of the cut arm, `whole` those of the arm itself; `lengths` (m) each link's, with what
-    effects add to it; `turned` how the base and each link's far end are turned (N, 3, 3).
+    effects add to it; `turned` how the base and each link's far end are turned, `end` the tip. `tip` (N, 3) m is how
+    far that has moved, `seen_turned` (N, 3) rad by how much more than it is turned an instrument sees it turned.
     """
 
     pieces: Frames
     whole: Frames
     lengths: tuple[Scalar, ...]
     tip: Array
-    turn: Array
-    turned: tuple[Array, ...]
+    end: Rows
+    turned: tuple[Rows, ...]
+    seen_turned: Array | float = 0.0
+
+    def turn(self, rows: int) -> Array:
+        """How the tip is turned (N, 3), rad."""
+        return Rotation.from_matrix(matrices(self.end, rows)).as_rotvec() + self.seen_turned
 
 
 def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False) -> Deformed:
@@ -87,19 +114,21 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
     settled = swinging = np.zeros(rows, dtype=bool)
     for _ in range(MOST_PASSES):
         earlier, last = last, shape
-        try:
-            shape, now = chain.bent(shape, now, effects)
-        except np.linalg.LinAlgError:  # it is bent beyond all numbers
+        found, there = chain.bent(shape, now, effects)
+        if not np.isfinite(found.tip).all():  # it is bent beyond all numbers
             settled = swinging = np.zeros(rows, dtype=bool)
             break
+        shape, now = found, there
         settled = np.linalg.norm(shape.tip - last.tip, axis=1) <= SETTLED
         swinging = ~settled & (np.linalg.norm(shape.tip - earlier.tip, axis=1) <= SETTLED)
         if (settled | swinging).all():
             break
     between = swinging[:, None]
     tip = np.where(between, 0.5 * (shape.tip + last.tip), shape.tip)
-    turn = np.where(between, 0.5 * (shape.turn + last.turn), shape.turn)
-    return Deformed(now, tip, turn, settled | swinging, shape.turned)
+    turn = shape.turn(rows)
+    if between.any():
+        turn = np.where(between, 0.5 * (turn + last.turn(rows)), turn)
+    return Deformed(now, tip, turn, settled | swinging, tuple(matrices(each, rows) for each in shape.turned))
 
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
@@ -114,14 +143,12 @@ class _Chain:
         self.state, self.rows, self.play_stays = state, rows, play_stays
         self.beams = [link.beam for link in state.links]
         self.pieces: Pieces = cut(state.arm, self.beams, PIECES if cut_links else 1)
-        self.leads = [columns(lead, rows) for lead in state.leads]
-        self.vectors = [columns(link.vector, rows) for link in state.links]
-        self.tool = columns(state.tool, rows)
         self.nominal = columns(state.tip(), rows)
+        self.before = [joint.before.matrix() for joint in state.frames.joints]
 
     def straight(self) -> _Shape:
         """The shape without anything at work."""
-        nothing = [np.zeros((self.rows, 3))] * len(self.pieces.owner)
+        nothing = [ZERO] * len(self.pieces.owner)
         return self._walk({}, {}, nothing, nothing, [beam.length for beam in self.beams])
 
     def bent(self, shape: _Shape, now: PoseState, effects: Sequence[ActiveEffect]) -> tuple[_Shape, PoseState]:
@@ -129,18 +156,18 @@ class _Chain:
         cut_state = self._loaded(shape)
         now = self._whole(shape, cut_state)
         seating = self._seating(now)
-        moved: dict[Node, Array] = {}
-        turned: dict[Node, Array] = {}
-        strain = [np.zeros((self.rows, 3)) for _ in self.pieces.owner]
-        bend = [np.zeros((self.rows, 3)) for _ in self.pieces.owner]
+        moved: dict[Node, Vector] = {}
+        turned: dict[Node, Vector] = {}
+        strain: list[Vector] = [ZERO] * len(self.pieces.owner)
+        bend: list[Vector] = [ZERO] * len(self.pieces.owner)
         seen_tip: list[Twist] = []
         for active in effects:
             effect, settings = active.effect, active.settings
             if effect.along_the_link:
                 at = tuple(k for link in settings.at for k in self.pieces.of(link))
                 for twist in on_the_way(cut_state.arm, effect.twists(cut_state, replace(settings, at=at))):
-                    strain[twist.index] = strain[twist.index] + columns(twist.translation, self.rows)
-                    bend[twist.index] = bend[twist.index] + columns(twist.rotation, self.rows)
+                    strain[twist.index] = add(strain[twist.index], twist.translation)
+                    bend[twist.index] = add(bend[twist.index], twist.rotation)
                 continue
             twists = [*on_the_way(now.arm, [*effect.twists(now, settings), *effect.seated(seating, settings)])]
             if effect.of_instrument and effect.place in ("base", "tip"):
@@ -148,18 +175,18 @@ class _Chain:
                 continue
             for twist in twists:
                 key = (twist.node, twist.index if twist.node in ("joint", "link") else 0)
-                moved[key] = moved.get(key, 0.0) + columns(twist.translation, self.rows)
-                turned[key] = turned.get(key, 0.0) + columns(twist.rotation, self.rows)
+                moved[key] = add(moved.get(key, ZERO), twist.translation)
+                turned[key] = add(turned.get(key, ZERO), twist.rotation)
         lengths: list[Scalar] = []
         for index, beam in enumerate(self.beams):
             own: Scalar = beam.length
-            shift = moved.get(("link", index))
-            if shift is not None:
+            shift = moved.get(("link", index), ZERO)
+            if not is_zero(shift):
                 # What lengthens a link makes it a longer beam; what is left shifts its far end.
-                along = columns(now.links[index].along, self.rows)
-                longer = np.sum(shift * along, axis=1) * (_ones(own, self.rows) > 0.0)
-                moved["link", index] = shift - longer[:, None] * along
-                own = own + longer
+                along = now.links[index].along
+                longer = times(dot(shift, along), np.where(np.asarray(own) > 0.0, 1.0, 0.0))
+                moved["link", index] = subtract(shift, scale(longer, along))
+                own = plus(own, longer)
             lengths.append(own)
         found = self._walk(moved, turned, strain, bend, lengths)
         return self._measured(found, seen_tip), now
@@ -169,123 +196,123 @@ class _Chain:
         if self.play_stays:
             return self.state
         now = borne_wholly(now)
-        pairs = zip(bearing(self.state).joints, now.joints, strict=True)
-        return replace(now, joints=tuple(self._loaded_by_more_than_a_hair(*pair) for pair in pairs))
+        pairs = zip(self._loaded_undeformed, now.joints, strict=True)
+        return replace(now, joints=tuple(_loaded_by_more_than_a_hair(there, *loaded) for loaded, there in pairs))
 
-    def _loaded_by_more_than_a_hair(self, undeformed: JointState, there: JointState) -> JointState:
-        pushed = np.abs(_ones(undeformed.drive_load, self.rows)) > NO_LOAD
-        first_axis, axis = (columns(each.axis, self.rows) for each in (undeformed, there))
-        first, force = (columns(each.force, self.rows) for each in (undeformed, there))
-        across = np.linalg.norm(np.cross(first_axis, first), axis=1) > NO_LOAD
-        along = np.sum(axis * force, axis=1)[:, None] * axis
-        return replace(
-            there,
-            drive_load=np.where(pushed, there.drive_load, 0.0),
-            force=_vector(np.where(across[:, None], force, along)),
-        )
+    @cached_property
+    def _loaded_undeformed(self) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
+        """Whether each joint's drive is loaded at the undeformed pose, and whether its pin is across its axis."""
+        joints = bearing(self.state).joints
+        across = (cross(joint.axis, joint.force) for joint in joints)
+        return [
+            (np.abs(np.asarray(joint.drive_load)) > NO_LOAD, np.sqrt(dot(force, force)) > NO_LOAD)
+            for joint, force in zip(joints, across, strict=True)
+        ]
 
     def _measured(self, shape: _Shape, twists: Sequence[Twist]) -> _Shape:
         """The tip as an instrument that is itself off sees it."""
-        tip, turn = shape.tip, shape.turn
+        tip, turn = shape.tip, shape.seen_turned
         for twist in twists:
-            shift, rotation = columns(twist.translation, self.rows), columns(twist.rotation, self.rows)
-            place = self.nominal + tip if twist.node == "base" else np.zeros_like(tip)
-            tip = tip + shift + _turned(_matrix(rotation), place) - place
-            turn = turn + rotation
-        return replace(shape, tip=tip, turn=turn)
+            tip = tip + columns(twist.translation, self.rows)
+            if twist.node == "base":
+                place = _vector(self.nominal + tip - columns(twist.translation, self.rows))
+                tip = tip + columns(subtract(rotate(_matrix(twist.rotation), place), place), self.rows)
+            turn = turn + columns(twist.rotation, self.rows)
+        return replace(shape, tip=tip, seen_turned=turn)
 
     def _walk(
         self,
-        moved: dict[Node, Array],
-        turned: dict[Node, Array],
-        strain: Sequence[Array],
-        bend: Sequence[Array],
+        moved: dict[Node, Vector],
+        turned: dict[Node, Vector],
+        strain: Sequence[Vector],
+        bend: Sequence[Vector],
         lengths: Sequence[Scalar],
     ) -> _Shape:
         """From the base out: every motion carries all that lies beyond it."""
-        rows, frames = self.rows, self.state.frames
-        orientation = np.broadcast_to(np.eye(3), (rows, 3, 3))
-        base = moved.get(("base", 0), np.zeros((rows, 3)))
-        place = base
-        orientation = _after(orientation, turned.get(("base", 0)))
+        state, frames = self.state, self.state.frames
+        carried = place = moved.get(("base", 0), ZERO)
+        orientation = _after(IDENTITY, turned.get(("base", 0), ZERO))
         joints: list[JointFrame] = []
         links: list[LinkFrame] = []
         cut_joints: list[JointFrame] = []
         cut_links: list[LinkFrame] = []
-        carried = base
         turned_so_far = [orientation]
         for index, frame in enumerate(frames.links):
-            lead = carried + _turned(orientation, self.leads[index])
-            joint = frames.joints[index]
-            before = Orientation(_product(orientation, joint.before.matrix()), (0.0, 0.0, 1.0), 0.0)
-            axis = _vector(_turned(orientation, columns(joint.axis, rows)))
-            place = place + _turned(orientation, self.leads[index])
-            shift = moved.get(("joint", index), np.zeros((rows, 3)))
-            followed = self._followed(index, columns(axis, rows), joints, moved, turned, bend)
-            if not self.state.joints[index].revolute:
-                shift, followed = shift + followed, np.zeros((rows, 3))
-            place, lead = place + shift, lead + shift
-            orientation = _after(_after(orientation, turned.get(("joint", index))), followed)
-            joints.append(JointFrame(_vector(lead), axis, before))
-            start, root = place, orientation
+            before = Orientation(compose(orientation, self.before[index]), (0.0, 0.0, 1.0), 0.0)
+            axis = rotate(orientation, frames.joints[index].axis)
+            step = rotate(orientation, state.leads[index])
+            shift = moved.get(("joint", index), ZERO)
+            followed = self._followed(index, axis, joints, moved, turned, bend)
+            if not state.joints[index].revolute:
+                shift, followed = add(shift, followed), ZERO
+            step = add(step, shift)
+            place, lead = add(place, step), add(carried, step)
+            orientation = _after(_after(orientation, turned.get(("joint", index), ZERO)), followed)
+            joints.append(JointFrame(lead, axis, before))
+            start = place
             own = self.pieces.of(index)
             nominal = self._piece(index, lengths[index], len(own))
-            for number, piece in enumerate(own):
-                half = _matrix(0.5 * bend[piece])
-                across = _turned(np.swapaxes(half, 1, 2), strain[piece])
-                middle = half @ orientation
-                step = _arc(bend[piece], _turned(orientation, nominal), across)
+            # From the link's root on: what it is turned by, as a quaternion and as a matrix.
+            root, turns = orientation, [_half_way(bend[piece]) for piece in own]
+            for number, (piece, turn) in enumerate(zip(own, turns, strict=True)):
+                half = _of_quaternion(turn)
+                middle = compose(half, orientation)
+                across = rotate(transpose(half), strain[piece])
+                step = _arc(bend[piece], rotate(orientation, nominal), across)
                 if piece == own[-1]:
-                    step = step + moved.get(("link", index), 0.0)
-                cut_joints.append(JointFrame(_vector(lead) if number == 0 else (0.0, 0.0, 0.0), axis, before))
+                    step = add(step, moved.get(("link", index), ZERO))
+                cut_joints.append(JointFrame(lead if number == 0 else ZERO, axis, before))
                 cut_links.append(_turned_link(middle, frame, step))
-                place = place + step
-                orientation = _matrix(bend[piece]) @ orientation
-            orientation = _after(orientation, turned.get(("link", index)))
+                place = add(place, step)
+                orientation = compose(half, middle)
+            at_end = turned.get(("link", index), ZERO)
+            orientation = _after(orientation, at_end)
             turned_so_far.append(orientation)
-            links.append(_turned_link(_between(root, orientation), frame, place - start))
-            carried = np.zeros((rows, 3))
-        offset = moved.get(("tip", 0), np.zeros((rows, 3)))
-        tool = _turned(orientation, self.tool) + offset
-        place = place + tool
-        orientation = _after(orientation, turned.get(("tip", 0)))
-        end = _product(orientation, frames.orientation)
+            half_way = compose(_of_quaternion(_half([*(_twice(each) for each in turns), _quaternion(at_end)])), root)
+            links.append(_turned_link(half_way, frame, subtract(place, start)))
+            carried = ZERO
+        tool = add(rotate(orientation, state.tool), moved.get(("tip", 0), ZERO))
+        orientation = _after(orientation, turned.get(("tip", 0), ZERO))
+        end = compose(orientation, frames.orientation)
         return _Shape(
-            Frames(tuple(cut_joints), tuple(cut_links), _vector(tool), end),
-            Frames(tuple(joints), tuple(links), _vector(tool), end),
+            Frames(tuple(cut_joints), tuple(cut_links), tool, end),
+            Frames(tuple(joints), tuple(links), tool, end),
             tuple(lengths),
-            place - self.nominal,
-            Rotation.from_matrix(orientation).as_rotvec(),
+            columns(add(place, tool), self.rows) - self.nominal,
+            orientation,
             tuple(turned_so_far),
         )
 
     def _followed(
         self,
         joint: int,
-        axis: Array,
+        axis: Vector,
         before: Sequence[JointFrame],
-        moved: dict[Node, Array],
-        turned: dict[Node, Array],
-        bend: Sequence[Array],
-    ) -> Array:
+        moved: dict[Node, Vector],
+        turned: dict[Node, Vector],
+        bend: Sequence[Vector],
+    ) -> Vector:
         """What moves a joint along its axis because it moves those that it follows (`arm.errors.tip`)."""
-        total = np.zeros(self.rows)
+        total: Scalar = 0.0
         follows = self.state.arm.joints[joint].follows
         for tie in () if follows is None else follows.ties:
             there = turned if self.state.joints[tie.joint].revolute else moved
-            amount = there.get(("joint", tie.joint), 0.0) + np.zeros((self.rows, 3))
+            amount = there.get(("joint", tie.joint), ZERO)
             if tie.along:
-                amount = amount + turned.get(("link", tie.joint), 0.0)
-                amount = amount + sum(bend[piece] for piece in self.pieces.of(tie.joint))
-            total += tie.weight * np.sum(amount * columns(before[tie.joint].axis, self.rows), axis=1)
-        return total[:, None] * axis
+                amount = add(amount, turned.get(("link", tie.joint), ZERO))
+                for piece in self.pieces.of(tie.joint):
+                    amount = add(amount, bend[piece])
+            total = plus(total, times(tie.weight, dot(amount, before[tie.joint].axis)))
+        return scale(total, axis)
 
-    def _piece(self, link: int, length: Scalar, count: int) -> Array:
+    def _piece(self, link: int, length: Scalar, count: int) -> Vector:
         """A piece's vector as it lies in the undeformed arm, with what the link has been made longer."""
-        given = _ones(self.beams[link].length, self.rows)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = np.where(given == 0.0, 1.0, _ones(length, self.rows) / given)
-        return self.vectors[link] * (ratio / count)[:, None]
+        given, vector = self.beams[link].length, self.state.links[link].vector
+        if length is given:
+            return scale(1.0 / count, vector)
+        own = np.asarray(given, dtype=float)
+        ratio = np.where(own == 0.0, 1.0, length / np.where(own == 0.0, 1.0, own))
+        return scale(ratio / count, vector)
 
     def _loaded(self, shape: _Shape) -> PoseState:
         """The statics of the cut arm on a shape."""
@@ -330,54 +357,90 @@ def _link(link: LinkState, frame: LinkFrame, first: LinkState, last: LinkState) 
     )
 
 
-def _arc(turn: Array, straight: Array, shift: Array) -> Array:
+def _loaded_by_more_than_a_hair(joint: JointState, pushed: NDArray[np.bool_], across: NDArray[np.bool_]) -> JointState:
+    along = scale(dot(joint.axis, joint.force), joint.axis)
+    x, y, z = (np.where(across, *pair) for pair in zip(joint.force, along, strict=True))
+    return replace(joint, drive_load=np.where(pushed, joint.drive_load, 0.0), force=(x, y, z))
+
+
+def _arc(turn: Vector, straight: Vector, shift: Vector) -> Vector:
     """Where the end of a piece lies that turns by `turn` in all and is shifted by `shift` against its root: to first
     order straight + shift, with its strain constant along it as finite motions are."""
-    strain = straight + shift - 0.5 * np.cross(turn, straight)
-    angle = np.linalg.norm(turn, axis=1)[:, None]
+    end = add(straight, shift)
+    if is_zero(turn):
+        return end
+    strain = subtract(end, scale(0.5, cross(turn, straight)))
+    square = dot(turn, turn)
+    angle = np.sqrt(square)
     small = angle < 1e-4
     safe = np.where(small, 1.0, angle)
-    once = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
-    twice = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
-    across = np.cross(turn, strain)
-    return strain + once * across + twice * np.cross(turn, across)
+    once = np.where(small, 0.5 - square / 24.0, (1.0 - np.cos(safe)) / safe**2)
+    twice = np.where(small, 1.0 / 6.0 - square / 120.0, (safe - np.sin(safe)) / (safe * safe * safe))
+    across = cross(turn, strain)
+    return add(strain, add(scale(once, across), scale(twice, cross(turn, across))))
 
 
-def _turned_link(orientation: Array, frame: LinkFrame, vector: Array) -> LinkFrame:
-    along, height, width = (
-        _vector(_turned(orientation, columns(part, len(vector)))) for part in (frame.along, frame.height, frame.width)
+def _turned_link(orientation: Rows, frame: LinkFrame, vector: Vector) -> LinkFrame:
+    along, height, width = (rotate(orientation, part) for part in (frame.along, frame.height, frame.width))
+    return LinkFrame(vector, along, height, width)
+
+
+def _after(orientation: Rows, turn: Vector) -> Rows:
+    return orientation if is_zero(turn) else compose(_matrix(turn), orientation)
+
+
+def _matrix(turn: Vector) -> Rows:
+    return _of_quaternion(_quaternion(turn))
+
+
+def _quaternion(turn: Vector) -> Quaternion:
+    """The rotation by a rotation vector (rad) as a quaternion, the real part first."""
+    if is_zero(turn):
+        return 1.0, ZERO
+    angle = 0.5 * np.sqrt(dot(turn, turn))
+    return np.cos(angle), scale(0.5 * np.sinc(angle / np.pi), turn)
+
+
+def _half_way(turn: Vector) -> Quaternion:
+    """The rotation by half a rotation vector."""
+    return _quaternion(scale(0.5, turn))
+
+
+def _after_quaternion(first: Quaternion, then: Quaternion) -> Quaternion:
+    """One rotation after another."""
+    (a, u), (b, v) = then, first
+    real = minus(times(a, b), dot(u, v))
+    return real, add(add(scale(a, v), scale(b, u)), cross(u, v))
+
+
+def _twice(turn: Quaternion) -> Quaternion:
+    return _after_quaternion(turn, turn)
+
+
+def _half(turns: Iterable[Quaternion]) -> Quaternion:
+    """The rotation half way, the short way round, to where rotations one after another lead."""
+    real, vector = reduce(_after_quaternion, turns, (1.0, ZERO))
+    if is_zero(vector):
+        return 1.0, ZERO
+    sign = np.where(np.asarray(real) < 0.0, -1.0, 1.0)
+    real, vector = plus(1.0, times(sign, real)), scale(sign, vector)
+    size = 1.0 / np.sqrt(real * real + dot(vector, vector))
+    return times(size, real), scale(size, vector)
+
+
+def _of_quaternion(turn: Quaternion) -> Rows:
+    w, (x, y, z) = turn
+    if is_zero((x, y, z)):
+        return IDENTITY
+    xx, yy, zz = (times(2.0, times(each, each)) for each in (x, y, z))
+    xy, xz, yz = (times(2.0, times(*pair)) for pair in ((x, y), (x, z), (y, z)))
+    wx, wy, wz = (times(2.0, times(w, each)) for each in (x, y, z))
+    return (
+        (minus(1.0, plus(yy, zz)), minus(xy, wz), plus(xz, wy)),
+        (plus(xy, wz), minus(1.0, plus(xx, zz)), minus(yz, wx)),
+        (minus(xz, wy), plus(yz, wx), minus(1.0, plus(xx, yy))),
     )
-    return LinkFrame(_vector(vector), along, height, width)
-
-
-def _between(first: Array, last: Array) -> Array:
-    """The orientation half way from one to the other."""
-    turn = Rotation.from_matrix(last @ np.swapaxes(first, 1, 2)).as_rotvec()
-    return _matrix(0.5 * turn) @ first
-
-
-def _after(orientation: Array, turn: Array | None) -> Array:
-    return orientation if turn is None else _matrix(turn) @ orientation
-
-
-def _matrix(turn: Array) -> Array:
-    return Rotation.from_rotvec(turn).as_matrix()
-
-
-def _product(orientation: Array, rows: Rows) -> Rows:
-    size = len(orientation)
-    found = orientation @ matrices(rows, size)
-    first, second, third = (_vector(found[:, k]) for k in range(3))
-    return (first, second, third)
-
-
-def _ones(value: object, rows: int) -> Array:
-    return np.broadcast_to(np.asarray(value, dtype=float), (rows,))
 
 
 def _vector(columns: Array) -> Vector:
     return (columns[:, 0], columns[:, 1], columns[:, 2])
-
-
-def _turned(matrices: Array, vectors: Array) -> Array:
-    return np.einsum("nij,nj->ni", matrices, vectors)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from arm.chain.kinematics import tip_position
-from arm.compensation import default_grid, grid_axes, joint_corrections, model_error, remaining, table_at, table_over
+from arm.compensation import corrected, default_grid, grid_axes, model_error, remaining, table_at, table_over
 from arm.effects import EFFECTS
 from linkwright.json.compensation import compensation_json
 from linkwright.markdown.described import markdown
@@ -54,7 +54,7 @@ def test_error_of_a_drive_that_gives():
 def test_correction_is_what_the_drive_gives():
     """The joint must stand higher by what it sinks there; it sinks to q, so that the torque is the one at q."""
     q = np.linspace(-1.3, 1.3, 9)[:, None]
-    moved = joint_corrections(rod(), q, 10.0)
+    _, moved, _ = corrected(rod(), q, 10.0)
     assert np.abs(moved[:, 0] - 98.1 * np.cos(q[:, 0]) / 2e4).max() < 1e-9
 
 
@@ -62,16 +62,27 @@ def test_corrections_take_the_error_away():
     """Two joints reach every small displacement in the plane, away from the stretched pose."""
     arm = two_links()
     q = np.stack([np.linspace(-1.0, 1.0, 7), np.full(7, 0.9)], axis=1)
-    moved = joint_corrections(arm, q, 5.0)
+    error, moved, _ = corrected(arm, q, 5.0)
     assert remaining(arm, q, moved, 5.0).max() < 1e-9
-    assert np.linalg.norm(model_error(arm, q, 5.0), axis=1).min() > 1e-4
+    assert np.linalg.norm(error, axis=1).min() > 1e-4
+
+
+def test_what_is_left_is_what_the_model_says_there():
+    """Where the last steps were too small to ask the model again, it would have said the same; near the stretched pose,
+    where something stays, too."""
+    arm = two_links()
+    q = np.stack([np.linspace(-1.0, 1.0, 41), np.linspace(-0.9, 0.9, 41)], axis=1)
+    error, moved, left = corrected(arm, q, 5.0)
+    assert left == pytest.approx(remaining(arm, q, moved, 5.0), abs=3e-12)
+    assert left.max() > 1e-6
+    assert error == pytest.approx(model_error(arm, q, 5.0), abs=1e-15)
 
 
 def test_stretched_pose_keeps_joints_near():
     """Stretched out the joints cannot move the tip along the arm: what lies there stays, and no joint runs away."""
     long = EffectEntry("encoder_offset", (2,), {"offset": 0.01})
     arm = replace(two_links(), effects=(long,), gravity=(0.0, 0.0, 0.0))
-    moved = joint_corrections(arm, np.array([[0.3, 1e-4]]), 0.0)
+    _, moved, _ = corrected(arm, np.array([[0.3, 1e-4]]), 0.0)
     assert np.abs(moved).max() < 0.05
 
 
