@@ -148,7 +148,7 @@ def front_from(content: bytes) -> Front:
 def _design(front: Tradeoff, design: TradeoffDesign, file: str) -> Design:
     model = design.arm.model
     known = front.found.asked.given.figures.values()
-    figures = [(each.title, each.shown(design.figures[each.name]), each.unit) for each in known]
+    figures = [(each.title, each.shown(design.values[each.name]), each.unit) for each in known]
     links: list[Link] = [
         {
             "link": number,
