@@ -6,11 +6,12 @@ nothing but the same version of this program.
 
 from __future__ import annotations
 
+import logging
 import queue
 import time
 import uuid
 from collections.abc import Generator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,30 @@ def _ended(done: queue.SimpleQueue[tuple[int, Future[bytes]]], number: int, futu
     done.put((number, future))
 
 
+class _WhileConnected(logging.Filter):
+    """Lets what dask's client logs pass while it is connected. What it makes of a scheduler that is gone, tracebacks of
+    its own tasks among it, adds nothing to the one line that is said of that here."""
+
+    def __init__(self, client: Client) -> None:
+        super().__init__()
+        self._client = client
+        self._loggers: list[logging.Logger] = []
+        for name, logger in list(logging.root.manager.loggerDict.items()):
+            if isinstance(logger, logging.Logger) and name.split(".")[0] == "distributed":
+                self._loggers.append(logger)
+                logger.addFilter(self)
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether it is passed on."""
+        del record
+        return self._client.status == "running"
+
+    def close(self) -> None:
+        """Let the loggers be as they were."""
+        for logger in self._loggers:
+            logger.removeFilter(self)
+
+
 class Cluster(Executor):
     """The workers of the dask scheduler at an address such as `tcp://10.0.0.1:8786`.
 
@@ -53,8 +78,9 @@ class Cluster(Executor):
         """`patience`: seconds within which the scheduler must answer and have a worker."""
         self.address = address
         self._client: Any = self._connected(patience)
+        self._quiet = _WhileConnected(self._client)
         with ExitStack() as undo:
-            undo.callback(self._client.close)
+            undo.callback(self._leave)
             self._check(patience)
             undo.pop_all()
         self._work: Work[Any, Any, Any] | None = None
@@ -113,12 +139,14 @@ class Cluster(Executor):
         """The results as they come."""
         from .station import step
 
-        self._prepare(work)
         done: queue.SimpleQueue[tuple[int, Future[bytes]]] = queue.SimpleQueue()
         futures: list[Future[bytes]] = []
         try:
+            with self._reached():
+                self._prepare(work)
             for number, item in enumerate(items):
-                future = self._client.submit(step, self._name, packed(item), pure=False)
+                with self._reached():
+                    future = self._client.submit(step, self._name, packed(item), pure=False)
                 future.add_done_callback(partial(_ended, done, number))
                 futures.append(future)
             for _ in items:
@@ -126,8 +154,27 @@ class Cluster(Executor):
                 yield number, unpacked(self._result(future))
         finally:
             left = [future for future in futures if not future.done()]
-            if left and self._client.status == "running":
-                self._client.cancel(left, force=True)
+            if left and self._connected_still:
+                with suppress(WorkersLost), self._reached():
+                    self._client.cancel(left, force=True)
+
+    @property
+    def _connected_still(self) -> bool:
+        return self._client.status == "running"
+
+    @property
+    def _gone(self) -> WorkersLost:
+        return WorkersLost(f"the scheduler at {self.address} is gone; start it and its workers again")
+
+    @contextmanager
+    def _reached(self) -> Generator[None]:
+        """While the scheduler is asked something: where it is not there, or goes meanwhile, the one line."""
+        if not self._connected_still:
+            raise self._gone
+        try:
+            yield
+        except OSError:
+            raise self._gone from None
 
     def _prepare(self, work: Work[Any, Any, Any]) -> None:
         """Tell the workers what the work is, those that join later as well."""
@@ -148,34 +195,43 @@ class Cluster(Executor):
                 return done.get(timeout=_BEAT)
             except queue.Empty:
                 now = time.monotonic()
-            if self._client.status != "running":
-                raise WorkersLost(f"the scheduler at {self.address} is gone; start it and its workers, and begin again")
+            if not self._connected_still:
+                raise self._gone
             if now - looked >= _LOOK:
                 looked = now
-                met = now if self._client.nthreads() else met
+                with self._reached():
+                    met = now if self._client.nthreads() else met
             if now - met > ALONE:
-                raise WorkersLost(
-                    f"the scheduler at {self.address} has lost all its workers; start some, and begin again"
-                )
+                raise WorkersLost(f"the scheduler at {self.address} has lost all its workers; start some again")
 
     def _result(self, future: Future[bytes]) -> bytes:
         from distributed import KilledWorker
         from distributed.client import FutureCancelledError
+        from distributed.comm.core import CommClosedError
 
         try:
             return future.result()
         except KilledWorker:
             message = f"at {self.address} one step ended every worker that took it; have they enough memory?"
             raise WorkersLost(message) from None
+        except CommClosedError:
+            raise self._gone from None
         except FutureCancelledError:
-            raise WorkersLost(f"the scheduler at {self.address} dropped a step; begin again") from None
+            # A client that loses its scheduler cancels all that it waits for.
+            dropped = WorkersLost(f"the scheduler at {self.address} dropped a step")
+            raise dropped if self._connected_still else self._gone from None
 
     def _forget(self) -> None:
-        if self._work is not None and self._client.status == "running":
-            self._client.unregister_worker_plugin(self._name)
+        if self._work is not None and self._connected_still:
+            with suppress(WorkersLost), self._reached():
+                self._client.unregister_worker_plugin(self._name)
         self._work = None
 
     def close(self) -> None:
         """Leave the cluster; its workers stay, and forget this work."""
         self._forget()
+        self._leave()
+
+    def _leave(self) -> None:
         self._client.close()
+        self._quiet.close()

@@ -9,8 +9,6 @@ from functools import partial
 from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
-from units.quantities import NoAnswer
-
 Kept = TypeVar("Kept")
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,8 +17,12 @@ Pulse = Callable[[], None]
 """Called often while results are waited for; may raise to stop."""
 
 
-class WorkersLost(NoAnswer):
-    """What does the work is gone, or one step ends whatever worker takes it; the message says which and what to do."""
+class WorkersLost(KeyboardInterrupt):
+    """What does the work is gone, or one step ends whatever worker takes it; the message says which and what to do.
+
+    It stops work as Ctrl-C does, so that whoever keeps the best so far keeps it here too, and nobody takes it for the
+    question having no answer.
+    """
 
 
 def no_pulse() -> None:
@@ -57,6 +59,9 @@ def _called(function: Callable[[Item], Result], item: Item) -> Result:
 class Executor(ABC):
     """Does steps of work; closed at the end of a `with`, which ends its workers."""
 
+    lost: WorkersLost | None = None
+    """Why work was stopped where its workers were lost: an answer marked `interrupted` is then the best until there."""
+
     @property
     @abstractmethod
     def workers(self) -> int:
@@ -86,10 +91,14 @@ class Executor(ABC):
     ) -> list[Result]:
         """The results in the items' order; `each` hears of every one (with its item's number) as it comes."""
         found: dict[int, Result] = {}
-        for number, result in self.completed(work, items, pulse):
-            found[number] = result
-            if each is not None:
-                each(number, result)
+        try:
+            for number, result in self.completed(work, items, pulse):
+                found[number] = result
+                if each is not None:
+                    each(number, result)
+        except WorkersLost as error:
+            self.lost = error
+            raise
         return [found[number] for number in range(len(items))]
 
     @abstractmethod

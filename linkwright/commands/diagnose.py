@@ -101,7 +101,7 @@ def diagnose(
         given = lw.read_arm(arm, catalogue=catalogue, tip="")
         read = recordings_of(recording, given, recording_yaml, units=units)
         asked = None if problem is None else lw.read_problem(problem, catalogue=catalogue)
-    with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:
+    with asked_of(arm), steps() as told, crew_of(workers, dask) as crew:
         claim_diagnosis(out)
         leave = without_effect or ()
         found = lw.diagnose(given, read, thorough=thorough, without=leave, progress=told, executor=crew)

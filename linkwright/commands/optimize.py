@@ -35,6 +35,7 @@ from .options import (
     crew_of,
     files_of,
     not_lost,
+    stop,
     tell,
 )
 
@@ -123,8 +124,7 @@ def optimize(
     written = [out / name for name in (REPORT, DESIGN, RESULT)] if out is not None else []
     tell(described, markdown, *written, pdf, json)
     if result.interrupted:
-        _stopped("this is the best design so far", resume)
-        raise KeyboardInterrupt
+        stop(crew, _kept("this is the best design so far", resume, crew))
 
 
 def _solved(
@@ -162,8 +162,7 @@ def _solved(
         found = lw.optimize(problem, **given, executor=crew)
     except KeyboardInterrupt:
         steps.close()
-        _stopped("no design was finished yet, so there is none to keep", resume)
-        raise
+        stop(crew, _kept("no design was finished yet, so there is none to keep", resume, crew))
     finally:
         steps.close()
     if loudness() != "answer":
@@ -171,9 +170,8 @@ def _solved(
     return found
 
 
-def _stopped(words: str, resume: Path | None) -> None:
-    """Say on standard error what an interrupt leaves."""
-    from linkwright.screen.console import console
-
-    goes_on = "" if resume is None else f"; the same command goes on with what is in {resume}"
-    console(errors=True).print(f"stopped: {words}{goes_on}", soft_wrap=True)
+def _kept(words: str, resume: Path | None, crew: Executor) -> str:
+    """What an interrupt leaves, and how it goes on."""
+    if resume is not None:
+        return f"{words}; the same command goes on with what is in {resume}"
+    return words if crew.lost is None else f"{words}; one that is to go on where it stops needs --resume FILE"

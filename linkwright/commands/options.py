@@ -7,11 +7,11 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from units.quantities import InputError
+from units.quantities import InputError, NoAnswer
 
 if TYPE_CHECKING:
     from executors import Executor
@@ -144,13 +144,28 @@ def not_lost(described: Description) -> Generator[None]:
 
 @contextmanager
 def crew_of(workers: int | None, dask: str | None) -> Generator[Executor]:
-    """The processes or the cluster that the options ask for."""
-    from executors import Cluster, Processes
+    """The processes or the cluster that the options ask for. Where they are lost before there is any answer, one line
+    says so."""
+    from executors import Cluster, Processes, WorkersLost
 
     if dask is not None and workers is not None:
         raise InputError("", "--workers", "goes without --dask, whose workers are the cluster's own; leave one out")
     with Processes(workers) if dask is None else Cluster(dask) as made:
-        yield made
+        try:
+            yield made
+        except WorkersLost as error:
+            raise NoAnswer(str(error)) from None
+
+
+def stop(crew: Executor, kept: str) -> NoReturn:
+    """End a command that was stopped, with one line of what is kept: as Ctrl-C does, or, where those who did the work
+    are lost, as what has no answer."""
+    from linkwright.screen.console import console
+
+    if crew.lost is not None:
+        raise NoAnswer(f"{crew.lost}; {kept}")
+    console(errors=True).print(f"stopped: {kept}", soft_wrap=True)
+    raise KeyboardInterrupt
 
 
 @contextmanager

@@ -33,6 +33,7 @@ from .options import (
     crew_of,
     files_of,
     not_lost,
+    stop,
     tell,
 )
 
@@ -169,10 +170,8 @@ def _traced(
 ) -> Tradeoff:
     """Trace the fronts, with a sign of how far they are; an interrupt ends the work between two of its parts."""
     from linkwright.face.tradeoff import traced_front
-    from linkwright.screen.console import console
     from linkwright.screen.tracing import TracingProgress
 
-    screen = console(errors=True)
     shown = TracingProgress(groups=asked.by is not None)
     try:
         result = traced_front(given, asked, accuracy, journal, shown, crew)
@@ -183,8 +182,7 @@ def _traced(
         if out is not None:
             kept = f"{journal.size} solved points are kept in {out}; --resume goes on with them"
         shown.close()
-        screen.print(f"stopped: {kept}", soft_wrap=True)
-        raise
+        stop(crew, kept)
     finally:
         shown.close()
     return result

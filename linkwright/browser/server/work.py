@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import linkwright as lw
+from executors import WorkersLost
 from linkwright.cli import end_as_by_ctrl_c
 from linkwright.face.result import Reported
 from units.quantities import InputError, NoAnswer
@@ -62,14 +63,16 @@ def optimize(root: Path, out: Path, asked: dict[str, Any]) -> None:
 
     problem = lw.read_problem(root / asked["problem"])
     rounding: dict[str, Any] = {"round_to": asked["round_to"]} if asked.get("round_to") else {}
-    found = lw.optimize(
-        problem,
-        **rounding,
-        progress=_Told(),
-        log=lambda each: say(line=iteration_line(each, problem.model.minimize)),
-        out_of_reach=lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
-    )
-    _kept(found, out, *_read(root, asked), complete=not found.interrupted)
+    with lw.Processes() as crew:
+        found = lw.optimize(
+            problem,
+            **rounding,
+            progress=_Told(),
+            log=lambda each: say(line=iteration_line(each, problem.model.minimize)),
+            out_of_reach=lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
+            executor=crew,
+        )
+    _kept(found, out, *_read(root, asked), complete=not found.interrupted, lost=crew.lost)
 
 
 def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> None:
@@ -77,15 +80,17 @@ def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> None:
     from linkwright.browser.server.drawings import front_to_click
 
     problem = lw.read_problem(root / asked["problem"])
-    found = lw.tradeoff(
-        problem,
-        x=asked["x"],
-        y=asked["y"],
-        by=asked.get("by") or None,
-        accuracy=asked["accuracy"],
-        progress=_Told(),
-    )
-    _kept(found, out, *_read(root, asked), complete=not found.interrupted)
+    with lw.Processes() as crew:
+        found = lw.tradeoff(
+            problem,
+            x=asked["x"],
+            y=asked["y"],
+            by=asked.get("by") or None,
+            accuracy=asked["accuracy"],
+            progress=_Told(),
+            executor=crew,
+        )
+    _kept(found, out, *_read(root, asked), complete=not found.interrupted, lost=crew.lost)
     (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
 
 
@@ -107,12 +112,14 @@ def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> None:
         (out / name).write_bytes(own.read_bytes())
 
 
-def _kept(found: Reported, out: Path, *read: Path, complete: bool) -> None:
-    """Tell what was found, then save it: a full disk does not take the answer along. An interrupt comes too late to."""
+def _kept(found: Reported, out: Path, *read: Path, complete: bool, lost: WorkersLost | None = None) -> None:
+    """Tell what was found, and whether workers lost cut it short, then save it: a full disk does not take the answer
+    along. An interrupt comes too late to."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
-    say(answer=repr(found).removeprefix("<").removesuffix(">"), complete=complete)
+    answer = repr(found).removeprefix("<").removesuffix(">")
+    say(answer=answer if lost is None else f"{answer}; {lost}", complete=complete)
     found.save(out, made_from=read)
 
 
@@ -128,6 +135,9 @@ def main() -> int:
     ways = {"evaluate": evaluate, "optimize": optimize, "tradeoff": tradeoff, "diagnose": diagnose}
     try:
         ways[asked["kind"]](root, out, asked)
+    except WorkersLost as error:
+        say(refused=str(error))
+        return 1
     except KeyboardInterrupt:
         say(refused="stopped before anything was finished, so there is nothing to keep")
         return 1

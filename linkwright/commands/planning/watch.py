@@ -84,7 +84,7 @@ def watch(
         read = read_dated(recordings, given, own)
     if out is not None:
         claim_own(out, "watch", (RESULT, REPORT))
-    with asked_of(arm), crew_of(workers, dask) as crew, steps() as told:
+    with asked_of(arm), steps() as told, crew_of(workers, dask) as crew:
         found = lw.watch(
             given,
             read,
