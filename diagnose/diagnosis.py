@@ -10,7 +10,7 @@ import numpy as np
 
 from arm.chain.chain import Arm, EffectEntry
 from diagnose.answer.conclusion import Conclusion
-from diagnose.answer.sentences import of_branches, put_right
+from diagnose.answer.sentences import label_of, of_branches, put_right
 from diagnose.answer.torques import of_unknown_weights
 from diagnose.fitting.origins import located
 from diagnose.fitting.prepare import prepare
@@ -28,6 +28,7 @@ from diagnose.search.labels import mislabelled
 from diagnose.search.large_motions import about_large, candidates_of
 from diagnose.search.naming import Named, Namer, name_missing
 from diagnose.search.one_set_of_weights import under_one_set
+from diagnose.search.subsets import gains, products
 from diagnose.search.whole_search import whole_search_p
 from diagnose.several.floors import floor_of_all
 from diagnose.several.other_arms import of_different_arms, of_other_arms
@@ -41,6 +42,27 @@ from .result import Diagnosis
 
 def _silent(what: str, share: float) -> None:
     del what, share
+
+
+class _SoFar:
+    """Tells of the steps and, from the first findings on, of what is found until then: that is read while the rest is
+    sought, and may still turn out otherwise."""
+
+    def __init__(self, tell: Progress) -> None:
+        self._tell, self._found = tell, ""
+
+    def __call__(self, what: str, share: float) -> None:
+        """`what` is being done now."""
+        self._tell(f"{self._found}{what}", share)
+
+    def found(self, namer: Namer, members: Sequence[int]) -> None:
+        """What is named now, that by its name which explains most alone; nothing where it was given up again."""
+        self._found = ""
+        if members:
+            alone = gains(namer.pool, products(namer.pool, namer.prepared.vector))
+            (first,) = candidates_of(namer, [max(members, key=lambda member: alone[member])])
+            more = f" and {len(members) - 1} more" if len(members) > 1 else ""
+            self._found = f"provisional: {label_of(first, namer.prepared.observed.recording)}{more}; "
 
 
 def diagnose(
@@ -72,9 +94,9 @@ def diagnose(
     return found if shown is None else replace(found, notes=(*of_unknown_weights(shown), *found.notes))
 
 
-def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, executor: Executor | None) -> Diagnosis:
+def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress, executor: Executor | None) -> Diagnosis:
     """What an arm's model leaves out, its free transforms about where they stand."""
-    began = time.perf_counter()
+    began, tell = time.perf_counter(), _SoFar(hear)
     tell("noise floor", 0.0)
     rules = asked.rules
     recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)
@@ -104,7 +126,9 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
     if nothing or too_few:
         named = None
     else:
-        named = name_missing(namer, lambda share: tell("searching for what is missing", 0.3 + 0.3 * share))
+        searching = "searching for what is missing"
+        named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.found)
+        tell.found(namer, named.members)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
         if named.members:
@@ -115,6 +139,7 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, tell: Progress, e
                 named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share), before)
             namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
             named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
+            tell.found(namer, named.members)
         if asked.thorough and named.everything:
             told = "calibrating the whole search"
             p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share), executor)

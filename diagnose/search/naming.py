@@ -166,8 +166,14 @@ class Namer:
         return self.criterion(fitted.rss, members)
 
 
-def name_missing(namer: Namer, tell: Callable[[float], None], before: Sequence[Candidate] = ()) -> Named:
-    """Gate, name and test; `tell` hears the share of the work done.
+def name_missing(
+    namer: Namer,
+    tell: Callable[[float], None],
+    before: Sequence[Candidate] = (),
+    accepted: Callable[[Namer, Sequence[int]], None] | None = None,
+) -> Named:
+    """Gate, name and test; `tell` hears the share of the work done, `accepted` of the first groups that pass their
+    tests, long before it is known whether they are the answer.
 
     `before` is what an earlier search of the same recording named, about something else: with many findings the way
     there is greedy, and of both ways, anew and on from those, the better end counts.
@@ -181,6 +187,8 @@ def name_missing(namer: Namer, tell: Callable[[float], None], before: Sequence[C
     if min(gate[0].p_value, gate[1].p_value) > namer.rules.false_alarm:
         return Named((), (), (), gate, None)
     members, p_values = _of_library(namer)
+    if accepted is not None:
+        accepted(namer, members)
     tell(0.6)
     if len(members) > 1:
         members, p_values = _carried_on(namer, members, p_values)

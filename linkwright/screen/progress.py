@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Column
 from rich.text import Text
 
 from linkwright.output.stream import printable
@@ -87,13 +88,19 @@ class Steps:
         with self._lock:
             if self._closed or self._bar is not None or loudness() == "answer":
                 return
-            what = TextColumn("{task.description}", markup=False)
-            columns = (BarColumn(_BAR_WIDTH), TimeElapsedColumn(), _Left(self._pace), what)
+            # Where the screen is narrow the words go on below each other, and bar and times stay whole.
+            bar, elapsed = (BarColumn(_BAR_WIDTH, table_column=_whole()), TimeElapsedColumn(table_column=_whole()))
+            what = TextColumn("{task.description}", markup=False, table_column=Column())
+            columns = (bar, elapsed, _Left(self._pace), what)
             self._bar = Progress(*columns, console=self._screen, transient=True, redirect_stdout=False)
             share = self._pace.share
             self._task = self._bar.add_task(self._text, total=1.0 if share > 0.0 else None)
             self._bar.update(self._task, completed=share)
             self._bar.start()
+
+
+def _whole() -> Column:
+    return Column(no_wrap=True)
 
 
 class _Left(ProgressColumn):
@@ -102,7 +109,7 @@ class _Left(ProgressColumn):
     max_refresh = 0.5
 
     def __init__(self, pace: Pace) -> None:
-        super().__init__()
+        super().__init__(table_column=_whole())
         self._pace = pace
 
     def render(self, task: Task) -> Text:  # noqa: ARG002 - the pace knows of parts

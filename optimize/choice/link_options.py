@@ -195,7 +195,6 @@ class LinkOptions:
         }
         return ca.nlpsol("least", "ipopt", program, ipopt_options()), len(rows)
 
-
     def _symbolic_rows(self, shape: str, at: Any, materials: MaterialValues) -> list[Any]:
         """What must not be above zero, in symbols for shares of the ranges."""
         kind = SHAPES[shape]

@@ -20,9 +20,16 @@ def arm():
 
 
 @pytest.fixture(scope="module")
-def dia(arm):
+def heard():
+    """What was heard while the recording was diagnosed: words and shares."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def dia(arm, heard):
     """What its recording says."""
-    return lw.diagnose(arm, lw.read_recording(BACKLASH / "recording.csv", arm))
+    recording = lw.read_recording(BACKLASH / "recording.csv", arm)
+    return lw.diagnose(arm, recording, progress=lambda text, share: heard.append((text, share)))
 
 
 def test_diagnosis(dia):
@@ -35,6 +42,17 @@ def test_diagnosis(dia):
     assert len(dia.residuals) == dia.recording.found.size
     assert dia.corrected.model.effects[-1].effect == "backlash"
     a_result(dia)
+
+
+def test_first_finding_is_told_while_the_search_goes_on(dia, heard):
+    """As provisional, from when it passes its own test to the end, where it still is what was found."""
+    found = "provisional: backlash of the drives at joint 2; "
+    first = next(number for number, (text, _) in enumerate(heard) if text.startswith("provisional"))
+    assert heard[first][1] < 0.6
+    assert {text for text, _ in heard[:first]} >= {"noise floor", "searching for what is missing"}
+    assert len(heard) > first + 3
+    assert all(text.startswith(found) for text, _ in heard[first:])
+    assert set(dia.findings["at"]) == {(2,)}
 
 
 def test_saved_folder_is_the_command_s(dia, tmp_path):

@@ -77,6 +77,27 @@ def test_steps_tell_what_is_done_and_when_it_ends(terminal, monkeypatch):
     assert "about 90 s left" in seen.get() or "about 2 min left" in seen.get()
 
 
+def test_bar_and_times_stay_whole_beside_long_words(terminal, monkeypatch):
+    """Words that a narrow screen has no room for beside them go on in further lines."""
+    terminal.width = 70
+    shown = threading.Event()
+    drawn = Steps._show
+    monkeypatch.setattr(Steps, "_show", lambda self: (drawn(self), shown.set()))
+    words = "provisional: backlash of the drives at joint 2; searching for what is missing"
+    with terminal.capture() as seen, waiting("beginning") as steps:
+        assert shown.wait(30.0)
+        steps(words, 0.5)
+        steps._bar.refresh()
+    lines = [line for line in seen.get().splitlines() if "left" in line]
+    assert lines
+    for line in lines:
+        assert "━" * 9 in line
+        assert "0:00:0" in line
+        assert " s left provisional: " in line
+    told = seen.get()
+    assert all(word in told for word in words.split())
+
+
 def test_every_row_of_a_table_is_counted(bench, monkeypatch):
     monkeypatch.setattr("arm.compensation._AT_ONCE", 4)
     heard = []
