@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.chain.chain import Arm, LoadCase
 from diagnose.recording import Recording
-from diagnose.residual.observe import observe
+from diagnose.residual.observe import tip_residual
 from diagnose.residual.observed import rms_length
 from diagnose.rules.rules import RULES
 from sections.numeric import Array
@@ -47,13 +47,27 @@ class Prediction:
     left: tuple[Leaving, ...] = ()
 
 
-def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float]] | None = None) -> Prediction:
+def predict(
+    arm: Arm,
+    recording: Recording,
+    learned: Sequence[tuple[float, float]] | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> Prediction:
     """Set a recording against an arm's model; frame and tool are fitted where the recording says `free`.
 
     `learned` are the least and greatest coordinates (rad, m) of each joint that the arm was learned from; the joint
-    ranges by default. Raises `MissingProperty` where the model lacks a figure.
+    ranges by default. `progress(text, share)` hears of the rows. Raises `MissingProperty` where the model lacks a
+    figure.
     """
-    residual = residual_under(arm, recording)
+
+    def heard(begun: float) -> Callable[[int, int], None]:
+        def tell(done: int, of: int) -> None:
+            if progress is not None:
+                progress(f"predicting, {done} of {of} rows", begun + 0.5 * done / of)
+
+        return tell
+
+    residual = residual_under(arm, recording, heard(0.0))
     length = np.linalg.norm(residual, axis=1)
     spans = learned or [joint.range for joint in arm.joints]
     lower, upper = np.array(spans).T
@@ -65,7 +79,7 @@ def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float
         rms=rms_length(residual),
         mean=float(length.mean()),
         largest=float(length.max()),
-        nominal_rms=rms_length(residual_under(nominal(arm), recording)),
+        nominal_rms=rms_length(residual_under(nominal(arm), recording, heard(0.5))),
         outside=tuple(recording.row[beyond.any(axis=1)].tolist()),
         left=tuple(
             Leaving(number, (float(span[0]), float(span[1])), tuple(recording.row[rows].tolist()), learned is not None)
@@ -75,10 +89,11 @@ def predict(arm: Arm, recording: Recording, learned: Sequence[tuple[float, float
     )
 
 
-def residual_under(arm: Arm, recording: Recording) -> Array:
-    """The tip's residual (N, D), m, measured less modelled, nothing fitted but what the recording leaves free."""
+def residual_under(arm: Arm, recording: Recording, heard: Callable[[int, int], None] | None = None) -> Array:
+    """The tip's residual (N, D), m, measured less modelled, nothing fitted but what the recording leaves free; `heard`
+    hears how many readings are done, and of how many."""
     bare = replace(recording, orientation=None, joint_side=None, base_target=None)  # commands say what moves the tip
-    return observe(arm, bare, rules=RULES).tip_residual()
+    return tip_residual(arm, bare, rules=RULES, heard=heard)
 
 
 def nominal(arm: Arm) -> Arm:

@@ -5,7 +5,9 @@ Effects ask it by name; None means that nobody knows, and an effect that needs i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +64,36 @@ class Conditions:
             return first_order_response(self.time, warming, lag)
         time, before = np.concatenate([self.past.time, self.time]), self.past.warming[link]
         return first_order_response(time, np.concatenate([before, warming]), lag)[len(before) :]
+
+
+@dataclass(frozen=True)
+class ConditionsOfSome(Conditions):
+    """Conditions of the readings `rows` of a `whole`: lags run through all of it, and are computed once (`lags`)."""
+
+    whole: Conditions = field(default_factory=Conditions)
+    rows: slice = field(default_factory=lambda: slice(None))
+    lags: dict[tuple[int, float], Scalar] = field(default_factory=dict[tuple[int, float], Scalar], compare=False)
+
+    def lagged_warming(self, link: int, lag: float) -> Scalar:
+        """The warming of `link` (from 0) behind a lag of `lag` s, at these readings."""
+        if (link, lag) not in self.lags:
+            self.lags[link, lag] = self.whole.lagged_warming(link, lag)
+        return _some(self.lags[link, lag], self.rows)
+
+
+def in_pieces(held: Conditions, pieces: Sequence[slice]) -> Iterator[ConditionsOfSome]:
+    """The conditions of all readings as those of one piece of them after another."""
+    lags: dict[tuple[int, float], Scalar] = {}
+    names = [each.name for each in fields(Conditions) if each.name != "past"]
+    for rows in pieces:
+        found = {name: _some(getattr(held, name), rows) for name in names}
+        yield ConditionsOfSome(**found, whole=held, rows=rows, lags=lags)
+
+
+def _some(held: Any, rows: slice) -> Any:
+    if isinstance(held, tuple):
+        return tuple(_some(each, rows) for each in cast(Scalars, held))
+    return held[rows] if isinstance(held, np.ndarray) else held
 
 
 def first_order_response(time: NDArray[np.float64], drive: NDArray[np.float64], lag: float) -> NDArray[np.float64]:

@@ -111,24 +111,25 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
     chain = _Chain(state, rows, _carries_slopes(effects), play_stays)
     shape, now = chain.straight(), state
     last = earlier = shape
-    settled = swinging = np.zeros(rows, dtype=bool)
+    tip, done, between = shape.tip, np.zeros(rows, dtype=bool), np.zeros((rows, 1), dtype=bool)
     for _ in range(MOST_PASSES):
         earlier, last = last, shape
         found, there = chain.bent(shape, now, effects)
         if not np.isfinite(found.tip).all():  # it is bent beyond all numbers
-            settled = swinging = np.zeros(rows, dtype=bool)
             break
         shape, now = found, there
         settled = np.linalg.norm(shape.tip - last.tip, axis=1) <= SETTLED
         swinging = ~settled & (np.linalg.norm(shape.tip - earlier.tip, axis=1) <= SETTLED)
-        if (settled | swinging).all():
+        # A pose that is found stays as it is: what it is depends on no other that is computed with it.
+        between, known = swinging[:, None], done[:, None]
+        tip = np.where(known, tip, np.where(between, 0.5 * (shape.tip + last.tip), shape.tip))
+        done = done | settled | swinging
+        if done.all():
             break
-    between = swinging[:, None]
-    tip = np.where(between, 0.5 * (shape.tip + last.tip), shape.tip)
     turn = shape.turn(rows)
     if between.any():
         turn = np.where(between, 0.5 * (turn + last.turn(rows)), turn)
-    return Deformed(now, tip, turn, settled | swinging, tuple(matrices(each, rows) for each in shape.turned))
+    return Deformed(now, tip, turn, done, tuple(matrices(each, rows) for each in shape.turned))
 
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:

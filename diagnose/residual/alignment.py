@@ -14,8 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import matrices
-from arm.chain.statics import PoseState
 from diagnose.recording import Recording
 from diagnose.rules.residual_rules import ResidualRules
 from diagnose.rules.rules import RULES
@@ -44,13 +42,12 @@ class Alignment:
 
 
 def aligned(
-    recording: Recording, state: PoseState, modelled: Array, *, rules: ResidualRules = RULES.residual
+    recording: Recording, directions: Array, modelled: Array, *, rules: ResidualRules = RULES.residual
 ) -> Alignment:
-    """Set measured against modelled tips (N, D), m, with frame and tool free where the recording says so."""
+    """Set measured against modelled tips (N, D), m, with frame and tool free where the recording says so; `directions`
+    (N, D, D) are the last link's axes, along which a tool offset displaces the tip."""
     measured, width = recording.tip, recording.tip.shape[1]
     rotation, translation, tool = np.eye(width), np.zeros(width), np.zeros(width)
-    # How a tool offset displaces the tip.
-    directions = matrices(state.frames.orientation, recording.size, width)
     free_frame, free_tool = recording.frame == "free", recording.tool == "free"
     if not (free_frame or free_tool):
         return Alignment(rotation, translation, tool, measured - modelled)

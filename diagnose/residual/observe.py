@@ -6,8 +6,9 @@ large that first order is taken about it deforms the arm by finite motions.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +16,13 @@ from scipy.spatial.transform import Rotation
 
 from arm.chain.arrays import columns, matrices
 from arm.chain.chain import Arm, EffectEntry
+from arm.chain.conditions import Conditions, in_pieces
 from arm.chain.statics import PoseState, solve
+from arm.errors.exact import Deformed
 from arm.errors.model import beams_of
 from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
 from arm.errors.tip import ActiveEffect, active_effects
+from arm.errors.unknown_mass import of_unknown_mass, without_unknown
 from diagnose.instruments.camera import is_camera
 from diagnose.instruments.level import link_of_levels, stand_of
 from diagnose.instruments.view import View, viewed
@@ -30,14 +34,18 @@ from diagnose.several.states import joined
 from diagnose.several.views import view_of_several
 
 from .alignment import Alignment, aligned
-from .observed import Observed, softening_of, tool_moved, turns_measured, with_effects
+from .observed import Observed, kept, softening_of, tool_moved, turns_measured, with_effects
 from .orientation import has_orientation, turn_left
 from .recorded_conditions import conditions_of
 from .torque import drive_torques, under_measured
 from .visits import visits
 
 Array = NDArray[np.float64]
+Found = TypeVar("Found")
+_Placed = tuple[PoseState, PoseState, Channels, Array, View | None]
 
+_AT_ONCE = 8192
+"""Readings that are computed together where only residuals are kept: as fast as all at once, with little memory."""
 _LEVEL = 1e-9
 _TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
 """m; a free tool is put into the arm and sought again until it moves by less than this."""
@@ -67,36 +75,14 @@ def observe(
         parts = [observe(arm, each, about=about, rules=rules, softening=softening) for each in recording.parts()]
         return replace(_of_several(parts, recording, scale, correlation), loud=loud)
     arm = arm.on(recording.branch)
-    unknown = tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
-    known = arm.with_links(
-        tuple(replace(link, mass=0.0) if index in unknown else link for index, link in enumerate(arm.links))
-    )
-    target = recording.base_target
-    asked = Asked(
-        recording.size,
-        joint_side=recording.joint_side is not None,
-        base_target=None if target is None else _mean(target),
-        command=recording.commanded is not None,
-        turn=bool(has_orientation(recording).any()) or is_camera(recording),
-        levels=link_of_levels(recording),
-    )
-    nominal, state, modelled, alignment, first, view = _placed(
-        known, recording, asked, about, rules.residual, softening
-    )
-    # What a camera sees or is sits beside the tip, at which loads act.
-    beside = is_camera(recording)
-    for _ in range(_TOOL_PASSES if recording.tool == "free" and not beside else 0):
-        # Loads and turns act at the target that was found, not where the file says that the tip is.
-        put = alignment.tool
-        known = replace(known, tool=tool_moved(arm.tool, put))
-        nominal, state, modelled, further, first, view = _placed(
-            known, recording, asked, about, rules.residual, softening
-        )
-        done = np.abs(further.tool).max() < _TOOL_FOUND
-        # What a last pass moves it by is within the nuisances; the arm has what was put into it.
-        alignment = replace(further, tool=put if done else put + further.tool)
-        if done:
-            break
+    unknown = of_unknown_mass(arm)
+    target, asked = recording.base_target, _asked(recording)
+
+    def placed(known: Arm) -> tuple[_Placed, Alignment]:
+        return _placed(known, recording, asked, about, rules.residual, softening)
+
+    known, found, alignment = _with_free_tool(without_unknown(arm, unknown), recording, placed)
+    nominal, state, modelled, first, view = found
     parts = [alignment.residual]
     if recording.joint_side is not None and modelled.joint_side is not None:
         parts.append(recording.joint_side - recording.q - modelled.joint_side)
@@ -134,6 +120,72 @@ def observe(
         torques=torques,
         by_weights=state if measured else None,
     )
+
+
+def tip_residual(
+    arm: Arm,
+    recording: Recording,
+    *,
+    rules: Rules = RULES,
+    heard: Callable[[int, int], None] | None = None,
+    at_once: int = _AT_ONCE,
+) -> Array:
+    """The tip's residual (N, D), m, as `observe` finds it, without anything else that it holds: the model is evaluated
+    for `at_once` readings after another, so that long recordings need little memory. `heard` hears how many are done,
+    and of how many."""
+    if isinstance(recording, Several):
+        parts = [tip_residual(arm, each, rules=rules, heard=heard, at_once=at_once) for each in recording.parts()]
+        return np.concatenate(parts)
+    arm = arm.on(recording.branch)
+    pieces = [slice(start, min(start + at_once, recording.size)) for start in range(0, recording.size, at_once)]
+
+    def placed(known: Arm) -> tuple[None, Alignment]:
+        own, found = active_effects(known), list[_Stood]()
+        held = in_pieces(conditions_of(recording, known, rules=rules.residual), pieces)
+        for rows, conditions in zip(pieces, held, strict=True):
+            some = kept(recording, np.arange(rows.start, rows.stop))
+            asked = _asked(some)
+            nominal = undeformed(known, some, rules.residual, conditions)
+            found.append(_stood(some, nominal, shape_of(nominal, own, asked), own, asked))
+            if heard is not None:
+                heard(rows.stop, recording.size)
+        return None, _set_against(recording, known, _Stood.joined(found), rules.residual)[0]
+
+    return _with_free_tool(without_unknown(arm, of_unknown_mass(arm)), recording, placed)[2].residual
+
+
+def _asked(recording: Recording) -> Asked:
+    """What a recording holds beside the tip's place."""
+    target = recording.base_target
+    return Asked(
+        recording.size,
+        joint_side=recording.joint_side is not None,
+        base_target=None if target is None else _mean(target),
+        command=recording.commanded is not None,
+        turn=bool(has_orientation(recording).any()) or is_camera(recording),
+        levels=link_of_levels(recording),
+    )
+
+
+def _with_free_tool(
+    arm: Arm, recording: Recording, placed: Callable[[Arm], tuple[Found, Alignment]]
+) -> tuple[Arm, Found, Alignment]:
+    """What is found of an arm `placed` at the readings, once a free tool has been put into it; the arm with that."""
+    given = arm.tool
+    found, alignment = placed(arm)
+    # What a camera sees or is sits beside the tip, at which loads act.
+    beside = is_camera(recording)
+    for _ in range(_TOOL_PASSES if recording.tool == "free" and not beside else 0):
+        # Loads and turns act at the target that was found, not where the file says that the tip is.
+        put = alignment.tool
+        arm = replace(arm, tool=tool_moved(given, put))
+        found, further = placed(arm)
+        done = np.abs(further.tool).max() < _TOOL_FOUND
+        # What a last pass moves it by is within the nuisances; the arm has what was put into it.
+        alignment = replace(further, tool=put if done else put + further.tool)
+        if done:
+            break
+    return arm, found, alignment
 
 
 def observed_about(
@@ -208,13 +260,14 @@ def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
     return np.concatenate(none).astype(np.int64)
 
 
-def undeformed(arm: Arm, recording: Recording, rules: ResidualRules) -> PoseState:
-    """The arm at the readings of a recording, under what it bears there, where nothing gives."""
+def undeformed(arm: Arm, recording: Recording, rules: ResidualRules, conditions: Conditions | None = None) -> PoseState:
+    """The arm at the readings of a recording, under what it bears there, where nothing gives; `conditions` are those
+    of the recording itself by default."""
     return solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
-        conditions=conditions_of(recording, arm, rules=rules),
+        conditions=conditions_of(recording, arm, rules=rules) if conditions is None else conditions,
         payload_mass=recording.payload_mass,
         tip_force=None if recording.force is None else _columns(recording.force),
     )
@@ -227,10 +280,10 @@ def _placed(
     about: Sequence[EffectEntry],
     rules: ResidualRules,
     softening: Sequence[EffectEntry],
-) -> tuple[PoseState, PoseState, Channels, Alignment, Array, View | None]:
-    """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), and
-    measured set against modelled tips; of what else is known to be at work, the turn to first order (N, 3); and what
-    the instrument sees, where that is not the tip's place."""
+) -> tuple[_Placed, Alignment]:
+    """The arm at the readings, undeformed and as it stands, what its model moves in every channel (`about` too), the
+    turn (N, 3) to first order of what else is known to be at work, and what the instrument sees, where that is not the
+    tip's place; and measured set against modelled tips."""
     nominal = with_effects(undeformed(arm, recording, rules), arm, softening, about)
     own = active_effects(arm)
     whole = (*own, *_entries(arm, about))
@@ -238,22 +291,55 @@ def _placed(
     modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
     first, turn, level = _to_first_order(shape.state, arm, about, asked)
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
-    tips = columns(nominal.tip(), recording.size) + shape.tip
-    if recording.slots is not None:
-        directions = matrices(shape.state.frames.orientation, recording.size)
-        if is_camera(recording):
-            straight = matrices(nominal.frames.orientation, recording.size)
-            directions, level = Rotation.from_rotvec(shape.turn).as_matrix() @ straight, turn
-        stand = stand_of(recording, arm)
-        stands = None if stand is None else stand.turned(levels_of(shape, whole, asked))
-        view = viewed(recording, tips, directions, stands, flat=arm.planar(), rules=rules)
-        residual = view.residual + view.of_tip(first, level)
-        placed = Alignment(view.rotation, view.translation, view.tool, residual, view.undetermined)
-        return nominal, shape.state, modelled, placed, turn, view
-    width = recording.tip.shape[1]
-    alignment = aligned(recording, shape.state, tips[:, :width], rules=rules)
-    placed = replace(alignment, residual=alignment.residual + first[:, :width])
-    return nominal, shape.state, modelled, placed, turn, None
+    alignment, view = _set_against(recording, arm, _stood(recording, nominal, shape, whole, asked), rules)
+    seen_first = (
+        first[:, : recording.tip.shape[1]]
+        if view is None
+        else view.of_tip(first, turn if is_camera(recording) else level)
+    )
+    found = (nominal, shape.state, modelled, turn, view)
+    return found, replace(alignment, residual=alignment.residual + seen_first)
+
+
+@dataclass(frozen=True)
+class _Stood:
+    """Where an arm stands at N readings: its tips (N, 3) m, the last link's axes, and how what levels stand on is
+    turned (N, 3) rad, None without one."""
+
+    tips: Array
+    directions: Array
+    levels: Array | None
+
+    @classmethod
+    def joined(cls, parts: Sequence[_Stood]) -> _Stood:
+        """Those of one reading after another."""
+        levels = [each.levels for each in parts if each.levels is not None]
+        tips, directions = (np.concatenate([getattr(each, name) for each in parts]) for name in ("tips", "directions"))
+        return cls(tips, directions, np.concatenate(levels) if levels else None)
+
+
+def _stood(
+    recording: Recording, nominal: PoseState, shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked
+) -> _Stood:
+    rows, width = asked.rows, recording.tip.shape[1] if recording.slots is None else 3
+    if is_camera(recording):
+        straight = matrices(nominal.frames.orientation, rows)
+        directions = Rotation.from_rotvec(shape.turn).as_matrix() @ straight
+    else:
+        directions = matrices(shape.state.frames.orientation, rows, width)
+    levels = None if asked.levels is None else levels_of(shape, effects, asked)
+    return _Stood(columns(nominal.tip(), rows) + shape.tip, directions, levels)
+
+
+def _set_against(recording: Recording, arm: Arm, stood: _Stood, rules: ResidualRules) -> tuple[Alignment, View | None]:
+    """What was measured against where the arm stands, frame and tool free where the recording says so."""
+    if recording.slots is None:
+        width = recording.tip.shape[1]
+        return aligned(recording, stood.directions, stood.tips[:, :width], rules=rules), None
+    stand = stand_of(recording, arm)
+    stands = None if stand is None or stood.levels is None else stand.turned(stood.levels)
+    view = viewed(recording, stood.tips, stood.directions, stands, flat=arm.planar(), rules=rules)
+    return Alignment(view.rotation, view.translation, view.tool, view.residual, view.undetermined), view
 
 
 def _to_first_order(

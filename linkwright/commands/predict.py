@@ -33,9 +33,9 @@ def predict(
 
     for target in (json, markdown):
         check_target(target, arm, recording, recording_yaml, catalogue)
-    with waiting("predicting"), asked_of(arm):
+    with waiting("predicting") as told, asked_of(arm):
         given = lw.read_arm(arm, catalogue=catalogue, tip="")
-        found = lw.predict(given, lw.read_recording(recording, given, settings=recording_yaml))
+        found = lw.predict(given, lw.read_recording(recording, given, settings=recording_yaml), progress=told)
     described = describe(found.found)
     with not_lost(described):
         write_result(json, found.to_json())

@@ -17,6 +17,7 @@ from linkwright.json.prediction import prediction_json
 from .arm import Arm, arm_of
 from .diagnosis import recording_of
 from .given import File
+from .progress import Progress, told
 from .recording import Recording
 from .result import Result, figure_of
 
@@ -117,11 +118,13 @@ def predict(
     frame: Nuisance | None = None,
     tool: Nuisance | None = None,
     settings: File | None = None,
+    progress: Progress | None = None,
 ) -> Prediction:
     """What an arm file is worth on a recording: how far its model is off, with nothing fitted but frame and tool.
 
-    Those are fitted where the recording's settings say `free`; `frame` and `tool` say otherwise. Raises `InputError`,
-    and `MissingProperty` where the model lacks a figure.
+    Those are fitted where the recording's settings say `free`; `frame` and `tool` say otherwise.
+    `progress(text, share)` hears of the rows, by default a bar where somebody looks. Raises `InputError`, and
+    `MissingProperty` where the model lacks a figure.
 
     >>> import linkwright as lw
     >>> folder = "examples/hidden-backlash"
@@ -132,4 +135,5 @@ def predict(
     given = arm_of(arm, tips="first")
     read = recording_of(recording, given, settings)
     asked = replaced(read.found, frame=frame or read.found.frame, tool=tool or read.found.tool)
-    return Prediction(given, read, predicted(given.model, asked, given.learned))
+    with told(progress) as tell:
+        return Prediction(given, read, predicted(given.model, asked, given.learned, tell))
