@@ -56,11 +56,20 @@ def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, 
     """
     path = Path(path)
     held = read_settings(settings if settings is not None else find_settings(path))
-    return recording_from(read_table(path, held.layout), arm, held, rules=rules)
+    # The table is not kept beside what it says: cells of text take more memory than all else.
+    return _checked(*_unchecked(read_table(path, held.layout), arm, held, rules), rules)
 
 
 def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RULES) -> Recording:
     """The recording that a table holds, under settings; see `read_recording`."""
+    return _checked(*_unchecked(table, arm, held, rules), rules)
+
+
+def _unchecked(
+    table: Table, arm: Arm, held: ReadingSettings, rules: Rules
+) -> tuple[Recording, Arm, dict[str, str], bool]:
+    """What a table holds before it is checked against the arm: the recording, the arm to its tip, what the columns are
+    called in the file, and whether the tip's place was seen in part only."""
     path = Path(table.file)
     arm = to_its_tip(arm, held, table.file)
     warnings = [*table.notes]
@@ -93,11 +102,15 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
         why = recording.rejected[0]
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
     headers = {column.meaning.name: column.header for column in columns.values()}
+    return recording, arm, headers, sights is not None
+
+
+def _checked(recording: Recording, arm: Arm, headers: dict[str, str], in_parts: bool, rules: Rules) -> Recording:
     # A transform that nobody knows cannot be contradicted: joints and tips are checked with it where they put it.
     arm = located(arm, recording, rules=rules)
     done = checked(recording, arm, headers, rules=rules)
     refuse_torques_of_another_sign(done, arm, headers, rules=rules.residual)
-    if sights is not None:
+    if in_parts:
         done = sights_checked(laid_out(done), arm, rules=rules)
     return replace(done, rejected=tuple(sorted(done.rejected, key=lambda each: each.row)))
 

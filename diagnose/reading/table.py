@@ -8,8 +8,9 @@ import csv
 import io
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -34,6 +35,8 @@ _MARKS = ("#", "%")
 _FEWEST_COLUMNS = 3
 """An arm with one joint has as many: q1, x and y."""
 _MOST_TITLES = 30
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+\Z")
+"""A line with its end, whichever that is."""
 _THOUSANDS = MappingProxyType(
     {
         ".": re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+\.[0-9]*"),
@@ -255,24 +258,24 @@ def _passed_over(line: str, layout: Layout) -> bool:
     return comment or re.fullmatch(r'"?sep=(.)"?\s*', line) is not None
 
 
-def _lines(path: Path, text: str, layout: Layout) -> tuple[io.StringIO, str, str | None]:
+def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[str], str, str | None]:
     """The lines that count, the first of them, and the separator where Excel names it (`sep=;`)."""
-    lines = io.StringIO(text, newline="")
+    lines = (each[0] for each in _LINE.finditer(text))
     for done in range(layout.skip_rows):
-        if not lines.readline():
+        if next(lines, None) is None:
             raise InputError(path, "skip_rows", f"is {shown(layout.skip_rows)}, but the file has {done} lines")
-    kept, separator, first = io.StringIO(newline=""), None, ""
-    for line in lines:
-        if not line.strip() or (layout.comment and line.lstrip().startswith(layout.comment)):
-            continue
-        if not first and (named := re.fullmatch(r'"?sep=(.)"?\s*', line)):
+    counting = (
+        line.lstrip(" ")
+        for line in lines
+        if line.strip() and not (layout.comment and line.lstrip().startswith(layout.comment))
+    )
+    separator = None
+    for line in counting:
+        if named := re.fullmatch(r'"?sep=(.)"?\s*', line):
             separator = named[1]
-            continue
-        line = line.lstrip(" ")
-        first = first or line
-        kept.write(line)
-    kept.seek(0)
-    return kept, first, separator
+        else:
+            return chain([line], counting), line, separator
+    return counting, "", separator
 
 
 def _separator(header: str) -> str:
