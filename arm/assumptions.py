@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from arm.chain.chain import Arm, LoadCase
-from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
-from arm.placed.heights import told_of_heights
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
+from linkwright.core.arm.placed.heights import told_of_heights
+from linkwright.core.units.quantities import format_quantity
 
 
 def notes_of(arm: Arm, cases: Sequence[LoadCase]) -> tuple[str, ...]:

@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from arm.chain.chain import Arm, Joint
-from arm.chain.following import completed
-from arm.chain.jacobian import jacobian
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import solve
-from arm.effects import EFFECTS
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, seen_of_model
-from arm.errors.tip import active_effects
-from arm.errors.unknown_mass import unknown_taken_out
-from arm.worst.workspace import spread
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.jacobian import jacobian
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, seen_of_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
+from linkwright.core.arm.worst.workspace import spread
+from linkwright.core.sections.numeric import Array
 
 _STEPS = 4
 _SMALLEST = 1e-2

@@ -9,35 +9,41 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.assumptions import notes_of
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Calibrated, LoadCase
-from arm.chain.prices import fixed_price, price_by_length, price_by_mass
-from arm.chain.vectors import is_zero
-from arm.errors.first_order import BeyondFirstOrder, beyond_first_order
-from arm.errors.lost_motion import played
-from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
-from arm.errors.parts import part_of
-from arm.errors.rigid_links import rigid, values_of_rigid
-from arm.errors.tip import active_effects
-from arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
-from arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
-from arm.limits.joint_loads import JointLoad, joint_loads
-from arm.limits.local_buckling import LocalBuckling, buckling_walls, loads_case, local_buckling
-from arm.limits.sideways import least_sideways
-from arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
-from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult, strength_case, strength_values, worst_strength
-from arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance, tips_of
-from arm.limits.walls import WallsResult, walls_of
-from arm.limits.weakest_poses import weakest_poses
-from arm.worst.coverage import Unreached, unreached
-from arm.worst.growth import GrowthLeftOut, growth_left_out
-from arm.worst.parts import SeamErrors, projections_at, seam_errors, worst_search
-from arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
-from arm.worst.workspace import Workspace
-from materials.material import MissingProperty
-from materials.plausible import doubts_of
-from sections.numeric import Array
+from linkwright.core.arm.assumptions import notes_of
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
+from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price_by_mass
+from linkwright.core.arm.chain.vectors import is_zero
+from linkwright.core.arm.errors.first_order import BeyondFirstOrder, beyond_first_order
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from linkwright.core.arm.errors.parts import part_of
+from linkwright.core.arm.errors.rigid_links import rigid, values_of_rigid
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
+from linkwright.core.arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
+from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
+from linkwright.core.arm.limits.local_buckling import LocalBuckling, buckling_walls, loads_case, local_buckling
+from linkwright.core.arm.limits.sideways import least_sideways
+from linkwright.core.arm.limits.slowest_pose import Frequency, frequency_of_drives, least_frequency
+from linkwright.core.arm.limits.strength import (
+    LARGEST_DEFLECTION,
+    StrengthResult,
+    strength_case,
+    strength_values,
+    worst_strength,
+)
+from linkwright.core.arm.limits.tip_stiffness import TipStiffness, least_stiffness, tip_compliance, tips_of
+from linkwright.core.arm.limits.walls import WallsResult, walls_of
+from linkwright.core.arm.limits.weakest_poses import weakest_poses
+from linkwright.core.arm.worst.coverage import Unreached, unreached
+from linkwright.core.arm.worst.growth import GrowthLeftOut, growth_left_out
+from linkwright.core.arm.worst.parts import SeamErrors, projections_at, seam_errors, worst_search
+from linkwright.core.arm.worst.search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.material import MissingProperty
+from linkwright.core.materials.plausible import doubts_of
+from linkwright.core.sections.numeric import Array
 
 from .effects import EFFECTS
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.errors.unknown_mass import of_unknown_mass, unknown_taken_out
-from arm.evaluation import Evaluation, link_masses, material_cost
-from arm.worst.parts import projections_at, worst_search
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass, unknown_taken_out
+from linkwright.core.arm.evaluation import Evaluation, link_masses, material_cost
+from linkwright.core.arm.worst.parts import projections_at, worst_search
+from linkwright.core.units.quantities import format_quantity
 
 _WITHIN = 1e-6
 """How far a figure may be from what was promised, of it: what a file's twelve digits leave of it and more."""

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from materials.catalogue import load_catalogue
-from materials.material import PropertyName
-from optimize.choice.at_once.branching import Branching
-from optimize.choice.chooser import Chooser
-from optimize.choice.picks import count
-from optimize.exchange.exchange import context_of
-from optimize.problem import Problem, read_problem
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import PropertyName
+from linkwright.core.optimize.choice.at_once.branching import Branching
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.picks import count
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.problem import Problem, read_problem
 
 JOINT = "{type: revolute, range: [-120 deg, 120 deg], stiffness: 60 kN*m/rad, mass: 3 kg}"
 LINK = "{length: %g mm, section: {shape: circle, diameter: 60 mm}, material: aluminium-6061-t6}"

@@ -20,20 +20,20 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.effects import EFFECTS
-from diagnose.answer.detectable import detectable
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.result import Detectable, Diagnosis
-from diagnose.rules.rules import RULES
-from diagnose.search.naming import Namer
-from diagnose.simulate import Plan, simulate
-from executors import Processes, plain
-from materials.catalogue import load_catalogue
-from sections import Tube
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.detectable import detectable
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.result import Detectable, Diagnosis
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.executors import Processes, plain
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Tube
 
 _DOSE = 3.0
 _RIGHT = 0.95

@@ -19,13 +19,19 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from optimize.choice.combinations import combinations
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.design import arm_of as design_arm
-from optimize.exchange.design import design_space, expressions, material_row, numeric_beams, starting_points
-from optimize.exchange.exchange import Context, Exchange, context_of, first_pool
-from optimize.exchange.program import ipopt_options
-from optimize.problem import Problem, read_problem
+from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.design import arm_of as design_arm
+from linkwright.core.optimize.exchange.design import (
+    design_space,
+    expressions,
+    material_row,
+    numeric_beams,
+    starting_points,
+)
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, context_of, first_pool
+from linkwright.core.optimize.exchange.program import ipopt_options
+from linkwright.core.optimize.problem import Problem, read_problem
 
 TARGET = 200.0
 AGREEMENT = 1e-3

@@ -35,14 +35,21 @@ from pymoo.core.problem import Problem as Population
 from pymoo.optimize import minimize as evolve
 from scipy.optimize import differential_evolution, minimize
 
-from arm.compiled.vectorise import vectorise
-from arm.errors.lost_motion import sign_vertices
 from benchmarks.exchange_against_grid import ARM, EACH, MASS, PROBLEM, REACH, Side, by_exchange, grid
-from optimize.choice.combinations import combinations
-from optimize.exchange.design import arm_of, design_space, expressions, material_row, numeric_beams, starting_points
-from optimize.exchange.exchange import Context, context_of
-from optimize.problem import Problem, read_problem
-from sections.numeric import Array
+from linkwright.core.arm.compiled.vectorise import vectorise
+from linkwright.core.arm.errors.lost_motion import sign_vertices
+from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.exchange.design import (
+    arm_of,
+    design_space,
+    expressions,
+    material_row,
+    numeric_beams,
+    starting_points,
+)
+from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.problem import Problem, read_problem
+from linkwright.core.sections.numeric import Array
 
 TARGETS = {"SLSQP, exact gradients": 5.0, "SLSQP, finite differences": 20.0}
 _WORST = 24

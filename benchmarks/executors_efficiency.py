@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
-from executors import Cluster, Executor, Processes, plain
+from linkwright.core.executors import Cluster, Executor, Processes, plain
 
 TARGET = 0.8
 Task = Callable[[float], float]

@@ -19,11 +19,11 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from arm.compiled.vectorise import VectorFunction, vectorise
 from benchmarks.compiled.c_build import CompilerError
 from benchmarks.compiled.function import compiled
 from benchmarks.planar_by_hand import EXAMPLE, Array, planar_error_numpy, planar_error_sx, planar_symbols
 from benchmarks.trigonometric_quadratic import TrigQuadratic
+from linkwright.core.arm.compiled.vectorise import VectorFunction, vectorise
 
 ROUNDS = 7
 AGREEMENT = 1e-12

@@ -18,17 +18,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.vectors import Scalar
-from arm.errors.model import beams_of
 from benchmarks.cosserat_rod import Rod, rod_tip
-from diagnose.diagnosis import diagnose
-from diagnose.recording import Recording
-from diagnose.result import Diagnosis
-from executors import Processes, plain
-from materials.catalogue import load_catalogue
-from sections import Tube
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.executors import Processes, plain
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Tube
+from linkwright.core.sections.numeric import Array
 
 _FALSE_ALARMS = 0.01
 _NAMED_ALONE = 0.95

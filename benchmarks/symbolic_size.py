@@ -9,13 +9,13 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import parts
-from arm.chain.statics import solve
-from arm.errors.tip import active_effects, tip_error
 from benchmarks.planar_by_hand import PlanarArm, planar_error_sx, planar_symbols
 from benchmarks.planar_textbook import planar_error_textbook
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import parts
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.tip import active_effects, tip_error
 
 TARGET = 0.9
 AGREEMENT = 1e-12

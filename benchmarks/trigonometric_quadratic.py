@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 TOLERANCE = 1e-12
 """Largest difference at any random pose, relative to the largest error among them."""

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from units.names import nearest
-from units.quantities import InputError
-from units.reading import read_text
-from units.spreadsheet import defused, fused
-from units.workbook import is_workbook, workbook_text
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import read_text
+from linkwright.core.units.spreadsheet import defused, fused
+from linkwright.core.units.workbook import is_workbook, workbook_text
 
 T = TypeVar("T")
 

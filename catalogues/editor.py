@@ -13,11 +13,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar, cast
 
-from catalogues.store import edit_text
-from catalogues.yaml_edit import YamlText
-from units.names import nearest
-from units.quantities import InputError
-from units.reading import load_yaml, read_text
+from linkwright.core.catalogues.store import edit_text
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import load_yaml, read_text
 
 Place: TypeAlias = list[str | int]
 """Where an entry stands in a file: the keys and numbers on the way to it."""

@@ -18,11 +18,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
 
-from catalogues.materials_as_text import Entry
-from materials.material import Material, PropertyName, property_kinds
-from units.quantities import InputError, format_quantity, read_quantity
-from units.reading import parse_yaml, read_text, yaml_line
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.materials.material import Material, PropertyName, property_kinds
+from linkwright.core.units.quantities import InputError, format_quantity, read_quantity
+from linkwright.core.units.reading import parse_yaml, read_text, yaml_line
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 CardFormat = Literal["yaml", "ini"]
 

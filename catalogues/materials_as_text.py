@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from catalogues.yaml_edit import YamlText
-from materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
-from materials.material import property_kinds
-from units.reading import load_yaml, read_text, shipped_files
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.materials.catalogue import FORMAT_VERSION, Catalogue, read_layer, shipped_layers
+from linkwright.core.materials.material import property_kinds
+from linkwright.core.units.reading import load_yaml, read_text, shipped_files
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\nreferences: {{}}\nmaterials: {{}}\n"
 """What a catalogue file begins as."""
@@ -163,5 +163,5 @@ def _sources_of(content: MappingLike[str, Any]) -> dict[str, None]:
 
 @cache
 def _shipped() -> list[tuple[str, dict[str, Any]]]:
-    found = shipped_files("materials", "catalogue")
+    found = shipped_files("linkwright.core.materials", "catalogue")
     return [(each.text("family", Path(str(each.file)).stem), each.content) for each in found]

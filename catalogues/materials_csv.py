@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from catalogues.csv_table import marks_of, marks_text, read_rows, table_text
-from catalogues.materials_as_text import Entry
-from materials.material import Material, property_kinds
-from units.quantities import InputError, format_quantity, read_quantity
+from linkwright.core.catalogues.csv_table import marks_of, marks_text, read_rows, table_text
+from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.materials.material import Material, property_kinds
+from linkwright.core.units.quantities import InputError, format_quantity, read_quantity
 
 
 def columns() -> tuple[str, ...]:

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
-from catalogues.editor import Editor, Place
-from catalogues.materials_as_text import NEW_FILE, Entry, put, reference, shipped_entry
-from catalogues.yaml_edit import YamlText
-from materials.catalogue import read_layer
-from materials.material import property_kinds
-from units.reading import Mapping, parse_yaml
+from linkwright.core.catalogues.editor import Editor, Place
+from linkwright.core.catalogues.materials_as_text import NEW_FILE, Entry, put, reference, shipped_entry
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.materials.catalogue import read_layer
+from linkwright.core.materials.material import property_kinds
+from linkwright.core.units.reading import Mapping, parse_yaml
 
 _LAWS = ("value", "table", "polynomial")
 

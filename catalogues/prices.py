@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from catalogues.editor import E, Editor
-from catalogues.yaml_edit import YamlText
-from units.names import nearest
-from units.quantities import InputError
+from linkwright.core.catalogues.editor import E, Editor
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
 
 
 def set_price(editor: Editor[E], path: Path | str, name: str, price: Mapping[str, Any], known: Sequence[str]) -> str:

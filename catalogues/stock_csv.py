@@ -11,12 +11,12 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from catalogues.csv_table import read_rows, table_text
-from catalogues.stock_editor import Row, column_of, columns_of, neat
-from sections import SHAPES
-from sections.stock.tables import PRINTED
-from units.names import nearest
-from units.quantities import InputError
+from linkwright.core.catalogues.csv_table import read_rows, table_text
+from linkwright.core.catalogues.stock_editor import Row, column_of, columns_of, neat
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.stock.tables import PRINTED
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
 
 _HEAD = ("name", "family", "shape", "source")
 _MARKS = ("found_in", "unconfirmed")

@@ -12,12 +12,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, cast
 
-from catalogues.editor import Editor, Place
-from catalogues.yaml_edit import YamlText
-from sections import SHAPES, SectionError, StockSize
-from sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
-from units.names import nearest
-from units.quantities import InputError, read_quantity
+from linkwright.core.catalogues.editor import Editor, Place
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.sections import SHAPES, SectionError, StockSize
+from linkwright.core.sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, read_quantity
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\ntables: []\n"
 """What a file of stock sizes begins as."""

@@ -18,9 +18,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from units.files import locked, write_whole
-from units.quantities import InputError
-from units.reading import read_text
+from linkwright.core.units.files import locked, write_whole
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import read_text
 
 MOST_UNDO = 100
 """How many edits the journal keeps; older ones are dropped."""

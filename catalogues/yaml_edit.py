@@ -24,8 +24,8 @@ from ruamel.yaml.resolver import VersionedResolver
 from ruamel.yaml.scalarstring import FoldedScalarString, LiteralScalarString, PlainScalarString
 from ruamel.yaml.tokens import CommentToken
 
-from units.quantities import InputError, shown
-from units.reading import parse_yaml, yaml_line
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import parse_yaml, yaml_line
 
 Place: TypeAlias = Sequence[str | int]
 """A path into the text: the keys of mappings and the numbers (from 0) of entries of lists on the way."""

@@ -8,32 +8,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry
-from diagnose.answer.conclusion import Conclusion
-from diagnose.answer.sentences import label_of, of_branches, put_right
-from diagnose.answer.torques import of_unknown_weights
-from diagnose.fitting.origins import located
-from diagnose.fitting.prepare import prepare
-from diagnose.mistakes.zeros import refuse_another_zero
-from diagnose.patterns.library import Candidate
-from diagnose.residual.free_origins import turned_by, with_origins_of
-from diagnose.residual.noise import NoiseFloor, noise_floor
-from diagnose.residual.observe import observe
-from diagnose.residual.orientation import with_sound_orientation
-from diagnose.residual.unweighed import weighed_by_torque
-from diagnose.residual.visits import one_condition, visits
-from diagnose.rules.rules import Rules
-from diagnose.search.coupling import coupled, through_what_is_named
-from diagnose.search.labels import mislabelled
-from diagnose.search.large_motions import about_large, candidates_of
-from diagnose.search.naming import Named, Namer, name_missing
-from diagnose.search.one_set_of_weights import under_one_set
-from diagnose.search.subsets import gains, products
-from diagnose.search.whole_search import whole_search_p
-from diagnose.several.floors import floor_of_all
-from diagnose.several.other_arms import of_different_arms, of_other_arms
-from diagnose.several.recordings import Several, together
-from executors import Executor
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.diagnose.answer.conclusion import Conclusion
+from linkwright.core.diagnose.answer.sentences import label_of, of_branches, put_right
+from linkwright.core.diagnose.answer.torques import of_unknown_weights
+from linkwright.core.diagnose.fitting.origins import located
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.mistakes.zeros import refuse_another_zero
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.residual.free_origins import turned_by, with_origins_of
+from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.orientation import with_sound_orientation
+from linkwright.core.diagnose.residual.unweighed import weighed_by_torque
+from linkwright.core.diagnose.residual.visits import one_condition, visits
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.diagnose.search.coupling import coupled, through_what_is_named
+from linkwright.core.diagnose.search.labels import mislabelled
+from linkwright.core.diagnose.search.large_motions import about_large, candidates_of
+from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
+from linkwright.core.diagnose.search.one_set_of_weights import under_one_set
+from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.whole_search import whole_search_p
+from linkwright.core.diagnose.several.floors import floor_of_all
+from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
+from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.executors import Executor
 
 from .options import Options, Progress
 from .recording import Recording

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
 
 Progress = Callable[[str, float], None]
 """Hears what is being done, and what share of the whole is behind it (0 to 1)."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from diagnose.recording import Recording
-from diagnose.residual.observe import tip_residual
-from diagnose.residual.observed import rms_length
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import tip_residual
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 _HAIR = 1e-8
 """rad or m; coordinates no further beyond a range are within it: files round them."""

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.avoid.regions import Region
-from sections.numeric import Array
+from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.sections.numeric import Array
 
 from .instruments.instrument import NAMES, Instrument, Slots
 

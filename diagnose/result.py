@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
 
 from .recording import Recording, RejectedRow
 from .rules.fitting_rules import FittingRules

@@ -14,17 +14,17 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.stats import qmc
 
-from arm.avoid.poses import NoRoom, drawn, room_of
-from arm.chain.arrays import columns, matrices
-from arm.chain.chain import Arm
-from arm.chain.following import completed
-from arm.chain.statics import PoseState, solve
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, Channels, seen, seen_of_model
-from arm.errors.tip import active_effects
-from diagnose.residual.recorded_conditions import conditions_of
-from sections.numeric import Array
-from units.temperature import ZERO_CELSIUS
+from linkwright.core.arm.avoid.poses import NoRoom, drawn, room_of
+from linkwright.core.arm.chain.arrays import columns, matrices
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, Channels, seen, seen_of_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.temperature import ZERO_CELSIUS
 
 from .instruments.instrument import ALONG, CAMERA, DISTANCE, PLANE, TILT_X, TILT_Y, Instrument
 from .instruments.level import stand_of

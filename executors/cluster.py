@@ -15,7 +15,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
 from .packing import packed, unpacked

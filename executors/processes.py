@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
 from typing import Any
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .executor import Executor, Here, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
 from .packing import packed, unpacked

@@ -12,7 +12,7 @@ import shlex
 from pathlib import Path
 
 from linkwright.cli import run
-from optimize.tradeoff.journal import JOURNAL
+from linkwright.core.optimize.tradeoff.journal import JOURNAL
 
 from .sources import ROOT
 

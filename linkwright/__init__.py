@@ -11,7 +11,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from executors import Cluster, Processes
+    from linkwright.core.executors import Cluster, Processes
+    from linkwright.core.materials.material import MissingProperty
+    from linkwright.core.units.quantities import InputError, NoAnswer
     from linkwright.face.arm import Arm, Joint, Link, read_arm
     from linkwright.face.catalogues.actuators import actuators
     from linkwright.face.catalogues.effects import effects
@@ -35,12 +37,10 @@ if TYPE_CHECKING:
     from linkwright.face.tradeoff import tradeoff
     from linkwright.output.table_file import write_table
     from linkwright.paper.face import figures, seam, tables
-    from materials.material import MissingProperty
-    from units.quantities import InputError, NoAnswer
 
 _HOMES = MappingProxyType(
     {
-        "executors": ("Cluster", "Processes"),
+        "linkwright.core.executors": ("Cluster", "Processes"),
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
         "linkwright.face.catalogues.actuators": ("actuators",),
         "linkwright.face.catalogues.effects": ("effects",),
@@ -64,8 +64,8 @@ _HOMES = MappingProxyType(
         "linkwright.face.tradeoff": ("tradeoff",),
         "linkwright.output.table_file": ("write_table",),
         "linkwright.paper.face": ("figures", "seam", "tables"),
-        "materials.material": ("MissingProperty",),
-        "units.quantities": ("InputError", "NoAnswer"),
+        "linkwright.core.materials.material": ("MissingProperty",),
+        "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
     }
 )
 """Where each public name stands."""

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.output.stream import (
     OutputClosed,
     drop_errors,
@@ -22,7 +23,6 @@ from linkwright.output.stream import (
     results_alone,
 )
 from linkwright.version import program_version
-from units.quantities import InputError, NoAnswer
 
 from .commands.groups import PLAIN, command_group
 from .commands.options import with_loudness

@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from arm.chain.chain import Arm, Link, LoadCase
-from arm.compensation import without_instrument
-from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import drive_compliance, with_compliance
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.parts import worst_search
-from arm.worst.workspace import Workspace
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.run import optimise
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
+from linkwright.core.arm.compensation import without_instrument
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.elastic.joint_compliance import drive_compliance, with_compliance
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.parts import worst_search
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import InputError
 
 STIFFER = 0.1
 """How much stiffer a drive is tried: a tenth."""

@@ -32,11 +32,11 @@ from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
-from materials.material import Constant, Material, Property
-from units.names import nearest
-from units.prices import Price, read_prices
-from units.quantities import InputError
-from units.reading import Mapping, load_yaml, shipped_files
+from linkwright.core.materials.material import Constant, Material, Property
+from linkwright.core.units.names import nearest
+from linkwright.core.units.prices import Price, read_prices
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping, load_yaml, shipped_files
 
 from .catalogue_entry import read_entry, read_inline
 
@@ -171,7 +171,9 @@ def load_layer(path: Path | str) -> Layer:
 def shipped_layers() -> tuple[Layer, ...]:
     """Return the layers that come with the program, one per family, read from its package data and
     checked."""
-    return tuple(read_layer(each, Path(str(each.file)).stem) for each in shipped_files("materials", "catalogue"))
+    return tuple(
+        read_layer(each, Path(str(each.file)).stem) for each in shipped_files("linkwright.core.materials", "catalogue")
+    )
 
 
 def user_catalogue_path() -> Path:

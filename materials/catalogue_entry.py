@@ -35,13 +35,22 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TypeAlias, cast, get_args
 
-from materials.in_place import with_units
-from materials.laminate import Ply, Unbalanced, wall_of
-from materials.material import Constant, Law, Material, Polynomial, Property, PropertyName, Table, property_kinds
-from materials.walls import Orthotropic
-from units.quantities import InputError, format_quantity, read_quantity, shown
-from units.reading import Mapping
-from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
+from linkwright.core.materials.in_place import with_units
+from linkwright.core.materials.laminate import Ply, Unbalanced, wall_of
+from linkwright.core.materials.material import (
+    Constant,
+    Law,
+    Material,
+    Polynomial,
+    Property,
+    PropertyName,
+    Table,
+    property_kinds,
+)
+from linkwright.core.materials.walls import Orthotropic
+from linkwright.core.units.quantities import InputError, format_quantity, read_quantity, shown
+from linkwright.core.units.reading import Mapping
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 _REQUIRED: tuple[PropertyName, ...] = ("elastic_modulus", "density")
 _POSITIVE: tuple[PropertyName, ...] = (

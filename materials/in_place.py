@@ -6,8 +6,8 @@ from collections.abc import Mapping as MappingLike
 from types import MappingProxyType
 from typing import Any, cast
 
-from materials.material import property_kinds
-from units.quantities import SIFloat, SIInt, format_quantity
+from linkwright.core.materials.material import property_kinds
+from linkwright.core.units.quantities import SIFloat, SIInt, format_quantity
 
 _LAMINATE = MappingProxyType({"angles": "angle", "thicknesses": "length"})
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Literal, Protocol, get_args
 
-from units.quantities import InputError
-from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from .walls import Orthotropic, WallCompliance, orthotropic, wall_compliance
 

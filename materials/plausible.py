@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from units.quantities import format_quantity
+from linkwright.core.units.quantities import format_quantity
 
 from .material import Material, PropertyName, property_kinds
 

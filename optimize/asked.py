@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from arm.errors.model import error_model
-from arm.evaluation import ErrorMap, error_map
-from arm.worst.search import WorstSearch
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import Context
-from units.quantities import format_quantity
+from linkwright.core.arm.errors.model import error_model
+from linkwright.core.arm.evaluation import ErrorMap, error_map
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.units.quantities import format_quantity
 
 from .problem import Problem
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from arm.chain.chain import Arm
-from arm.errors.model import needs_shear_modulus, needs_thermal_expansion
-from materials.catalogue import Catalogue
-from materials.material import Material, MissingProperty, OutOfRange, PropertyName, property_kinds
-from units.names import nearest
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import needs_shear_modulus, needs_thermal_expansion
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.materials.material import Material, MissingProperty, OutOfRange, PropertyName, property_kinds
+from linkwright.core.units.names import nearest
+from linkwright.core.units.reading import Mapping
 
 _ALIASES = MappingProxyType({"service_temperature": "highest_service_temperature"})
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from materials.material import Material
+from linkwright.core.materials.material import Material
 
 from .choice.combinations import Choice, Combination
 from .exchange.design import design_space, material_row, starting_points

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.evaluation import Evaluation
-from optimize.balance.balance import FIELDS
-from optimize.choice.combinations import Choice
-from optimize.exchange.design import TAPER, Variable
-from optimize.exchange.far_ends import far_constraints
-from optimize.exchange.program import Solution
-from sections import SHAPES
-from units.quantities import format_quantity
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.optimize.balance.balance import FIELDS
+from linkwright.core.optimize.choice.combinations import Choice
+from linkwright.core.optimize.exchange.design import TAPER, Variable
+from linkwright.core.optimize.exchange.far_ends import far_constraints
+from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.sections import SHAPES
+from linkwright.core.units.quantities import format_quantity
 
 from .problem import Problem
 from .result import BindingLimit

@@ -17,8 +17,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, cast
 
-from units.files import locked, read_bytes
-from units.quantities import InputError
+from linkwright.core.units.files import locked, read_bytes
+from linkwright.core.units.quantities import InputError
 
 VERSION = 3
 _LARGEST = 1024**3

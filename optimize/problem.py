@@ -10,23 +10,23 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, cast, get_args
 
-from arm.actuators import Actuator, load_actuators
-from arm.avoid.regions import Region
-from arm.chain.chain import Arm, Calibrated, LoadCase, askew
-from arm.chain.vectors import ZERO
-from arm.errors.parts import Part
-from arm.files.avoid import read_avoid
-from arm.files.branches import tip_named
-from arm.files.origin import UNKNOWN_ORIGIN
-from arm.files.read import read_arm, read_load
-from arm.worst.workspace import Workspace
-from materials.catalogue import Catalogue, load_catalogue
-from materials.material import Material
-from sections import SHAPES
-from sections.taper import MOST_TAPER, Tapered, size_ratio
-from units.names import nearest
-from units.quantities import format_quantity, read_quantity, shown
-from units.reading import Mapping, load_yaml
+from linkwright.core.arm.actuators import Actuator, load_actuators
+from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase, askew
+from linkwright.core.arm.chain.vectors import ZERO
+from linkwright.core.arm.errors.parts import Part
+from linkwright.core.arm.files.avoid import read_avoid
+from linkwright.core.arm.files.branches import tip_named
+from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
+from linkwright.core.arm.files.read import read_arm, read_load
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue import Catalogue, load_catalogue
+from linkwright.core.materials.material import Material
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.taper import MOST_TAPER, Tapered, size_ratio
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import format_quantity, read_quantity, shown
+from linkwright.core.units.reading import Mapping, load_yaml
 
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place, tip_position
-from arm.worst.coverage import Unreached, unreached
-from arm.worst.workspace import joint_box, pull, spread
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.worst.coverage import Unreached, unreached
+from linkwright.core.arm.worst.workspace import joint_box, pull, spread
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 from .exchange.other_lengths import REACHED, TRIES, allowed, few_places, free_links, moved, spread_lengths, sums_allowed
 from .problem import Problem

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from arm.chain.chain import Arm
-from arm.evaluation import ErrorMap, Evaluation
-from units.quantities import Relation
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.units.quantities import Relation
 
 from .limits import FIGURES, KEPT_WITHIN, Figure
 from .robust.result import Robust

@@ -9,18 +9,18 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from arm.evaluation import Evaluation, error_map, evaluate
-from arm.worst.workspace import Unreachable
-from executors import Executor
-from optimize.balance.balance import settled
-from optimize.balance.chosen import balance_of
-from optimize.balance.motors import choose_placed
-from optimize.choice.actuators import first_driven
-from optimize.choice.combinations import Choice, Progress, count
-from optimize.exchange.design import arm_of, numeric_beams
-from optimize.exchange.exchange import Context
-from optimize.journal import Journal
-from units.quantities import NoAnswer
+from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.balance.balance import settled
+from linkwright.core.optimize.balance.chosen import balance_of
+from linkwright.core.optimize.balance.motors import choose_placed
+from linkwright.core.optimize.choice.actuators import first_driven
+from linkwright.core.optimize.choice.combinations import Choice, Progress, count
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.units.quantities import NoAnswer
 
 from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
 from .dropped import dropped_of

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from arm.actuators import Actuator
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import link_masses, material_cost
-from arm.limits.slowest_pose import least_frequency
-from optimize.balance.balance import settled
-from optimize.choice.actuators import with_actuators
-from optimize.choice.near_ties import Tie
-from optimize.exchange.exchange import Context, context_of
+from linkwright.core.arm.actuators import Actuator
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.evaluation import link_masses, material_cost
+from linkwright.core.arm.limits.slowest_pose import least_frequency
+from linkwright.core.optimize.balance.balance import settled
+from linkwright.core.optimize.choice.actuators import with_actuators
+from linkwright.core.optimize.choice.near_ties import Tie
+from linkwright.core.optimize.exchange.exchange import Context, context_of
 
 from .result import NearTie
 

@@ -10,15 +10,15 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.evaluation import Evaluation
-from optimize.choice.combinations import Choice
-from optimize.choice.given import given_design
-from optimize.exchange.design import arm_of
-from optimize.exchange.exchange import Context
-from sections import SHAPES, Section
-from sections.taper import Tapered
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.optimize.choice.combinations import Choice
+from linkwright.core.optimize.choice.given import given_design
+from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.sections import SHAPES, Section
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import format_quantity
 
 from .limits import OfLinks, broken, excess
 from .problem import Problem

@@ -11,12 +11,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.effects import BACKLASH, JOINT_COMPLIANCE
-from sections.numeric import Array
-from sections.taper import Tapered, size_ratio
-from units.quantities import InputError, read_number, shown
-from units.reading import Mapping, load_json
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import BACKLASH, JOINT_COMPLIANCE
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered, size_ratio
+from linkwright.core.units.quantities import InputError, read_number, shown
+from linkwright.core.units.reading import Mapping, load_json
 
 OF_LINKS = ("elastic_modulus", "size", "thickness")
 OF_JOINTS = ("stiffness", "backlash")

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from arm.evaluation import Evaluation
-from arm.limits.sideways import sideways_rigidities
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.limits.sideways import sideways_rigidities
 
 from .limits import Figure
 

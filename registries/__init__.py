@@ -1,5 +1,5 @@
 """Lists that are open: what is shipped, what installed packages bring, what a program registers."""
 
-from registries.registry import Registry
+from linkwright.core.registries.registry import Registry
 
 __all__ = ["Registry"]

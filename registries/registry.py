@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar, cast
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from units.quantities import InputError
+    from linkwright.core.units.quantities import InputError
 
 T = TypeVar("T")
 
@@ -166,7 +166,7 @@ def _package(point: EntryPoint) -> str:
 
 
 def _refusal(line: str) -> InputError:
-    from units.quantities import InputError
+    from linkwright.core.units.quantities import InputError
 
     return InputError("", "", line)
 

@@ -3,10 +3,10 @@
 Knows nothing of arms, materials, files or units; every number is in SI.
 """
 
-from sections.build import build
-from sections.numeric import Number
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.build import build
+from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Bounds,
     Constraint,
     DesignVariable,
@@ -15,7 +15,7 @@ from sections.section import (
     Section,
     SectionError,
 )
-from sections.shapes import (
+from linkwright.core.sections.shapes import (
     SHAPES,
     Angle,
     Channel,
@@ -34,8 +34,8 @@ from sections.shapes import (
     TSection,
     Tube,
 )
-from sections.stock.tables import Stock, StockSize, load_stock, section_from_name
-from sections.walls import Arc, Wall, WallLimit, is_solid, slenderness_limits, walls
+from linkwright.core.sections.stock.tables import Stock, StockSize, load_stock, section_from_name
+from linkwright.core.sections.walls import Arc, Wall, WallLimit, is_solid, slenderness_limits, walls
 
 __all__ = [
     "SHAPES",

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from sections.numeric import is_symbol
-from sections.section import Section, SectionError
-from sections.shapes import SHAPES
-from units.names import nearest
+from linkwright.core.sections.numeric import is_symbol
+from linkwright.core.sections.section import Section, SectionError
+from linkwright.core.sections.shapes import SHAPES
+from linkwright.core.units.names import nearest
 
 
 def build(shape_name: str, dimensions: Mapping[str, Any]) -> Section:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sections.numeric import Number, atan2, sqrt
+from linkwright.core.sections.numeric import Number, atan2, sqrt
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from typing import Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Number, is_symbol
-from sections.properties import SectionProperties
+from linkwright.core.sections.numeric import Number, is_symbol
+from linkwright.core.sections.properties import SectionProperties
 
 Bounds: TypeAlias = tuple[float, float]
 """Least and greatest allowed value, m (or m^2 for an area)."""

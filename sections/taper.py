@@ -9,11 +9,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.build import build
-from sections.numeric import Number
-from sections.properties import SectionProperties
-from sections.section import Constraint, DesignVariable, Dimension, Outline, Section, SectionError
-from sections.shapes import SHAPES
+from linkwright.core.sections.build import build
+from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Constraint, DesignVariable, Dimension, Outline, Section, SectionError
+from linkwright.core.sections.shapes import SHAPES
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
-from sections.numeric import Number, maximum, sqrt
-from sections.section import Constraint, Section
-from sections.shapes import (
+from linkwright.core.sections.numeric import Number, maximum, sqrt
+from linkwright.core.sections.section import Constraint, Section
+from linkwright.core.sections.shapes import (
     Angle,
     Channel,
     Circle,
@@ -29,7 +29,7 @@ from sections.shapes import (
     TSection,
     Tube,
 )
-from sections.shapes.regular_polygon import half_side
+from linkwright.core.sections.shapes.regular_polygon import half_side
 
 WallKind: TypeAlias = Literal["internal", "bent", "outstand", "angle", "legs", "round"]
 

@@ -23,7 +23,7 @@ from math import inf, isfinite
 import numpy as np
 import scipy.linalg
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 Vector = Sequence[float] | Array
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 from tests.frame_solver import Frame, Member, PointLoad, PointMass, Spring, Support, solve
 
 Triple = tuple[float, float, float]

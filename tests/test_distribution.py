@@ -221,7 +221,7 @@ def test_an_installed_package_brings_its_effect(installed, tmp_path):
     listed = [each["id"] for each in json.loads((tmp_path / "effects.json").read_text(encoding="utf-8"))["effects"]]
     assert "joint_compliance" in listed
     assert listed[-1] == "cable_drag"
-    ask = "from arm.effects import EFFECTS; from arm.effects.contract import check; check(EFFECTS['cable_drag'])"
+    ask = "from linkwright.core.arm.effects import EFFECTS; from linkwright.core.arm.effects.contract import check; check(EFFECTS['cable_drag'])"
     answer(installed, tmp_path, "python", "-P", "-c", ask)
 
 

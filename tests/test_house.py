@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -57,9 +57,21 @@ def tracked_files() -> list[Path]:
     )
 
 
+CORE = ROOT / "linkwright" / "core"
+"""Where the rooms at the top are linked to, and so what they are imported as."""
+
+
 def module_name(path: Path) -> str:
     parts = list(path.relative_to(ROOT).with_suffix("").parts)
+    if (CORE / parts[0]).is_symlink():
+        parts = ["linkwright", "core", *parts]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def room_of(name: str) -> str:
+    """The room of a module: `arm` for `linkwright.core.arm.chain`, `linkwright` for what people meet."""
+    inside = name.removeprefix("linkwright.core.")
+    return inside.split(".")[0]
 
 
 MODULES = {
@@ -124,7 +136,7 @@ def upward_uses(graph: dict[str, set[str]]) -> list[str]:
         f"{name} uses {other}"
         for name, others in sorted(graph.items())
         for other in sorted(others)
-        if (room := name.split(".")[0]) != (used := other.split(".")[0]) and used not in MAY_USE[room]
+        if (room := room_of(name)) != (used := room_of(other)) and used not in MAY_USE[room]
     ]
 
 
@@ -255,7 +267,7 @@ def machine_names(text: str) -> list[str]:
 
 def test_every_room_stands():
     """The checks below would pass on nothing."""
-    assert {name.split(".")[0] for name in MODULES} == set(MAY_USE)
+    assert {room_of(name) for name in MODULES} == set(MAY_USE)
 
 
 def test_rooms_use_only_rooms_above_them():
@@ -382,8 +394,24 @@ def test_type_only_and_late_imports_do_not_run_at_load():
 
 def test_upward_uses_are_found():
     """Optimize and diagnose never see each other, and nobody uses the command line."""
-    graph = {"optimize.exchange": {"diagnose.search", "arm.chain"}, "arm.chain": {"linkwright", "sections"}}
-    assert upward_uses(graph) == ["arm.chain uses linkwright", "optimize.exchange uses diagnose.search"]
+    chain, exchange, search = (
+        f"linkwright.core.{name}" for name in ("arm.chain", "optimize.exchange", "diagnose.search")
+    )
+    graph = {exchange: {search, chain}, chain: {"linkwright.face", "linkwright.core.sections"}}
+    assert upward_uses(graph) == [f"{chain} uses linkwright.face", f"{exchange} uses {search}"]
+
+
+def test_the_rooms_are_imported_by_one_name():
+    """As `linkwright.core.arm`, never as `arm`: anybody's `arm.py` may stand beside a script."""
+    rooms = set(MAY_USE) - {"linkwright"}
+    assert {each.name for each in CORE.iterdir() if each.is_symlink()} == rooms
+    found = {
+        str(path.relative_to(ROOT)): bare
+        for path in tracked_files()
+        if path.suffix == ".py"
+        and (bare := imported("", path.read_text(encoding="utf-8"), False, rooms, at_load=False))
+    }
+    assert found == {}
 
 
 def test_cycles_are_found():

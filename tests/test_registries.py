@@ -14,13 +14,13 @@ from pathlib import Path
 import pytest
 
 import linkwright as lw
-from arm.effects import EFFECTS, Effect
-from optimize.limits import FIGURES
-from registries import Registry
-from sections import SHAPES
-from sections.shapes.circle import Circle
+from linkwright.core.arm.effects import EFFECTS, Effect
+from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.registries import Registry
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.shapes.circle import Circle
+from linkwright.core.units.quantities import InputError
 from tests.test_house import ROOT
-from units.quantities import InputError
 
 OFFSET = EFFECTS["encoder_offset"]
 
@@ -130,7 +130,7 @@ def install(folder: Path, name: str, module: str, entry: str, group: str = "link
 
 GOOD = """
 from dataclasses import replace
-from arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS
 MINE = replace(EFFECTS["encoder_offset"], id="installed_offset")
 PAIR = (MINE, replace(MINE, id="second_offset"))
 """
@@ -149,15 +149,18 @@ LIST = "from linkwright.cli import run; import sys; sys.exit(run(['effects', 'li
 
 def test_an_installed_package_brings_effects(tmp_path):
     install(tmp_path, "brings", GOOD, "PAIR")
-    done = ask(tmp_path, "from arm.effects import EFFECTS; print(list(EFFECTS)[-2:], 'installed_offset' in EFFECTS)")
+    done = ask(
+        tmp_path,
+        "from linkwright.core.arm.effects import EFFECTS; print(list(EFFECTS)[-2:], 'installed_offset' in EFFECTS)",
+    )
     assert done.stdout.strip() == "['installed_offset', 'second_offset'] True", done.stderr
 
 
 def test_packages_are_loaded_only_when_asked_for(tmp_path):
     install(tmp_path, "loud", f"print('loaded')\n{GOOD}", "MINE")
-    quiet = ask(tmp_path, "from arm.effects import EFFECTS; EFFECTS['backlash']")
+    quiet = ask(tmp_path, "from linkwright.core.arm.effects import EFFECTS; EFFECTS['backlash']")
     assert quiet.stdout == "", quiet.stderr
-    asked = ask(tmp_path, "from arm.effects import EFFECTS; EFFECTS['installed_offset']; len(EFFECTS)")
+    asked = ask(tmp_path, "from linkwright.core.arm.effects import EFFECTS; EFFECTS['installed_offset']; len(EFFECTS)")
     assert asked.stdout == "loaded\n", asked.stderr
 
 
@@ -182,9 +185,11 @@ def test_a_broken_package_is_named_in_one_line(tmp_path, module, entry, said):
 
 
 def test_shapes_come_from_packages_too(tmp_path):
-    module = "from sections.shapes.circle import Circle\nclass Bar(Circle):\n    shape = 'round_bar'\n"
+    module = "from linkwright.core.sections.shapes.circle import Circle\nclass Bar(Circle):\n    shape = 'round_bar'\n"
     install(tmp_path, "bars", module, "Bar", "linkwright.sections")
-    done = ask(tmp_path, "from sections import build; print(build('round_bar', {'diameter': 0.1}).shape)")
+    done = ask(
+        tmp_path, "from linkwright.core.sections import build; print(build('round_bar', {'diameter': 0.1}).shape)"
+    )
     assert done.stdout.strip() == "round_bar", done.stderr
 
 

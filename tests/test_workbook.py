@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openpyxl import Workbook
 
-from arm.files.read import read_arm
-from catalogues.materials_csv import read_table as read_materials
-from diagnose.reading.read import read_recording
-from units.quantities import InputError
-from units.workbook import workbook_text
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.catalogues.materials_csv import read_table as read_materials
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.workbook import workbook_text
 
 EXAMPLE = Path(__file__).parents[1] / "examples/hidden-backlash"
 

@@ -11,7 +11,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 LARGEST_FILE = 64 * 1024 * 1024
 """Bytes of text that are read; people's files have thousands."""

@@ -15,8 +15,8 @@ from decimal import Context, Decimal
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from units.names import meant
-from units.units import Kind, kinds, registry
+from linkwright.core.units.names import meant
+from linkwright.core.units.units import Kind, kinds, registry
 
 if TYPE_CHECKING:
     import pint

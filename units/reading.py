@@ -17,9 +17,18 @@ from typing import Any, cast
 
 import yaml
 
-from units.files import LARGEST_FILE, read_bytes
-from units.names import Known, meant, nearest
-from units.quantities import Bound, InputError, kind_of, read_bound, read_number, read_quantity, read_range, shown
+from linkwright.core.units.files import LARGEST_FILE, read_bytes
+from linkwright.core.units.names import Known, meant, nearest
+from linkwright.core.units.quantities import (
+    Bound,
+    InputError,
+    kind_of,
+    read_bound,
+    read_number,
+    read_quantity,
+    read_range,
+    shown,
+)
 
 _LARGEST_YAML = 8 * 1024 * 1024
 _DEEPEST = 60

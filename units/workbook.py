@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
 
-from units.files import read_bytes
-from units.names import nearest
-from units.quantities import InputError, shown
+from linkwright.core.units.files import read_bytes
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
 
 if TYPE_CHECKING:
     from openpyxl.workbook.workbook import Workbook

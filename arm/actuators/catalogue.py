@@ -43,11 +43,11 @@ from types import MappingProxyType
 
 from platformdirs import user_config_dir
 
-from units.names import nearest
-from units.prices import read_prices
-from units.quantities import InputError, read_quantity, shown
-from units.reading import Mapping as Keys
-from units.reading import load_yaml, shipped_files
+from linkwright.core.units.names import nearest
+from linkwright.core.units.prices import read_prices
+from linkwright.core.units.quantities import InputError, read_quantity, shown
+from linkwright.core.units.reading import Mapping as Keys
+from linkwright.core.units.reading import load_yaml, shipped_files
 
 FORMAT_VERSION = 1
 """The version of the format that this code reads."""
@@ -176,7 +176,7 @@ def user_actuators_path() -> Path:
 def shipped_actuators() -> Mapping[str, Actuator]:
     """The actuators that come with the program, read from its package data and checked."""
     found: dict[str, Actuator] = {}
-    for each in shipped_files("arm.actuators"):
+    for each in shipped_files("linkwright.core.arm.actuators"):
         found.update(read_actuators(each))
     return MappingProxyType(found)
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import columns
-from arm.chain.branches import ways
-from arm.chain.chain import Arm, Link
-from arm.chain.following import completed
-from arm.chain.kinematics import place
-from sections.numeric import Array
-from sections.section import Section
-from sections.taper import Tapered
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.branches import ways
+from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import Tapered
 
 from .regions import Region, around
 

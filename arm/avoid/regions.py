@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 AXES = ("x", "y", "z")
 _TOUCHES = 1e-9

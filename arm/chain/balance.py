@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sections.numeric import cos, sin, sqrt
+from linkwright.core.sections.numeric import cos, sin, sqrt
 
 from .vectors import Scalar, times
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from .vectors import ZERO, Scalar, Vector, minus, plus, times
 
 if TYPE_CHECKING:
-    from materials.material import MaterialValues
-    from sections.properties import SectionProperties
+    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.sections.properties import SectionProperties
 
 
 QUARTERS = 4

@@ -13,17 +13,17 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import Counterbalance, PointMass
 from .following import Following, coordinates
 from .vectors import IDENTITY, ZERO, Rotation, Scalar
 
 if TYPE_CHECKING:
-    from arm.actuators import Actuator
-    from arm.avoid.regions import Region
-    from materials.material import Material
-    from sections.section import Section
+    from linkwright.core.arm.actuators import Actuator
+    from linkwright.core.arm.avoid.regions import Region
+    from linkwright.core.materials.material import Material
+    from linkwright.core.sections.section import Section
 
 FloatVector = tuple[float, float, float]
 

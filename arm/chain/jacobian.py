@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .chain import Arm
 from .kinematics import place

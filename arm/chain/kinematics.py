@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from sections.numeric import cos, sin
-from sections.symbols import column_of_symbols
+from linkwright.core.sections.numeric import cos, sin
+from linkwright.core.sections.symbols import column_of_symbols
 
 from .chain import Arm, FloatVector, Joint, Link
 from .following import turns

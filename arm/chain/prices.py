@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .chain import Arm, Joint, Link
 
 if TYPE_CHECKING:
-    from materials.material import Material
+    from linkwright.core.materials.material import Material
 
 
 def fixed_price(arm: Arm, joints: Sequence[Joint] | None = None) -> tuple[float, str]:

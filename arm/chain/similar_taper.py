@@ -23,9 +23,9 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import Chebyshev, chebyshev
 
-from materials.material import MaterialValues
-from sections import SHAPES
-from sections.taper import MOST_TAPER, Tapered
+from linkwright.core.materials.material import MaterialValues
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.taper import MOST_TAPER, Tapered
 
 from .beam import QUARTERS, STATIONS, Beam, BendingFactors, Part, Station, Taper
 from .taper import tapered_beam

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .balance import End, PointMass
 from .beam import Beam

@@ -24,10 +24,10 @@ import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.polynomial.legendre import leggauss
 
-from materials.material import MaterialValues
-from sections.numeric import Array
-from sections.properties import SectionProperties
-from sections.taper import Tapered, size_ratio
+from linkwright.core.materials.material import MaterialValues
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.taper import Tapered, size_ratio
 
 from .beam import QUARTERS, STATIONS, Beam, BendingFactors, Part, Station, Taper, elastic_beam
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .tape import Tape, literal, with_half_angles
 

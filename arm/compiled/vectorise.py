@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .numpy_code import NumpyProgram, numpy_program
 from .tape import Tape, read_tape

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Link
-from arm.chain.vectors import Vector
-from materials.material import MaterialValues
-from sections.numeric import Array
-from sections.section import Section
-from sections.taper import Tapered
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Link
+from linkwright.core.arm.chain.vectors import Vector
+from linkwright.core.materials.material import MaterialValues
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import Tapered
 
 _NODES = 12
 """Gauss points along a taper, whose second moments are smooth."""

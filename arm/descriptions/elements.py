@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
-from units.files import read_bytes
-from units.quantities import InputError, shown
+from linkwright.core.units.files import read_bytes
+from linkwright.core.units.quantities import InputError, shown
 
 
 @dataclass(frozen=True)

@@ -15,26 +15,26 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, FloatVector, Joint, Link
-from arm.chain.following import ties_to
-from arm.chain.kinematics import section_directions
-from arm.chain.vectors import IDENTITY, ZERO, about, add, compose, norm, rotate, scale, unit
-from arm.effects import EFFECTS
-from arm.effects.angles.encoder_offset import ENCODER_OFFSET
-from arm.effects.elastic.axial import AXIAL
-from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
-from arm.effects.elastic.link_bending import LINK_BENDING
-from arm.effects.elastic.shear_deformation import SHEAR_DEFORMATION
-from arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
-from arm.effects.elastic.torsion import TORSION
-from arm.effects.geometry.axis_misalignment import AXIS_MISALIGNMENT, across_axis
-from arm.effects.geometry.link_length import LINK_LENGTH
-from arm.errors.model import beams_of
-from arm.errors.unknown_mass import of_unknown_mass, without_unknown
-from sections.numeric import Array
-from sections.taper import Tapered
-from units.quantities import InputError
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link
+from linkwright.core.arm.chain.following import ties_to
+from linkwright.core.arm.chain.kinematics import section_directions
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, about, add, compose, norm, rotate, scale, unit
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from linkwright.core.arm.effects.elastic.axial import AXIAL
+from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
+from linkwright.core.arm.effects.elastic.link_bending import LINK_BENDING
+from linkwright.core.arm.effects.elastic.shear_deformation import SHEAR_DEFORMATION
+from linkwright.core.arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
+from linkwright.core.arm.effects.elastic.torsion import TORSION
+from linkwright.core.arm.effects.geometry.axis_misalignment import AXIS_MISALIGNMENT, across_axis
+from linkwright.core.arm.effects.geometry.link_length import LINK_LENGTH
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass, without_unknown
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import InputError
 
 from .bodies import Mass, ball, known_body, negative_moment, rod, together
 from .names import Names, names_of

@@ -12,11 +12,11 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from arm.chain.chain import Arm, FloatVector, Joint
-from arm.chain.following import turn_range
-from arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
-from arm.errors.model import beams_of
-from units.quantities import InputError, format_quantity, shown
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint
+from linkwright.core.arm.chain.following import turn_range
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.units.quantities import InputError, format_quantity, shown
 
 from .bodies import Mass, ball
 from .exported import Piece, Structure, mimicked, structure

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from arm.chain.chain import Branch
-from arm.chain.vectors import scale, subtract
-from units.names import nearest
-from units.quantities import InputError, shown
+from linkwright.core.arm.chain.chain import Branch
+from linkwright.core.arm.chain.vectors import scale, subtract
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
 
 from .imported_arm import Imported, Lacking
 from .urdf import Robot, UrdfJoint, read_urdf

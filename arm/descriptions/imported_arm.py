@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from arm.chain.chain import Arm
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.write import arm_to_yaml
 
 
 @dataclass(frozen=True)

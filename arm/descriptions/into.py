@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation as Turn
 
-from arm.chain.chain import Arm
-from arm.chain.vectors import Rotation, to_roll_pitch_yaw
-from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
-from sections.numeric import Array
-from units.files import read_bytes
-from units.quantities import InputError, shown
-from units.reading import nearest
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.vectors import Rotation, to_roll_pitch_yaw
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.files import read_bytes
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import nearest
 
 from .elements import Element, elements_in
 from .exported import GEOMETRY, found_geometry, onward, standing

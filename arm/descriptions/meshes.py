@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sections.numeric import Array
-from units.files import read_bytes
-from units.quantities import InputError
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.files import read_bytes
+from linkwright.core.units.quantities import InputError
 
 from .urdf import Shape
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm
 
 _KEPT = ("world",)
 """Names that simulators keep for what everything stands on."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .bodies import Mass, principal_moments
 from .meshes import Solid, solid

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.following import completed
-from arm.chain.kinematics import tip_position
-from arm.chain.vectors import unit
-from arm.descriptions.imported import import_urdf
-from arm.errors.model import beams_of
-from arm.errors.unknown_mass import of_unknown_mass
-from arm.evaluation import link_masses
-from sections.numeric import Array
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.vectors import unit
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
+from linkwright.core.arm.evaluation import link_masses
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 
 _POSES = 16
 _AWAY = 1e-6

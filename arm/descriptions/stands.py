@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .elements import Element
 from .urdf import read_urdf

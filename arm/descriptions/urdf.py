@@ -14,11 +14,11 @@ from typing import Literal, cast, get_args
 
 import numpy as np
 
-from arm.chain.chain import FloatVector
-from arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
-from sections.numeric import Array
-from units.names import nearest
-from units.quantities import InputError, shown
+from linkwright.core.arm.chain.chain import FloatVector
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
 
 from .elements import Element, read_elements
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from arm.chain.balance import PointMass
-from arm.chain.chain import Arm, FloatVector, Joint, Link
-from arm.chain.following import Following, Tie
-from arm.chain.kinematics import section_directions
-from arm.chain.vectors import (
+from linkwright.core.arm.chain.balance import PointMass
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link
+from linkwright.core.arm.chain.following import Following, Tie
+from linkwright.core.arm.chain.kinematics import section_directions
+from linkwright.core.arm.chain.vectors import (
     IDENTITY,
     ZERO,
     about,
@@ -25,7 +25,7 @@ from arm.chain.vectors import (
     transpose,
     unit,
 )
-from units.quantities import InputError, shown
+from linkwright.core.units.quantities import InputError, shown
 
 from .bodies import Mass, together
 from .imported_arm import Imported, Lacking, one_line

@@ -14,10 +14,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, EffectEntry, Zones
-from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Scalar, Vector, scale
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Zones
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, scale
 
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""

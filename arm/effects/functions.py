@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 
-from arm.chain.chain import Zones
-from arm.chain.vectors import Scalar
-from sections.numeric import absolute, sqrt
+from linkwright.core.arm.chain.chain import Zones
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.sections.numeric import absolute, sqrt
 
 
 def saturated(value: Scalar, limit: float, rounding: Scalar | None = None) -> Scalar:

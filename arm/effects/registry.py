@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from registries import Registry
+from linkwright.core.registries import Registry
 
 from .effect import Effect
 

@@ -15,11 +15,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.chain.chain import Arm, LoadCase, PlayMode
-from arm.chain.statics import PoseState, solve
-from arm.chain.vectors import is_zero, scale, subtract
-from arm.effects import EFFECTS
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.arm.chain.chain import Arm, LoadCase, PlayMode
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.chain.vectors import is_zero, scale, subtract
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .tip import ActiveEffect, TipError, tip_error
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Zones
-from arm.effects.functions import wound_up
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Zones
+from linkwright.core.arm.effects.functions import wound_up
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

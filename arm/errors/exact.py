@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import columns, matrices
-from arm.chain.kinematics import Frames, JointFrame, LinkFrame, Orientation
-from arm.chain.segments import PIECES, Pieces, cut
-from arm.chain.statics import JointState, LinkState, PoseState, solve
-from arm.chain.vectors import (
+from linkwright.core.arm.chain.arrays import columns, matrices
+from linkwright.core.arm.chain.kinematics import Frames, JointFrame, LinkFrame, Orientation
+from linkwright.core.arm.chain.segments import PIECES, Pieces, cut
+from linkwright.core.arm.chain.statics import JointState, LinkState, PoseState, solve
+from linkwright.core.arm.chain.vectors import (
     IDENTITY,
     ZERO,
     Scalar,
@@ -41,11 +41,11 @@ from arm.chain.vectors import (
     times,
     transpose,
 )
-from arm.chain.vectors import Rotation as Rows
-from arm.effects import Twist
-from arm.effects.effect import NO_LOAD
-from arm.effects.loads.added_weights import bearing, borne_wholly
-from sections.numeric import Array
+from linkwright.core.arm.chain.vectors import Rotation as Rows
+from linkwright.core.arm.effects import Twist
+from linkwright.core.arm.effects.effect import NO_LOAD
+from linkwright.core.arm.effects.loads.added_weights import bearing, borne_wholly
+from linkwright.core.sections.numeric import Array
 
 from .tip import ActiveEffect, on_the_way
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import PoseState, solve
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.sections.numeric import Array
 
 from .calibrated import calibrated_state, when_calibrated
 from .exact import deformed

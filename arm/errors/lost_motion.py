@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import PlayMode, Statistics
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import PlayMode, Statistics
+from linkwright.core.sections.numeric import Array
 
 from .model import PoseArrays
 

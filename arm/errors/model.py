@@ -14,19 +14,19 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import UNIFORM, Beam, Taper, elastic_beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
-from arm.chain.kinematics import parts, place, symbols
-from arm.chain.similar_taper import similar_taper
-from arm.chain.statics import PoseState, solve
-from arm.chain.taper import tapered_beam
-from arm.chain.vectors import scale
-from arm.compiled.vectorise import VectorFunction, vectorise
-from arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
-from materials.material import MissingProperty
-from sections.numeric import Array
-from sections.symbols import column_of_symbols
-from sections.taper import FreeTaper, Tapered
+from linkwright.core.arm.chain.beam import UNIFORM, Beam, Taper, elastic_beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
+from linkwright.core.arm.chain.kinematics import parts, place, symbols
+from linkwright.core.arm.chain.similar_taper import similar_taper
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.chain.taper import tapered_beam
+from linkwright.core.arm.chain.vectors import scale
+from linkwright.core.arm.compiled.vectorise import VectorFunction, vectorise
+from linkwright.core.arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
+from linkwright.core.materials.material import MissingProperty
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.taper import FreeTaper, Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
 from .tip import ActiveEffect, TipError, TipInterval, active_effects, tip_error

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import columns
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Vector, add, cross, dot
-from arm.effects import Effect, Settings, Twist
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Vector, add, cross, dot
+from linkwright.core.arm.effects import Effect, Settings, Twist
 
 from .exact import Deformed, deformed
 from .tip import ActiveEffect, carried_to_tip, motions, rotation_at_tip

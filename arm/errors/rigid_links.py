@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.sections.numeric import Array
 
 from .model import BEAM_FIELDS, beam_values
 

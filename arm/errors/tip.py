@@ -10,10 +10,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from arm.chain.chain import Arm, Zones
-from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, minus, plus, scale, times
-from arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
+from linkwright.core.arm.chain.chain import Arm, Zones
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, minus, plus, scale, times
+from linkwright.core.arm.effects import EFFECTS, Disc, Effect, Interval, Settings, Twist
 
 
 @dataclass(frozen=True)

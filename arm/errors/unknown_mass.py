@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain.arrays import columns
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import PoseState, solve
-from arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
-from arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
+from linkwright.core.arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
+from linkwright.core.sections.numeric import Array
 
 from .model import PropertyNeeded, beams_of, mass_needed
 from .tip import ActiveEffect, active_effects, carried_to_tip

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, Literal
 
-from arm.avoid.regions import AXES, Region, between, beyond
-from units.quantities import format_quantity, read_quantity, shown
-from units.reading import Mapping
+from linkwright.core.arm.avoid.regions import AXES, Region, between, beyond
+from linkwright.core.units.quantities import format_quantity, read_quantity, shown
+from linkwright.core.units.reading import Mapping
 
 _EXAMPLE = "{below: {z: 0 mm}} or {box: [[0 m, -1 m, 0 m], [1 m, 1 m, 0.4 m]]}"
 _SIDES: tuple[Literal["below", "above"], ...] = ("below", "above")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import cast, get_args
 
-from arm.chain.balance import Counterbalance, End, IdealCounterbalance, PointMass, SpringCounterbalance
-from units.reading import Mapping
+from linkwright.core.arm.chain.balance import Counterbalance, End, IdealCounterbalance, PointMass, SpringCounterbalance
+from linkwright.core.units.reading import Mapping
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from arm.chain.chain import Branch, FloatVector, Joint, Link, LoadCase
-from arm.chain.vectors import ZERO
-from materials.catalogue import Catalogue
-from units.names import nearest
-from units.quantities import shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Branch, FloatVector, Joint, Link, LoadCase
+from linkwright.core.arm.chain.vectors import ZERO
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import shown
+from linkwright.core.units.reading import Mapping
 
 from .chain_entries import Entry, joined, read_entry
 from .origin import read_origin, read_vector

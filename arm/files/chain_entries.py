@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import cast
 
-from arm.actuators import Actuator, load_actuators
-from arm.chain.balance import PointMass
-from arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
-from arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
-from materials.catalogue import Catalogue
-from sections import SectionError, load_stock
-from sections.section import Section
-from sections.taper import build_tapered
-from units.quantities import InputError, read_number, read_quantity, shown
-from units.reading import Mapping
+from linkwright.core.arm.actuators import Actuator, load_actuators
+from linkwright.core.arm.chain.balance import PointMass
+from linkwright.core.arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
+from linkwright.core.arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.sections import SectionError, load_stock
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import build_tapered
+from linkwright.core.units.quantities import InputError, read_number, read_quantity, shown
+from linkwright.core.units.reading import Mapping
 
 from .balance import Motor, read_counterbalance, read_masses, read_motor
 from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
-from arm.chain.chain import FloatVector, Joint, Link
-from arm.chain.vectors import Rotation, compose, from_roll_pitch_yaw, norm, unit
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import FloatVector, Joint, Link
+from linkwright.core.arm.chain.vectors import Rotation, compose, from_roll_pitch_yaw, norm, unit
+from linkwright.core.units.reading import Mapping
 
 
 def standard_dh(mapping: Mapping, joint: Joint) -> tuple[Joint, Link]:

@@ -12,12 +12,12 @@ from typing import cast
 
 import numpy as np
 
-from arm.chain.branches import ways
-from arm.chain.chain import Arm, Joint
-from arm.chain.following import Following, Tie
-from arm.chain.kinematics import place
-from units.quantities import InputError, format_quantity, read_quantity
-from units.reading import Mapping
+from linkwright.core.arm.chain.branches import ways
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.following import Following, Tie
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.units.quantities import InputError, format_quantity, read_quantity
+from linkwright.core.units.reading import Mapping
 
 _QUANTITY = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg|arcmin|mrad|rad|mm|um|cm|m)\b")
 _COORDINATE = re.compile(r"q([1-9]\d*)")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from arm.chain.chain import Arm, Link
-from arm.chain.vectors import cross, norm, subtract
-from arm.placed.heights import height_up
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.arm.chain.vectors import cross, norm, subtract
+from linkwright.core.arm.placed.heights import height_up
+from linkwright.core.units.reading import Mapping
 
 UP = "up"
 """Against gravity, with all joints at zero."""

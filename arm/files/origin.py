@@ -5,10 +5,10 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Any
 
-from arm.chain.chain import FloatVector, Joint, OriginPart
-from arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, to_roll_pitch_yaw
-from units.quantities import format_quantity, read_quantity
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import FloatVector, Joint, OriginPart
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, to_roll_pitch_yaw
+from linkwright.core.units.quantities import format_quantity, read_quantity
+from linkwright.core.units.reading import Mapping
 
 SHIFTS: tuple[OriginPart, ...] = ("x", "y", "z")
 TURNS: tuple[OriginPart, ...] = ("roll", "pitch", "yaw")

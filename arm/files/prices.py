@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from arm.chain.chain import Machining
-from units.quantities import format_quantity
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Machining
+from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.reading import Mapping
 
 
 def read_cost(mapping: Mapping) -> tuple[float | None, str]:

@@ -8,14 +8,23 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import cast
 
-from arm.chain.chain import STANDARD_GRAVITY, AngleConvention, Arm, EffectEntry, Joint, LoadCase, PlayMode, Statistics
-from arm.chain.vectors import IDENTITY, ZERO
-from arm.effects import EFFECTS, Effect, Parameter, kind_at
-from materials.catalogue import Catalogue, load_catalogue
-from units.names import nearest
-from units.quantities import format_quantity, shown
-from units.reading import Mapping, load_yaml
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.arm.chain.chain import (
+    STANDARD_GRAVITY,
+    AngleConvention,
+    Arm,
+    EffectEntry,
+    Joint,
+    LoadCase,
+    PlayMode,
+    Statistics,
+)
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO
+from linkwright.core.arm.effects import EFFECTS, Effect, Parameter, kind_at
+from linkwright.core.materials.catalogue import Catalogue, load_catalogue
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import format_quantity, shown
+from linkwright.core.units.reading import Mapping, load_yaml
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .avoid import read_avoid
 from .branches import read_branches, tip_named

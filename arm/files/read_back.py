@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, cast
 
-from arm.chain.chain import Arm, Joint
-from materials.material import Material
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.materials.material import Material
 
 _AS_WRITTEN = 1e-9
 """How far a number may be from what it was, of it: twelve digits are written, and sums of them are taken."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from arm.chain.chain import Joint, Link
-from arm.chain.vectors import add, dot, norm, scale
-from sections.taper import Tapered
-from units.quantities import format_quantity, shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Joint, Link
+from linkwright.core.arm.chain.vectors import add, dot, norm, scale
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import format_quantity, shown
+from linkwright.core.units.reading import Mapping
 
 _HAIR = 1e-9
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import yaml
 
-from arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
-from arm.chain.vectors import IDENTITY, Rotation, to_roll_pitch_yaw
-from arm.effects import EFFECTS, kind_at
-from materials.material import Material
-from sections.section import Section
-from units.files import write_whole
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
+from linkwright.core.arm.chain.vectors import IDENTITY, Rotation, to_roll_pitch_yaw
+from linkwright.core.arm.effects import EFFECTS, kind_at
+from linkwright.core.materials.material import Material
+from linkwright.core.sections.section import Section
+from linkwright.core.units.files import write_whole
+from linkwright.core.units.quantities import format_quantity
 
 from .avoid import avoid_to_list
 from .following import following_text

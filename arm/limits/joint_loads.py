@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import solve
-from arm.chain.vectors import Vector
-from arm.errors.model import beams_of
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.chain.vectors import Vector
+from linkwright.core.arm.errors.model import beams_of
 
 
 @dataclass(frozen=True)

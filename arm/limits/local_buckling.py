@@ -10,23 +10,23 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import STATIONS as TAPERED_STATIONS
-from arm.chain.kinematics import parts
-from arm.chain.statics import LinkState, solve
-from arm.chain.vectors import dot
-from arm.compiled.expressions import Expressions
-from arm.errors.model import beam_symbols, symbolic_beams
-from sections.numeric import Array
-from sections.taper import Tapered
+from linkwright.core.arm.chain.beam import STATIONS as TAPERED_STATIONS
+from linkwright.core.arm.chain.kinematics import parts
+from linkwright.core.arm.chain.statics import LinkState, solve
+from linkwright.core.arm.chain.vectors import dot
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered
 
 from .strength import STATIONS
 from .wall_modes import Mode, WallLoads, modes_of
 from .weakest_poses import climbed
 
 if TYPE_CHECKING:
-    from arm.chain.beam import Beam
-    from arm.chain.chain import Arm, LoadCase
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.beam import Beam
+    from linkwright.core.arm.chain.chain import Arm, LoadCase
+    from linkwright.core.arm.worst.search import WorstSearch
 
 LOAD_FIELDS = 10
 """Of each link a `LoadsCase` tells force and moment at its far end and its weight, each along the link, its height and

@@ -16,15 +16,15 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.beam import QUARTERS, Beam
-from arm.chain.branches import ways
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.kinematics import Frames, place, section_directions
-from arm.chain.statics import run_out, solve
-from arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, add, cross, minus, times
-from arm.effects import EFFECTS, Settings
-from arm.errors.tip import ActiveEffect, active_effects, displacements
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import QUARTERS, Beam
+from linkwright.core.arm.chain.branches import ways
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import Frames, place, section_directions
+from linkwright.core.arm.chain.statics import run_out, solve
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, add, cross, minus, times
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.tip import ActiveEffect, active_effects, displacements
+from linkwright.core.sections.numeric import Array
 
 SEGMENTS = QUARTERS
 """Pieces of each elastic link; even, for Simpson's rule."""

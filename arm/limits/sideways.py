@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from arm.chain.chain import Arm, LoadCase
-from arm.errors.model import beam_values, beams_of
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.sections.numeric import Array
 
 from .tip_stiffness import TipCompliance, TipStiffness, compliance_along, least_stiffness, tips_of
 
 if TYPE_CHECKING:
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.worst.search import WorstSearch
 
 SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
 """One newton across the plane."""

@@ -16,12 +16,12 @@ from functools import partial
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, LoadCase
-from arm.worst.certificate import climb
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import climbing_bounds, wrapped
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.worst.certificate import climb
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import climbing_bounds, wrapped
+from linkwright.core.sections.numeric import Array
 
 from .modes import compliance_matrices, first_frequencies, node_masses, responses, segmented
 from .weakest_poses import plainest

@@ -17,19 +17,19 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import Station
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.kinematics import parts
-from arm.chain.statics import LinkState, PoseState, solve
-from arm.chain.vectors import Scalar, Vector, add, cross, dot, plus, scale, times
-from arm.compiled.expressions import Expressions
-from arm.effects.elastic.link_bending import bent_end, in_both_planes
-from arm.errors.model import beam_symbols, symbolic_beams
-from sections.numeric import Array
-from sections.symbols import column_of_symbols
+from linkwright.core.arm.chain.beam import Station
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.kinematics import parts
+from linkwright.core.arm.chain.statics import LinkState, PoseState, solve
+from linkwright.core.arm.chain.vectors import Scalar, Vector, add, cross, dot, plus, scale, times
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.effects.elastic.link_bending import bent_end, in_both_planes
+from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.symbols import column_of_symbols
 
 if TYPE_CHECKING:
-    from sections.properties import SectionProperties
+    from linkwright.core.sections.properties import SectionProperties
 
 
 STRENGTH_FIELDS = ("area", "section_modulus_y", "section_modulus_z", "torsion_modulus")

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from arm.compiled.expressions import Expressions
-from arm.errors.model import beam_symbols, error_model
-from sections.numeric import Array
-from sections.symbols import column_of_symbols
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.errors.model import beam_symbols, error_model
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.symbols import column_of_symbols
 
 from .weakest_poses import climbed, plainest
 
 if TYPE_CHECKING:
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.worst.search import WorstSearch
 
 _CLIMBS = 4
 

@@ -25,14 +25,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sections import Wall, walls
-from sections.numeric import exp, sqrt
+from linkwright.core.sections import Wall, walls
+from linkwright.core.sections.numeric import exp, sqrt
 
 if TYPE_CHECKING:
-    from materials.material import MaterialValues
-    from materials.walls import WallCompliance
-    from sections import Arc, Section
-    from sections.properties import SectionProperties
+    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.materials.walls import WallCompliance
+    from linkwright.core.sections import Arc, Section
+    from linkwright.core.sections.properties import SectionProperties
 
 Point = tuple[Any, Any]
 

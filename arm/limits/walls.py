@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arm.chain.chain import Arm, Link
-from sections import Section, is_solid, slenderness_limits
-from sections.taper import Tapered
+from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.sections import Section, is_solid, slenderness_limits
+from linkwright.core.sections.taper import Tapered
 
 
 @dataclass(frozen=True)

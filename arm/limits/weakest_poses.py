@@ -9,10 +9,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from arm.worst.refine import wander_in_region
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import climbing_bounds, wrapped
-from sections.numeric import Array
+from linkwright.core.arm.worst.refine import wander_in_region
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import climbing_bounds, wrapped
+from linkwright.core.sections.numeric import Array
 
 from .strength import StrengthCase
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm, FloatVector
-from arm.chain.kinematics import section_directions
-from arm.chain.vectors import snap_vector
-from sections.numeric import Array
-from sections.section import Section
+from linkwright.core.arm.chain.chain import Arm, FloatVector
+from linkwright.core.arm.chain.kinematics import section_directions
+from linkwright.core.arm.chain.vectors import snap_vector
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.section import Section
 
 from .stands import Stand, stands
 from .views import upwards

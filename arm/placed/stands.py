@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.branches import ways
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place
-from sections.numeric import Array
+from linkwright.core.arm.chain.branches import ways
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .workspace import TipFunction, Workspace, pull, spread
 

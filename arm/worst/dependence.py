@@ -14,9 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.sections.numeric import Array
 
 from .polynomial import Coordinates
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from arm.chain.chain import Arm, EffectEntry, LoadCase
-from arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
-from arm.errors.calibrated import calibrated_temperature
-from arm.errors.model import error_model
-from sections.numeric import Array
-from units.quantities import format_quantity
-from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, LoadCase
+from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
+from linkwright.core.arm.errors.calibrated import calibrated_temperature
+from linkwright.core.arm.errors.model import error_model
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from .parts import worst_search
 from .workspace import Workspace

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.errors.lost_motion import sign_vertices
-from sections.numeric import Array
+from linkwright.core.arm.errors.lost_motion import sign_vertices
+from linkwright.core.sections.numeric import Array
 
 _WIDEST = 1.1
 """Half width of the first cells of an angle, rad: below a quarter of a turn."""

@@ -13,11 +13,11 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.arrays import nominal
-from arm.chain.branches import Way, way_to
-from arm.chain.chain import Arm
-from arm.chain.vectors import Rotation
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.branches import Way, way_to
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.vectors import Rotation
+from linkwright.core.sections.numeric import Array
 
 from .workspace import Unreachable, Workspace, climbing_bounds, joint_box, spread, wrapped
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place
-from arm.chain.vectors import Vector
-from arm.errors.model import CaseModel
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.chain.vectors import Vector
+from linkwright.core.arm.errors.model import CaseModel
+from linkwright.core.sections.numeric import Array
 
 from .dependence import all_round, joints_that_matter
 from .hull import Axis, Pins, PlayedVector, Within, bound, played_vector

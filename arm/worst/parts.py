@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.errors.model import ErrorModel
-from arm.errors.parts import Part, onto, part_of
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import ErrorModel
+from linkwright.core.arm.errors.parts import Part, onto, part_of
+from linkwright.core.sections.numeric import Array
 
 from .search import DEFAULT_GAP, WorstCase, WorstPose, WorstSearch, distinct
 from .workspace import Workspace, distance_to_path

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 ComplexArray = NDArray[np.complex128]
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import PlayMode
-from arm.effects.functions import wound_up
-from arm.errors.drive_zones import Way, ways
-from arm.errors.lost_motion import played, pushed_discs, sign_vertices
-from arm.errors.model import CaseModel
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import PlayMode
+from linkwright.core.arm.effects.functions import wound_up
+from linkwright.core.arm.errors.drive_zones import Way, ways
+from linkwright.core.arm.errors.lost_motion import played, pushed_discs, sign_vertices
+from linkwright.core.arm.errors.model import CaseModel
+from linkwright.core.sections.numeric import Array
 
 from .dependence import joints_that_matter, still_all_that_matter
 from .polynomial import (

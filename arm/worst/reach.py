@@ -19,11 +19,11 @@ from functools import cached_property
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.following import turns_by_coordinates
-from arm.chain.kinematics import place, tip_position
-from arm.chain.vectors import norm
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import turns_by_coordinates
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.chain.vectors import norm
+from linkwright.core.sections.numeric import Array
 
 from .inverse import damped
 from .workspace import Workspace, climbing_bounds, joint_box, spread, wrapped

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .certificate import climb
 from .workspace import Workspace, distance_to_path, path_points, pull

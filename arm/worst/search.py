@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.following import completed
-from arm.errors.lost_motion import PlayedError, played
-from arm.errors.model import BEAM_FIELDS, ErrorModel
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.errors.lost_motion import PlayedError, played
+from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 from .certificate import Certified, climb, maximise
 from .loose_bound import CONFINED, QUICK, THOROUGH, loose_bound

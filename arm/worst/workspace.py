@@ -16,10 +16,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm, FloatVector
-from arm.errors.parts import Part
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.arm.chain.chain import Arm, FloatVector
+from linkwright.core.arm.errors.parts import Part
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 from .polynomial import Coefficients, Terms, terms_of
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.blind.generator.cases import kind_of, make_case
 from benchmarks.blind.generator.files import write_case
 from benchmarks.blind.seal import write_seal
-from executors import Processes, plain
+from linkwright.core.executors import Processes, plain
 
 HALVES = ("disclosed", "sealed")
 

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import Any
 
 from benchmarks.blind.seal import digest, half_of
-from executors import Processes, plain
+from linkwright.core.executors import Processes, plain
 
 FAILED = -1
 CORRECTED = "corrected"

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .c_code import BLOCK, ENTRY
 

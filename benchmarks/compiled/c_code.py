@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from arm.compiled.tape import Tape, UnsupportedOperation, literal
+from linkwright.core.arm.compiled.tape import Tape, UnsupportedOperation, literal
 
 FAR_ANGLE = 1.0e5
 """Beyond this angle in rad the inline sine and cosine are not trusted: such blocks are reported instead."""

@@ -9,9 +9,9 @@ from threading import Lock
 import casadi as ca
 import numpy as np
 
-from arm.compiled.tape import Tape, read_tape
-from arm.compiled.vectorise import Pattern, VectorFunction
-from sections.numeric import Array
+from linkwright.core.arm.compiled.tape import Tape, read_tape
+from linkwright.core.arm.compiled.vectorise import Pattern, VectorFunction
+from linkwright.core.sections.numeric import Array
 
 from .c_build import Library, build
 from .c_code import BLOCK, c_source

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from sections.section import SectionError
-from units.quantities import InputError, NoAnswer
+from linkwright.core.sections.section import SectionError
+from linkwright.core.units.quantities import InputError, NoAnswer
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"

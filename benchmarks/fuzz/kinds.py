@@ -9,18 +9,18 @@ from functools import cache
 from pathlib import Path
 
 import linkwright as lw
-from arm.actuators import load_actuators
-from arm.chain.chain import Arm
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from catalogues import freecad_cards, materials_csv, stock_csv
-from diagnose.reading.read import read_recording
 from linkwright.commands.compensate import read_poses
+from linkwright.core.arm.actuators import load_actuators
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.catalogues import freecad_cards, materials_csv, stock_csv
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.materials.catalogue import load_layer
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.sections.stock.tables import read_file
 from linkwright.output.diagnosis_folder import learned_from
 from linkwright.output.files import made_by
-from materials.catalogue import load_layer
-from optimize.problem import read_problem
-from sections.stock.tables import read_file
 
 from .kind import EXAMPLES, ROOT, Kind, each_of, example
 from .planning import planning_kinds

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import linkwright as lw
-from arm.chain.chain import Arm
-from arm.files.write import arm_to_yaml
-from diagnose.plan.written import read_plan
-from diagnose.reading.read import read_recording
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.diagnose.plan.written import read_plan
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.journal import journal_digest
+from linkwright.core.optimize.problem import read_problem
 from linkwright.face.planning.budget import sheet_of
 from linkwright.face.planning.watch import read_dated
-from optimize.choice.kept import search_journal
-from optimize.journal import journal_digest
-from optimize.problem import read_problem
 
 from .kind import EXAMPLES, Kind, each_of, example
 

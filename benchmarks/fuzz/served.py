@@ -10,7 +10,6 @@ from typing import Any
 from fastapi import FastAPI
 
 import linkwright as lw
-from arm.chain.chain import Arm
 from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.dropped import Dropped, plain_name
 from linkwright.browser.server.files import add_files
@@ -18,7 +17,8 @@ from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.guard import Guard
 from linkwright.browser.server.jobs import Jobs
 from linkwright.browser.server.shelf import Shelf
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import InputError
 
 from .kind import Kind, each_of, example
 

@@ -14,13 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from arm.files.read import read_arm
 from benchmarks.instruments.page import table, write_table
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import KINDS, Instrument
-from diagnose.result import Diagnosis
-from diagnose.simulate import Plan, simulate
-from units.quantities import format_quantity
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import KINDS, Instrument
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.units.quantities import format_quantity
 
 ARM = """
 name: arm of six joints

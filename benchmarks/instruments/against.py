@@ -21,9 +21,6 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from arm.files.read import read_arm
 from benchmarks.blind.generator.arms import Ranges, arm_file
 from benchmarks.blind.generator.mechanics import Arm as DrawnArm
 from benchmarks.instruments.page import write_table
@@ -33,11 +30,14 @@ from benchmarks.multibody.doses import dosed
 from benchmarks.multibody.engine import machine
 from benchmarks.multibody.instrument import draw_mount
 from benchmarks.multibody.session import Plan, Tips, draw_session, played
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import DISTANCE, KINDS, Instrument
-from diagnose.recording import Recording
-from diagnose.result import Diagnosis
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import DISTANCE, KINDS, Instrument
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.sections.numeric import Array
 
 NOISE = 20e-6
 ANCHOR = (1.1, -0.7, 0.2)

@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
 from benchmarks.blind.generator.thermal import draw_air
 from benchmarks.instruments.against import CAUSES, NOISE, arm_of, least, outcome, recorded, titled
 from benchmarks.instruments.page import write_table
@@ -26,10 +25,11 @@ from benchmarks.multibody.causes import Stage, draw_cause, possible
 from benchmarks.multibody.doses import dosed
 from benchmarks.multibody.engine import Machine, jacobians, machine, place
 from benchmarks.multibody.session import Plan, Session, Tips, played, with_design
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import KINDS, Instrument, Kind
-from diagnose.recording import Recording
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import KINDS, Instrument, Kind
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
 
 FAMILY = "spatial_6r"
 TRACKER = "tracker, frame free"

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.blind.seal import write_seal
 from benchmarks.multibody.cases import HALVES, REMOUNTS, kind_of, make_case
 from benchmarks.multibody.files import write_case
-from executors import Processes, plain
+from linkwright.core.executors import Processes, plain
 
 SEALED_AS = ("disclosed", "sealed")
 """What the runner calls the halves: a sealed one it asks once."""

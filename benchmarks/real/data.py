@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from arm.chain.chain import Arm
-from arm.files.read import read_arm
-from diagnose.reading.read import read_recording
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "real"

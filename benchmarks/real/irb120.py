@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from benchmarks.real.data import IRB120, nominal, read, recording_file
 from benchmarks.real.written import written
-from diagnose.diagnosis import diagnose
-from diagnose.predict import Prediction, predict
-from diagnose.result import Diagnosis
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.predict import Prediction, predict
+from linkwright.core.diagnose.result import Diagnosis
 
 LEARNED = 700
 """Rows of the file to learn from; the rest is foretold."""

@@ -14,14 +14,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.effects import EFFECTS
 from benchmarks.real.splits import Folds
-from diagnose.answer.sentences import name_of
-from diagnose.fitting.prepare import nuisances
-from diagnose.patterns.library import Candidate, columns_of
-from diagnose.residual.observed import Observed
-from diagnose.result import Diagnosis, Finding
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.fitting.prepare import nuisances
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import Diagnosis, Finding
+from linkwright.core.sections.numeric import Array
 
 GEOMETRY = ("axis_misalignment", "encoder_offset", "link_length", "tool_offset", "frame_misalignment")
 _CUT, _NOTHING = 1e-11, 1e-9

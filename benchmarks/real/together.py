@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from arm.chain.chain import Arm
 from benchmarks.real.data import MOTOMAN, UR10, nominal, read, recording_file
 from benchmarks.real.written import written
-from diagnose.diagnosis import diagnose
-from diagnose.predict import predict
-from diagnose.recording import Recording
-from diagnose.result import Diagnosis
-from diagnose.several.recordings import together
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.several.recordings import together
 
 DAYS = ("0516", "0801")
 KINDS = ("grid", "line")

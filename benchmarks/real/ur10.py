@@ -26,13 +26,13 @@ from benchmarks.real.model import (
 )
 from benchmarks.real.within import selected_within
 from benchmarks.real.written import written
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.predict import Prediction, predict
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed
-from diagnose.result import Diagnosis
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.predict import Prediction, predict
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import Diagnosis
 
 CELL = 15.0
 WITH_TIME = ("thermal_expansion", "thermal_bending", "gearbox_thermal", "frame_drift", "creep")

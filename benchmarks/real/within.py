@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from arm.chain.chain import Arm
 from benchmarks.real.model import Array, Part, fitted, found, loose, moved
 from benchmarks.real.splits import Folds
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.recording import Recording
-from diagnose.residual.observed import Observed
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observed import Observed
 
 
 def selected_within(

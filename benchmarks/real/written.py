@@ -5,10 +5,10 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from arm.chain.chain import Arm
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from diagnose.result import Diagnosis
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.diagnose.result import Diagnosis
 
 
 def written(diagnosis: Diagnosis) -> Arm:

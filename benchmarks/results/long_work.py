@@ -10,11 +10,11 @@ from pathlib import Path
 
 from benchmarks.choice_among_millions import COMMANDS, LIMITS, commanded, listed, problem
 from benchmarks.executors_efficiency import TARGET, cluster, measured, slept
-from executors import Cluster, Processes
-from optimize.choice.at_once.branching import Branching
-from optimize.choice.chooser import Chooser
-from optimize.choice.picks import count
-from optimize.exchange.exchange import context_of
+from linkwright.core.executors import Cluster, Processes
+from linkwright.core.optimize.choice.at_once.branching import Branching
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.picks import count
+from linkwright.core.optimize.exchange.exchange import context_of
 
 from . import random_problems
 from .row import Row, at_most

@@ -13,11 +13,17 @@ from benchmarks.exchange_against_grid import ARM, EACH, MASS, PROBLEM, REACH, TA
 from benchmarks.exchange_against_grid import compared as against_grid
 from benchmarks.exchange_against_rivals import TARGETS, played_problem
 from benchmarks.exchange_against_rivals import compared as against_rivals
-from optimize.choice.picks import combinations
-from optimize.exchange.design import MATERIAL_FIELDS, design_space, expressions, material_row, starting_points
-from optimize.exchange.exchange import context_of
-from optimize.problem import Problem, read_problem
-from optimize.run import optimise
+from linkwright.core.optimize.choice.picks import combinations
+from linkwright.core.optimize.exchange.design import (
+    MATERIAL_FIELDS,
+    design_space,
+    expressions,
+    material_row,
+    starting_points,
+)
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.problem import Problem, read_problem
+from linkwright.core.optimize.run import optimise
 
 from .row import Row, at_least
 

@@ -16,14 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from arm.errors.lost_motion import played
-from arm.errors.model import beam_values, beams_of, error_model
 from benchmarks.exchange_against_grid import EACH
-from optimize.problem import Problem, read_problem
-from optimize.run import optimise
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.optimize.problem import Problem, read_problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 FINER = 10
 _BLOCK = 200_000

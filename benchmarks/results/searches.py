@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from materials.catalogue import load_catalogue
-from sections import SHAPES
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import SHAPES
 
 from .row import Row, at_most
 

@@ -21,9 +21,9 @@ from benchmarks.rules.judge import as_text, from_text, tell
 from benchmarks.rules.outcomes import Outcome, Run, as_json, report
 from benchmarks.rules.page import page
 from benchmarks.rules.watch import perturbed, watched
-from diagnose.rules.rule import TIME, Rule, rules_in
-from diagnose.rules.rules import RULES
-from executors import Processes, plain
+from linkwright.core.diagnose.rules.rule import TIME, Rule, rules_in
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.executors import Processes, plain
 
 FACTORS = (0.8, 1.2)
 SEED = 12

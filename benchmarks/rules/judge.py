@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from arm.files.read import read_arm
 from benchmarks.blind.answers import NAMES, REFUSALS, Answer, all_classes_right, in_class
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.reading.read import read_recording
-from diagnose.rules.rules import Rules
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json
-from units.quantities import InputError
 
 REFUSED = "refused"
 """The verdict where the recording was not read at all."""

@@ -8,8 +8,8 @@ import textwrap
 from pathlib import Path
 
 from benchmarks.rules.outcomes import Found, from_json
-from diagnose.rules.rule import Rule, rules_in
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.rules.rule import Rule, rules_in
+from linkwright.core.diagnose.rules.rules import RULES
 
 FOUND = Path(__file__).with_name("found.json")
 """The short of the last run of `make rules`."""

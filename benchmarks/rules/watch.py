@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
-from diagnose.rules.rule import Rule
-from diagnose.rules.rules import Rules
+from linkwright.core.diagnose.rules.rule import Rule
+from linkwright.core.diagnose.rules.rules import Rules
 
 
 def watched(rules: Rules, asked: set[str]) -> Rules:

@@ -32,8 +32,8 @@ def sample(folder: Path, count: int, seed: int, ending: str) -> None:
 
 def junctions(folder: Path) -> None:
     """J of the junction of long strips beyond that of the strips, over the share of the first thickness."""
-    from sections.formulas.open_walls import FREE_END
-    from sections.formulas.saint_venant import solve
+    from linkwright.core.sections.formulas.open_walls import FREE_END
+    from linkwright.core.sections.formulas.saint_venant import solve
 
     share = 0.006 + 0.988 * (0.5 - 0.5 * np.cos(np.pi * (np.arange(26) + 0.5) / 26))
     found = []
@@ -91,10 +91,10 @@ class Fit:
 
 def wall_fits(folder: Path) -> Fits:
     """Everything else, each weighted by its share of what it enters."""
-    from sections.formulas import open_walls as walls
-    from sections.formulas.thin_walls import i_section_cross_base
-    from sections.shapes.channel import Channel
-    from sections.shapes.t_section import TSection
+    from linkwright.core.sections.formulas import open_walls as walls
+    from linkwright.core.sections.formulas.thin_walls import i_section_cross_base
+    from linkwright.core.sections.shapes.channel import Channel
+    from linkwright.core.sections.shapes.t_section import TSection
 
     half, along_flange = Fit("half_shear", 5), Fit("t_shear_y", 4)
     twisted = {

@@ -54,7 +54,7 @@ def fit(name, features, ratio, weight, core, degree, fade=0.1) -> Fits:
 
 def fit_walls(tube, section) -> Fits:
     """Corrections of `sections.formulas.thin_walls` from samples of tubes and of I-sections."""
-    from sections.formulas import thin_walls as tw
+    from linkwright.core.sections.formulas import thin_walls as tw
 
     out: Fits = {}
     for kind, (x, q) in (("tube", tube), ("i", section)):
@@ -122,7 +122,7 @@ def fit_walls(tube, section) -> Fits:
 
 def fit_solids() -> Fits:
     """Corrections of `sections.formulas.closed_forms`: rectangle from its series, triangle from boundary elements."""
-    from sections.formulas.saint_venant import solve
+    from linkwright.core.sections.formulas.saint_venant import solve
 
     def plain(x: np.ndarray, value: np.ndarray, degree: int, weight: np.ndarray | None = None) -> tuple:
         matrix, exponents = powers((x,), degree)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-import sections.fits
-from sections.fits.fit import fits
+import linkwright.core.sections.fits
+from linkwright.core.sections.fits.fit import fits
 
 Fits = dict[str, tuple]
 """Coefficients by the name of their fit."""
@@ -55,7 +55,7 @@ def nest(exponents: list[tuple[int, ...]], coefficients: np.ndarray) -> tuple:
 
 def save(file: str, found: Mapping[str, tuple]) -> None:
     """Put coefficients in the place of the old ones in a data file; all that describes them there stays."""
-    path = Path(sections.fits.__file__).with_name(f"{file}.json")
+    path = Path(linkwright.core.sections.fits.__file__).with_name(f"{file}.json")
     tables = json.loads(path.read_text(encoding="utf-8"))
     for name, coefficients in found.items():
         tables[name]["coefficients"] = coefficients

@@ -16,8 +16,8 @@ from benchmarks.section_fits.fitting import WORST_POISSON, Fits, minimax, nest, 
 
 def fillets(folder: Path) -> Fits:
     """How root fillets change an I-section: log of each factor over the sharp section's."""
-    from sections import ISection
-    from sections.formulas.fillets import fillet_junctions
+    from linkwright.core.sections import ISection
+    from linkwright.core.sections.formulas.fillets import fillet_junctions
 
     width, flange, web, radius, j, ay, cy, az, _ = np.load(folder / "filleted_i_section.npy").T
     height = np.ones_like(width)
@@ -70,7 +70,7 @@ def octagons(folder: Path) -> Fits:
 
 def triangular_tubes(folder: Path) -> Fits:
     """Isosceles triangular tubes: features are width / (width + height) and the hollow's share of the outer size."""
-    from sections.formulas.closed_forms import triangle_torsion_constant
+    from linkwright.core.sections.formulas.closed_forms import triangle_torsion_constant
 
     width, inner, j, ay, cy, az, cz = np.load(folder / "triangular_tube.npy").T
     features = (width / (width + 1.0), inner)
@@ -86,7 +86,7 @@ def triangular_tubes(folder: Path) -> Fits:
 
 def angles(folder: Path) -> Fits:
     """Angles of one thickness: features are (width - height) / (width + height) and t (1 / width + 1 / height)."""
-    from sections.shapes.angle import angle_torsion_base
+    from linkwright.core.sections.shapes.angle import angle_torsion_base
 
     width, t, j, ay, cy, az, cz = np.load(folder / "angle.npy").T
     height = np.ones_like(width)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import qmc
 
-from sections.formulas.saint_venant import moments, solve
+from linkwright.core.sections.formulas.saint_venant import moments, solve
 
 Loops = list[np.ndarray]
 FILLET_CHORDS = 5

@@ -13,10 +13,10 @@ from datetime import date, timedelta
 
 import numpy as np
 
-from diagnose.recording import Recording
-from diagnose.rules.rules import RULES
-from diagnose.watch.estimates import choose, estimate
-from diagnose.watch.watch import basics, watched
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.watch.estimates import choose, estimate
+from linkwright.core.diagnose.watch.watch import basics, watched
 from tests.diagnose.several.days import arm, day
 
 from .quiet import told_at

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy import stats
 
-from diagnose.rules.rules import RULES
-from diagnose.watch.evidence import doubted, in_common, level, looked_for, scatter
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.watch.evidence import doubted, in_common, level, looked_for, scatter
 
 RULE = RULES.watch
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.terms import Term
-from diagnose.instruments.camera import DEPTHS
-from diagnose.residual.noise import NoiseFloor
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
-from units.quantities import format_quantity
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.terms import Term
+from linkwright.core.diagnose.instruments.camera import DEPTHS
+from linkwright.core.diagnose.residual.noise import NoiseFloor
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 
 
 def of_camera(prepared: Prepared, terms: Sequence[Term], noise: NoiseFloor) -> tuple[str, ...]:

@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from arm.assumptions import default_gravity
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from diagnose.fitting.corrected_arm import corrected_arm
-from diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
-from diagnose.fitting.found_origins import found_origins
-from diagnose.fitting.held_out import hardest, splits
-from diagnose.fitting.torque_weights import with_weights
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Recording, RejectedRow
-from diagnose.residual.observe import beyond_first_order
-from diagnose.residual.observed import rms_length
-from diagnose.residual.visits import one_condition
-from diagnose.residual.wander_seen import seen_to_wander
-from diagnose.result import (
+from linkwright.core.arm.assumptions import default_gravity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
+from linkwright.core.diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
+from linkwright.core.diagnose.fitting.found_origins import found_origins
+from linkwright.core.diagnose.fitting.held_out import hardest, splits
+from linkwright.core.diagnose.fitting.torque_weights import with_weights
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.residual.observe import beyond_first_order
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.residual.visits import one_condition
+from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
+from linkwright.core.diagnose.result import (
     Alternative,
     Detectable,
     Diagnosis,
@@ -37,11 +37,11 @@ from diagnose.result import (
     Unknown,
     Verdict,
 )
-from diagnose.search.aliases import Rival
-from diagnose.several.differences import differences
-from diagnose.several.each import from_others, of_recordings, told_without
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.diagnose.search.aliases import Rival
+from linkwright.core.diagnose.several.differences import differences
+from linkwright.core.diagnose.several.each import from_others, of_recordings, told_without
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 from .cameras import of_camera
 from .confirmation import Confirmed

@@ -10,26 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from diagnose.fitting.about_itself import fitted_about_itself
-from diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
-from diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
-from diagnose.fitting.prepare import Prepared, packed_up, set_up
-from diagnose.fitting.refit import Refit, impossible_term, refit, tether
-from diagnose.fitting.room.small_causes import SmallCauses, small_causes
-from diagnose.fitting.room.unnamed import Unnamed, unnamed
-from diagnose.options import Options, Progress
-from diagnose.patterns.library import columns_of
-from diagnose.recording import Recording
-from diagnose.residual.noise import NoiseFloor
-from diagnose.residual.observe import observed_about
-from diagnose.residual.observed import Observed, kept, rms_length
-from diagnose.residual.visits import looks_quieter
-from diagnose.result import LackOfFit, SmallBeside
-from diagnose.rules.rules import Rules
-from diagnose.search.aliases import Rival, rivals
-from diagnose.search.naming import Named, Namer, weighed_again
-from diagnose.search.one_set_of_weights import renamed_under_one_set
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.about_itself import fitted_about_itself
+from linkwright.core.diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
+from linkwright.core.diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
+from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
+from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit, tether
+from linkwright.core.diagnose.fitting.room.small_causes import SmallCauses, small_causes
+from linkwright.core.diagnose.fitting.room.unnamed import Unnamed, unnamed
+from linkwright.core.diagnose.options import Options, Progress
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.noise import NoiseFloor
+from linkwright.core.diagnose.residual.observe import observed_about
+from linkwright.core.diagnose.residual.observed import Observed, kept, rms_length
+from linkwright.core.diagnose.residual.visits import looks_quieter
+from linkwright.core.diagnose.result import LackOfFit, SmallBeside
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.diagnose.search.aliases import Rival, rivals
+from linkwright.core.diagnose.search.naming import Named, Namer, weighed_again
+from linkwright.core.diagnose.search.one_set_of_weights import renamed_under_one_set
+from linkwright.core.sections.numeric import Array
 
 from .guard.lack_of_fit import refuted_by, refutes
 from .guard.scatter import follows

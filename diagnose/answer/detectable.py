@@ -11,13 +11,13 @@ import numpy as np
 from scipy import stats
 from scipy.optimize import brentq
 
-from arm.effects import EFFECTS
-from diagnose.fitting.prepare import Prepared
-from diagnose.patterns.library import Candidate, kind_of, parameter_of
-from diagnose.residual.observed import rms_length
-from diagnose.result import Detectable
-from diagnose.search.calibrate import Calibrated, gumbel
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.patterns.library import Candidate, kind_of, parameter_of
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.result import Detectable
+from linkwright.core.diagnose.search.calibrate import Calibrated, gumbel
+from linkwright.core.sections.numeric import Array
 
 
 def detectable(

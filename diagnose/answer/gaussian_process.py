@@ -16,9 +16,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 _STEPS = 40
 

@@ -16,15 +16,15 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from arm.chain.chain import Arm
-from arm.chain.jacobian import motion_directions
-from diagnose.recording import Recording
-from diagnose.residual.visits import blocks_of, same_pose
-from diagnose.result import Covered
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.rules import RULES, Rules
-from diagnose.several.recordings import nominal_tips
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.jacobian import motion_directions
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.visits import blocks_of, same_pose
+from linkwright.core.diagnose.result import Covered
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.several.recordings import nominal_tips
+from linkwright.core.sections.numeric import Array
 
 Rows = NDArray[np.int64]
 

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnose.fitting.prepare import Prepared
-from diagnose.patterns.basis import interactions, tip_axes, tip_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.residual.observed import Observed
-from diagnose.result import Dependence
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.rules import RULES
-from diagnose.search.calibrate import p_value, shuffled
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.patterns.basis import interactions, tip_axes, tip_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import Dependence
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.calibrate import p_value, shuffled
+from linkwright.core.sections.numeric import Array
 
 
 def joint_shares(prepared: Prepared) -> tuple[float, ...]:

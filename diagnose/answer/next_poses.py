@@ -13,22 +13,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.avoid.poses import Room, drawn, room_of
-from arm.chain.following import completed
-from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import nuisances
-from diagnose.instruments.instrument import POINT
-from diagnose.patterns.library import columns_of
-from diagnose.plan.tried import approach
-from diagnose.recording import Recording, since_the_reading_before
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed
-from diagnose.result import NextPose
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.search.aliases import Rival
-from diagnose.search.naming import Namer
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.arm.avoid.poses import Room, drawn, room_of
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.prepare import nuisances
+from linkwright.core.diagnose.instruments.instrument import POINT
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.plan.tried import approach
+from linkwright.core.diagnose.recording import Recording, since_the_reading_before
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import NextPose
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.search.aliases import Rival
+from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 from .sentences import label_of
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from arm.errors.unknown_mass import weighs_nothing
-from diagnose.fitting.prepare import Prepared
-from diagnose.patterns.library import Candidate
-from diagnose.recording import Recording
-from diagnose.result import (
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.unknown_mass import weighs_nothing
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import (
     Alternative,
     Difference,
     Finding,
@@ -26,10 +26,10 @@ from diagnose.result import (
     Unknown,
     Verdict,
 )
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.rules import RULES
-from diagnose.several.recordings import Several
-from units.quantities import format_quantity
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
 _MANY_FINDINGS = 4

@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from diagnose.fitting.fit import normal_solution
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.refit import Refit
-from diagnose.fitting.under_weights import CHANGE, SAG
-from diagnose.patterns.pool import orthonormal
-from diagnose.result import FittedParameter
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.fitting.fit import normal_solution
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.refit import Refit
+from linkwright.core.diagnose.fitting.under_weights import CHANGE, SAG
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import RULES
 
 
 def may_be_nothing(parameters: Sequence[FittedParameter], sizes: Sequence[str]) -> bool:

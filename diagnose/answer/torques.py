@@ -7,11 +7,11 @@ from itertools import groupby
 
 import numpy as np
 
-from diagnose.residual.observed import Observed
-from diagnose.residual.torque import DriveTorque, Factor
-from diagnose.residual.unweighed import Weighed
-from diagnose.rules.residual_rules import ResidualRules
-from units.quantities import format_quantity
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.residual.torque import DriveTorque, Factor
+from linkwright.core.diagnose.residual.unweighed import Weighed
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.units.quantities import format_quantity
 
 
 def weights_by_torque(observed: Observed) -> tuple[str, ...]:

@@ -8,19 +8,19 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.fitting.fit import Fit, displacement, fit, impossible, remaining
-from diagnose.fitting.held_out import residual_held_out
-from diagnose.fitting.prepare import Prepared
-from diagnose.patterns.forms import SENTENCES
-from diagnose.patterns.library import Candidate
-from diagnose.recording import Recording
-from diagnose.residual.observed import rms_length
-from diagnose.residual.visits import looks_quieter
-from diagnose.result import Dependence, Form, RejectedForm, Unknown
-from diagnose.rules.answer_rules import AnswerRules
-from diagnose.search.naming import Namer
-from diagnose.search.subsets import gains, products
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import Fit, displacement, fit, impossible, remaining
+from linkwright.core.diagnose.fitting.held_out import residual_held_out
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.patterns.forms import SENTENCES
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.residual.visits import looks_quieter
+from linkwright.core.diagnose.result import Dependence, Form, RejectedForm, Unknown
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.sections.numeric import Array
 
 from .gaussian_process import smooth_model
 from .locate import depends_on

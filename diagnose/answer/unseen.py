@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from arm.chain.jacobian import motion_directions
-from diagnose.fitting.fit import beyond_nuisances
-from diagnose.fitting.prepare import Prepared
-from diagnose.instruments.view import rigid_motions
-from diagnose.residual.observed import rms_length
-from sections.numeric import Array
+from linkwright.core.arm.chain.jacobian import motion_directions
+from linkwright.core.diagnose.fitting.fit import beyond_nuisances
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.instruments.view import rigid_motions
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.sections.numeric import Array
 
 
 def unseen(prepared: Prepared) -> tuple[str, ...]:

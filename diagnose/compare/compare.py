@@ -16,19 +16,19 @@ from types import MappingProxyType
 import numpy as np
 from scipy import stats
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.effects import EFFECTS
-from diagnose.fitting.corrected_arm import as_entry
-from diagnose.fitting.fit import t_quantile
-from diagnose.fitting.prepare import nuisances
-from diagnose.patterns.library import Candidate, columns_of, kind_of
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.visits import blocks_of
-from diagnose.result import Covered, Diagnosis, Finding, FittedParameter
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.corrected_arm import as_entry
+from linkwright.core.diagnose.fitting.fit import t_quantile
+from linkwright.core.diagnose.fitting.prepare import nuisances
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of, kind_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.visits import blocks_of
+from linkwright.core.diagnose.result import Covered, Diagnosis, Finding, FittedParameter
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 
 from .places import Region, SharedPoses, regions, shared_poses
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import tip_position
-from diagnose.answer.iso_figures import clusters
-from diagnose.recording import Recording
-from diagnose.residual.observed import rms_length
-from diagnose.residual.visits import same_pose
-from diagnose.result import Diagnosis
-from diagnose.rules.compare_rules import CompareRules
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.answer.iso_figures import clusters
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.residual.visits import same_pose
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.rules.compare_rules import CompareRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

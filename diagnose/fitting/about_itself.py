@@ -14,14 +14,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import EffectEntry
-from diagnose.patterns.flexibility import entry
-from diagnose.patterns.library import columns_of
-from diagnose.patterns.packed import packed
-from diagnose.patterns.pool import orthonormal
-from diagnose.residual.observe import observed_about
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.diagnose.patterns.flexibility import entry
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.patterns.packed import packed
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.residual.observe import observed_about
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 from .corrected_arm import as_entry
 from .fit import Fit, beyond_nuisances, fit

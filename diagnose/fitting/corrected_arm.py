@@ -8,13 +8,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.effects import EFFECTS
-from diagnose.patterns.library import Candidate
-from diagnose.patterns.unknown_weights import weight_entries
-from diagnose.result import FittedParameter
-from diagnose.rules.fitting_rules import FittingRules
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.patterns.unknown_weights import weight_entries
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.diagnose.rules.rules import RULES
 
 from .refit import Refit
 from .shared_weights import factors

@@ -9,15 +9,15 @@ import numpy as np
 from scipy import stats
 from scipy.linalg import eigh
 
-from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import file_compliance
-from arm.effects.loads.link_mass import LINK_MASS, mass_declared
-from diagnose.patterns.library import Candidate, Family, parameter_of
-from diagnose.patterns.unknown_weights import only_products
-from diagnose.residual.observed import Observed
-from diagnose.rules.fitting_rules import FittingRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
+from linkwright.core.arm.effects.loads.link_mass import LINK_MASS, mass_declared
+from linkwright.core.diagnose.patterns.library import Candidate, Family, parameter_of
+from linkwright.core.diagnose.patterns.unknown_weights import only_products
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 from .prepare import Prepared
 

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm
-from arm.chain.vectors import to_roll_pitch_yaw
-from diagnose.patterns.library import columns_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.residual.free_origins import TURNS, Freedom, known, moved, of_observed, turned_whole
-from diagnose.result import FittedParameter, FoundOrigin
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.vectors import to_roll_pitch_yaw
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.residual.free_origins import TURNS, Freedom, known, moved, of_observed, turned_whole
+from linkwright.core.diagnose.result import FittedParameter, FoundOrigin
+from linkwright.core.sections.numeric import Array
 
 from .fit import solved, t_quantile
 from .prepare import Prepared

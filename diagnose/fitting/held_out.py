@@ -8,10 +8,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.patterns.basis import tip_of
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.visits import poses
-from sections.numeric import Array
+from linkwright.core.diagnose.patterns.basis import tip_of
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.visits import poses
+from linkwright.core.sections.numeric import Array
 
 from .fit import normal_solution
 

@@ -15,17 +15,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import columns, matrices
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place
-from diagnose.recording import Recording
-from diagnose.residual.free_origins import moved, of_observed, origin_columns, turned_whole, with_origin
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.placement import rigid
-from diagnose.rules.fitting_rules import FittingRules
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import columns, matrices
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.free_origins import moved, of_observed, origin_columns, turned_whole, with_origin
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.placement import rigid
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 
 from .prepare import nuisances
 

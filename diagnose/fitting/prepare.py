@@ -14,25 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from arm.effects import EFFECTS, Settings
-from diagnose.options import Options
-from diagnose.patterns.forms import forms
-from diagnose.patterns.library import Candidate, candidates, parameter_of
-from diagnose.patterns.packed import Columns, Packed, packed
-from diagnose.patterns.pool import Pool, exchanged, make_pool
-from diagnose.recording import RejectedRow
-from diagnose.residual.free_origins import of_observed, origin_columns
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.orientation import tool_turns
-from diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
-from diagnose.residual.visits import blocks_of, looks_quieter, poses
-from diagnose.residual.wander import clock, remembered, still, wander_in, without
-from diagnose.rules.fitting_rules import FittingRules
-from diagnose.rules.rules import RULES
-from diagnose.search.subsets import Criterion, criterion_for, gains, products
-from diagnose.several.nuisances import of_each
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.forms import forms
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, parameter_of
+from linkwright.core.diagnose.patterns.packed import Columns, Packed, packed
+from linkwright.core.diagnose.patterns.pool import Pool, exchanged, make_pool
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.diagnose.residual.free_origins import of_observed, origin_columns
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.orientation import tool_turns
+from linkwright.core.diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
+from linkwright.core.diagnose.residual.visits import blocks_of, looks_quieter, poses
+from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.subsets import Criterion, criterion_for, gains, products
+from linkwright.core.diagnose.several.nuisances import of_each
+from linkwright.core.sections.numeric import Array
 
 from .thresholds import at_best
 

@@ -19,18 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from arm.chain.chain import EffectEntry
-from arm.effects import EFFECTS
-from diagnose.patterns.flexibility import entry, through_flexibility
-from diagnose.patterns.library import Candidate, columns_of, kind_of, parameter_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.patterns.unknown_weights import (
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.patterns.flexibility import entry, through_flexibility
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of, kind_of, parameter_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.patterns.unknown_weights import (
     Weight,
 )
-from diagnose.result import FittedParameter
-from diagnose.rules.fitting_rules import FittingRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, held_within

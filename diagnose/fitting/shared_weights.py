@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

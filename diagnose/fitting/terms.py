@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.effects import EFFECTS
-from diagnose.patterns.library import Candidate, parameter_of
-from diagnose.patterns.unknown_weights import Weight
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.patterns.library import Candidate, parameter_of
+from linkwright.core.diagnose.patterns.unknown_weights import Weight
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 DIFFERENCE = 1e-4
 """The share of a size's typical upper end by which it is changed to see what that does."""

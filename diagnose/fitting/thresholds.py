@@ -13,12 +13,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.effects import EFFECTS
-from arm.effects.loads.added_weights import bearing
-from diagnose.patterns.library import Candidate, columns_of, parameter_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of, parameter_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 _ALIKE = 1e-4
 """Loads that are nearer to each other in proportion are one: both readings of a visit, at the shape just fitted."""

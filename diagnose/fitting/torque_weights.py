@@ -15,15 +15,15 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm, EffectEntry, Link
-from arm.chain.statics import solve
-from arm.effects import EFFECTS
-from arm.errors.model import beams_of
-from diagnose.residual.observed import Observed
-from diagnose.residual.torque import DriveTorque
-from diagnose.several.recordings import Several
-from sections.numeric import Array
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Link
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.residual.torque import DriveTorque
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 
 
 @dataclass(frozen=True)

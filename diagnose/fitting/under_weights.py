@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import EffectEntry
-from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import file_compliance
-from diagnose.patterns.library import Candidate
-from diagnose.patterns.unknown_weights import (
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.patterns.unknown_weights import (
     Weight,
     columns_under_weights,
     levers,
@@ -24,9 +24,9 @@ from diagnose.patterns.unknown_weights import (
     weight_entries,
     weights_given,
 )
-from diagnose.residual.observed import Observed
-from diagnose.result import FittedParameter
-from sections.numeric import Array
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.sections.numeric import Array
 
 from .fit import solved, t_quantile
 from .prepare import Prepared

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from arm.chain.chain import Arm
-from units.quantities import InputError, shown
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import InputError, shown
 
 from .instrument import KINDS, TILT_X, Instrument, direction_along
 

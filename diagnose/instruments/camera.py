@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from diagnose.recording import Recording
-from diagnose.residual.placement import rigid
-from diagnose.rules.residual_rules import ResidualRules
-from sections.numeric import Array
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.placement import rigid
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.sections.numeric import Array
 
 from .instrument import CAMERA
 

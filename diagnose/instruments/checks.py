@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Recording, RejectedRow
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError, format_quantity
 
 from .instrument import ALONG, BAR, CAMERA, DISTANCE, NAMES, PLANE, Slots
 from .level import stand_of, tilts

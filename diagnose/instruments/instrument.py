@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.vectors import unit
+from linkwright.core.arm.chain.vectors import unit
 
 Kind = Literal["position", "along", "distance", "same_point", "plane", "tilt", "bar", "camera"]
 Slots = NDArray[np.int64]

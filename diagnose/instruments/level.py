@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import columns
-from arm.chain.chain import Arm
-from arm.chain.kinematics import place
-from diagnose.recording import Recording
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .instrument import TILT_X, TILT_Y
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Literal, cast
 
-from units.names import nearest
-from units.quantities import InputError, read_number, shown
-from units.reading import Mapping
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, read_number, shown
+from linkwright.core.units.reading import Mapping
 
 from .instrument import KINDS, Instrument, Kind, direction_along
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnose.recording import Recording
+from linkwright.core.diagnose.recording import Recording
 
 from .instrument import Slots
 

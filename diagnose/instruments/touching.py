@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from arm.chain.following import completed
-from arm.chain.jacobian import jacobian
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.jacobian import jacobian
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .view import touched_bars, touched_planes
 

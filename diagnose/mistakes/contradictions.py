@@ -11,13 +11,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from diagnose.residual.placement import Placement, placed, turn_of
-from diagnose.rules.mistake_rules import MistakeRules
-from sections.numeric import Array
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.placement import Placement, placed, turn_of
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError, format_quantity
 
 from .convention_search import Explained, explained_by_convention
 from .units import UnitChange, unit_changes

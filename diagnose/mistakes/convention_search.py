@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from diagnose.residual.placement import placed
-from diagnose.rules.mistake_rules import MistakeRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.residual.placement import placed
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 from .conventions import Slip, no_slip, single_slips, zero_slip
 

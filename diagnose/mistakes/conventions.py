@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.rules.mistake_rules import MistakeRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 _QUARTER = math.pi / 2.0
 

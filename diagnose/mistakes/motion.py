@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from diagnose.recording import Recording, RejectedRow
-from diagnose.residual.placement import Placement, placed
-from diagnose.rules.mistake_rules import MistakeRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.residual.placement import Placement, placed
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 from .contradictions import contradictions, distance_with_joint_free, shown_length
 from .row_lists import rows_text

@@ -14,13 +14,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording, RejectedRow
-from diagnose.residual.robust_scale import resolution
-from diagnose.rules.mistake_rules import MistakeRules
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.residual.robust_scale import resolution
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError, format_quantity
 
 from .motion import motion_checked
 from .row_lists import rows_text

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from diagnose.residual.observe import undeformed
-from diagnose.residual.torque import DriveTorque, Factor, drive_torques
-from diagnose.residual.unweighed import against_any_masses, unweighed
-from diagnose.residual.visits import visits
-from diagnose.rules.residual_rules import ResidualRules
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import undeformed
+from linkwright.core.diagnose.residual.torque import DriveTorque, Factor, drive_torques
+from linkwright.core.diagnose.residual.unweighed import against_any_masses, unweighed
+from linkwright.core.diagnose.residual.visits import visits
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.units.quantities import InputError
 
 
 def refuse_torques_of_another_sign(

@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
 
 _TIP = ("x", "y", "z")
 _MILLIONS = (1e6, 1e-6)

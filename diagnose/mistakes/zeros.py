@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.fitting.fit import fit, remaining
-from diagnose.fitting.prepare import Prepared, prepare
-from diagnose.options import Options
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import rms_length
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.fit import fit, remaining
+from linkwright.core.diagnose.fitting.prepare import Prepared, prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.units.quantities import InputError
 
 from .contradictions import shown_length
 from .conventions import no_slip, zero_slip

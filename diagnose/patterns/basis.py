@@ -7,10 +7,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.arrays import columns
-from diagnose.instruments.instrument import TILT_X, TILT_Y
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.diagnose.instruments.instrument import TILT_X, TILT_Y
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 from .library import Candidate
 

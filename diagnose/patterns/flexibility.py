@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from arm.chain.chain import EffectEntry
-from arm.effects import EFFECTS
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
 
 from .forces import FORCES
 from .library import Candidate, parameter_of

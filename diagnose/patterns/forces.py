@@ -11,14 +11,14 @@ from types import MappingProxyType
 import numpy as np
 from scipy.optimize import minimize
 
-from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
-from arm.errors.recorded import turned_levels
-from arm.errors.tip import carried_to_tip, rotation_at_tip
-from diagnose.residual.observed import Observed
-from diagnose.residual.visits import blocks_of
-from diagnose.rules.pattern_rules import PatternRules
-from diagnose.search.subsets import gains, products
-from sections.numeric import Array
+from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.errors.recorded import turned_levels
+from linkwright.core.arm.errors.tip import carried_to_tip, rotation_at_tip
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.residual.visits import blocks_of
+from linkwright.core.diagnose.rules.pattern_rules import PatternRules
+from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.sections.numeric import Array
 
 from .basis import clock_of, form, interactions, run_of, scaled_position, tip_of
 from .library import Candidate

@@ -12,11 +12,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.effects.geometry.tool_offset import TOOL_OFFSET
-from diagnose.residual.observed import Observed
-from diagnose.residual.visits import blocks_of
-from diagnose.rules.pattern_rules import PatternRules
-from sections.numeric import Array
+from linkwright.core.arm.effects.geometry.tool_offset import TOOL_OFFSET
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.residual.visits import blocks_of
+from linkwright.core.diagnose.rules.pattern_rules import PatternRules
+from linkwright.core.sections.numeric import Array
 
 from .basis import clock_of, form, interactions, run_of, scaled_position, tip_axes
 from .forces import forces, weight_at_tip

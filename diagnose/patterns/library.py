@@ -13,14 +13,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
-from arm.effects.effect import Condition
-from arm.effects.loads.added_weights import bearing
-from arm.files.read import acts_on_slides
-from diagnose.residual.observed import Observed
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS, Effect, Parameter, Readings, Settings, kind_at
+from linkwright.core.arm.effects.effect import Condition
+from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.arm.files.read import acts_on_slides
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 from .unknown_weights import columns_under_weights, only_products
 

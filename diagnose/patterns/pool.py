@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.rules.pattern_rules import PatternRules
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
+from linkwright.core.diagnose.rules.pattern_rules import PatternRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 
 from .library import Candidate
 

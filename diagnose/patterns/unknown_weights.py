@@ -13,13 +13,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.chain.statics import PoseState
-from arm.effects import EFFECTS, Effect, Settings
-from arm.effects.loads.unknown_weight import MOMENTS, UNKNOWN_WEIGHT, unit_weights, without_unit_weights
-from arm.errors.recorded import Asked, seen
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects import EFFECTS, Effect, Settings
+from linkwright.core.arm.effects.loads.unknown_weight import MOMENTS, UNKNOWN_WEIGHT, unit_weights, without_unit_weights
+from linkwright.core.arm.errors.recorded import Asked, seen
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 Weight = tuple[int, str]
 """A link (from 0) and the parameter of `unknown_weight` that says what of its weight is meant."""

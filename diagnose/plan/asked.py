@@ -9,11 +9,11 @@ from typing import Literal
 
 import numpy as np
 
-from arm.avoid.poses import Room
-from arm.chain.chain import Arm
-from diagnose.instruments.instrument import Instrument
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
+from linkwright.core.arm.avoid.poses import Room
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 
 INSTRUMENTS = MappingProxyType(
     {

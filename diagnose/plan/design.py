@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.rules.plan_rules import PlanRules
-from sections.numeric import Array
+from linkwright.core.diagnose.rules.plan_rules import PlanRules
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import tip_position
-from diagnose.instruments.view import touched_bars, touched_planes
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.instruments.view import touched_bars, touched_planes
+from linkwright.core.diagnose.recording import Recording
 
 from .asked import Asked
 from .promise import Promise, Shown

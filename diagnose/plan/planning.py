@@ -12,21 +12,21 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import tip_position
-from diagnose.fitting.prepare import nuisances
-from diagnose.instruments.camera import is_camera
-from diagnose.instruments.touching import least_touches
-from diagnose.instruments.view import touched_planes
-from diagnose.options import Progress
-from diagnose.patterns.library import Candidate, candidates, columns_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed
-from diagnose.rules.rules import Rules
-from diagnose.several.recordings import Several, together
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.fitting.prepare import nuisances
+from linkwright.core.diagnose.instruments.camera import is_camera
+from linkwright.core.diagnose.instruments.touching import least_touches
+from linkwright.core.diagnose.instruments.view import touched_planes
+from linkwright.core.diagnose.options import Progress
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.sections.numeric import Array
 
 from .asked import Asked, seen_axes
 from .design import Patterns, chosen_visits

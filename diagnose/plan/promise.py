@@ -12,22 +12,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from diagnose.answer.detectable import detectable, is_plain, largest_size
-from diagnose.fitting.prepare import Prepared, limits, nuisances
-from diagnose.patterns.library import Candidate, candidates, parameter_of
-from diagnose.patterns.packed import Columns, packed
-from diagnose.patterns.pool import make_pool
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed
-from diagnose.result import Detectable
-from diagnose.rules.rules import Rules
-from diagnose.search.calibrate import given_model, one_more
-from diagnose.several.recordings import Several, together
-from diagnose.simulate import Plan, simulate
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.detectable import detectable, is_plain, largest_size
+from linkwright.core.diagnose.fitting.prepare import Prepared, limits, nuisances
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, parameter_of
+from linkwright.core.diagnose.patterns.packed import Columns, packed
+from linkwright.core.diagnose.patterns.pool import make_pool
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.result import Detectable
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.diagnose.search.calibrate import given_model, one_more
+from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.sections.numeric import Array
 
 from .asked import Asked, Place, view
 from .torques import TorqueTold

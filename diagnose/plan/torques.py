@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from diagnose.recording import Recording
-from diagnose.residual.recorded_conditions import conditions_of
-from diagnose.residual.torque import DriveDesign, drive_designs
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.diagnose.residual.torque import DriveDesign, drive_designs
+from linkwright.core.sections.numeric import Array
 
 from .asked import Asked
 

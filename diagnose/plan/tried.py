@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from arm.avoid.poses import NoRoom, Room, drawn
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from arm.chain.following import completed
-from diagnose.instruments.touching import touched
-from diagnose.rules.plan_rules import PlanRules
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.avoid.poses import NoRoom, Room, drawn
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.diagnose.instruments.touching import touched
+from linkwright.core.diagnose.rules.plan_rules import PlanRules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .asked import Asked
 

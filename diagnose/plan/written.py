@@ -10,20 +10,20 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.chain.following import completed
-from arm.chain.kinematics import tip_position
-from diagnose.instruments.instrument import ALONG, DISTANCE, LABELS, Instrument
-from diagnose.reading.columns import UnitMissing, meaning_of
-from diagnose.reading.read import measurable, recording_from
-from diagnose.reading.settings import ReadingSettings
-from diagnose.reading.table import Layout, Table, read_table
-from diagnose.reading.write import cell, recording_columns
-from diagnose.recording import Recording, since_the_reading_before
-from diagnose.rules.rules import RULES, Rules
-from diagnose.simulate import Plan, simulate
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, LABELS, Instrument
+from linkwright.core.diagnose.reading.columns import UnitMissing, meaning_of
+from linkwright.core.diagnose.reading.read import measurable, recording_from
+from linkwright.core.diagnose.reading.settings import ReadingSettings
+from linkwright.core.diagnose.reading.table import Layout, Table, read_table
+from linkwright.core.diagnose.reading.write import cell, recording_columns
+from linkwright.core.diagnose.recording import Recording, since_the_reading_before
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .asked import Asked
 from .tried import Tried

@@ -9,14 +9,14 @@ from types import MappingProxyType
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm
-from diagnose.instruments.instrument import Instrument
-from diagnose.recording import Recording, since_the_reading_before
-from diagnose.residual.visits import same_pose
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.recording import Recording, since_the_reading_before
+from linkwright.core.diagnose.residual.visits import same_pose
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 
 from .read_column import ReadColumn
 from .settings import ReadingSettings

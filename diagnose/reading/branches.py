@@ -6,9 +6,9 @@ from collections.abc import Collection
 
 import numpy as np
 
-from arm.chain.chain import Arm, Branch
-from units.names import nearest
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.chain.chain import Arm, Branch
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, format_quantity
 
 from .columns import meaning_of
 from .read_column import ReadColumn

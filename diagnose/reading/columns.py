@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from arm.chain.chain import Arm
-from units.quantities import InputError, kind_of, read_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
 _WHOLE = re.compile(

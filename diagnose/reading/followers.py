@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.following import coordinates
-from diagnose.rules.residual_rules import ResidualRules
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.following import coordinates
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.units.quantities import InputError, format_quantity
 
 from .columns import meaning_of
 from .read_column import ReadColumn

@@ -16,9 +16,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Array
-from units.names import nearest
-from units.quantities import InputError, shown
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[^\W\d]\w*")

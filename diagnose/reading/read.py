@@ -13,19 +13,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.fitting.origins import located
-from diagnose.instruments.checks import sights_checked
-from diagnose.instruments.instrument import LABELS
-from diagnose.instruments.split import laid_out
-from diagnose.mistakes.readings import checked
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
-from diagnose.recording import Recording, RejectedRow
-from diagnose.rules.rules import RULES, Rules
-from sections.numeric import Array
-from units.names import nearest
-from units.quantities import InputError, shown
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.origins import located
+from linkwright.core.diagnose.instruments.checks import sights_checked
+from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.instruments.split import laid_out
+from linkwright.core.diagnose.mistakes.readings import checked
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
 
 from .assemble import assembled
 from .branches import to_its_tip, with_others_at_rest

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.reading.write import label_columns, recording_columns, settings_text
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.write import label_columns, recording_columns, settings_text
+from linkwright.core.diagnose.recording import Recording
 
 _ROUNDED = 0.500001
 """How far a number may be from what it was, in units of the last decimal that is written."""

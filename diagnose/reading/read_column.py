@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .columns import ColumnMeaning
 

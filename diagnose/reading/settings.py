@@ -12,12 +12,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
-from arm.avoid.regions import Region
-from arm.files.avoid import read_avoid
-from diagnose.instruments.instrument import Instrument
-from diagnose.instruments.settings import read_instrument
-from units.quantities import InputError, shown
-from units.reading import Mapping, load_yaml, read_text
+from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.files.avoid import read_avoid
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.settings import read_instrument
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import Mapping, load_yaml, read_text
 
 from .table import Layout
 

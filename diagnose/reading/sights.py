@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.instruments.instrument import (
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.instrument import (
     BAR,
     CAMERA,
     KINDS,
@@ -22,10 +22,10 @@ from diagnose.instruments.instrument import (
     Kind,
     Slots,
 )
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import RejectedRow
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .columns import example_headers
 from .read_column import ReadColumn

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.recording import RejectedRow
-from sections.numeric import Array
-from units.files import read_bytes
-from units.quantities import InputError, shown
-from units.workbook import is_workbook, workbook_text
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.files import read_bytes
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.workbook import is_workbook, workbook_text
 
 from .columns import looks_like_ours, otherwise_spelled
 

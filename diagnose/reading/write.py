@@ -8,13 +8,23 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.files.avoid import avoid_to_list
-from diagnose.instruments.instrument import BAR, CAMERA, DISTANCE, KINDS, LABELS, NAMES, TILT_X, TILT_Y, Slots
-from diagnose.recording import Recording
-from sections.numeric import Array
-from units.quantities import format_quantity
-from units.temperature import ZERO_CELSIUS
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.avoid import avoid_to_list
+from linkwright.core.diagnose.instruments.instrument import (
+    BAR,
+    CAMERA,
+    DISTANCE,
+    KINDS,
+    LABELS,
+    NAMES,
+    TILT_X,
+    TILT_Y,
+    Slots,
+)
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.temperature import ZERO_CELSIUS
 
 
 def recording_text(recording: Recording, arm: Arm) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 from .placement import rigid
 

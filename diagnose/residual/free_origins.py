@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm, FloatVector, Joint, OriginPart
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Rotation as Rows
-from arm.chain.vectors import Vector, compose, cross, dot, plus, rotate, scale, snap_vector, transpose
-from arm.effects import Twist
-from arm.errors.recorded import seen_of_links
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, OriginPart
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Rotation as Rows
+from linkwright.core.arm.chain.vectors import Vector, compose, cross, dot, plus, rotate, scale, snap_vector, transpose
+from linkwright.core.arm.effects import Twist
+from linkwright.core.arm.errors.recorded import seen_of_links
+from linkwright.core.sections.numeric import Array
 
 from .observed import Observed
 

@@ -15,17 +15,17 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from diagnose.instruments.instrument import NAMES
-from diagnose.instruments.level import stand_of
-from diagnose.instruments.view import viewed
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Recording, RejectedRow
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.instrument import NAMES
+from linkwright.core.diagnose.instruments.level import stand_of
+from linkwright.core.diagnose.instruments.view import viewed
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 
 from .placement import placed
 from .robust_scale import qn, resolution

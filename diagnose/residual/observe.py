@@ -14,24 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import columns, matrices
-from arm.chain.chain import Arm, EffectEntry
-from arm.chain.conditions import Conditions, in_pieces
-from arm.chain.statics import PoseState, solve
-from arm.errors.exact import Deformed
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
-from arm.errors.tip import ActiveEffect, active_effects
-from arm.errors.unknown_mass import of_unknown_mass, without_unknown
-from diagnose.instruments.camera import is_camera
-from diagnose.instruments.level import link_of_levels, stand_of
-from diagnose.instruments.view import View, viewed
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES, Rules
-from diagnose.several.recordings import Several
-from diagnose.several.states import joined
-from diagnose.several.views import view_of_several
+from linkwright.core.arm.chain.arrays import columns, matrices
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.chain.conditions import Conditions, in_pieces
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.errors.exact import Deformed
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, Channels, levels_of, on_shape, seen, shape_of
+from linkwright.core.arm.errors.tip import ActiveEffect, active_effects
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass, without_unknown
+from linkwright.core.diagnose.instruments.camera import is_camera
+from linkwright.core.diagnose.instruments.level import link_of_levels, stand_of
+from linkwright.core.diagnose.instruments.view import View, viewed
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.diagnose.several.states import joined
+from linkwright.core.diagnose.several.views import view_of_several
 
 from .alignment import Alignment, aligned
 from .observed import Observed, kept, softening_of, tool_moved, turns_measured, with_effects

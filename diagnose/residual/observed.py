@@ -14,19 +14,19 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm, EffectEntry, FloatVector
-from arm.chain.statics import PoseState
-from arm.effects import EFFECTS, Settings
-from arm.effects.angles.encoder_offset import ENCODER_OFFSET
-from arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
-from arm.effects.geometry.link_length import LINK_LENGTH
-from arm.effects.loads.added_weights import weights_added
-from arm.errors.recorded import Asked, Channels, seen
-from diagnose.instruments.camera import Sight
-from diagnose.instruments.view import View
-from diagnose.recording import Recording
-from diagnose.rules.rules import RULES, Rules
-from diagnose.several.recordings import Several
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, FloatVector
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.effects.angles.encoder_offset import ENCODER_OFFSET
+from linkwright.core.arm.effects.geometry.instrument_scale import INSTRUMENT_SCALE
+from linkwright.core.arm.effects.geometry.link_length import LINK_LENGTH
+from linkwright.core.arm.effects.loads.added_weights import weights_added
+from linkwright.core.arm.errors.recorded import Asked, Channels, seen
+from linkwright.core.diagnose.instruments.camera import Sight
+from linkwright.core.diagnose.instruments.view import View
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.several.recordings import Several
 
 from .alignment import Alignment
 from .orientation import has_orientation

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import matrices
-from arm.chain.chain import Arm
-from arm.chain.statics import PoseState, solve
-from arm.errors.model import beams_of
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import matrices
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 
 def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation: Array) -> Array:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import nominal
-from arm.chain.chain import Arm
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
 
 _STEPS = 40
 _TUKEY = 4.685

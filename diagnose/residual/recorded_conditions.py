@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.conditions import Conditions, Past
-from diagnose.recording import Earlier, Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.conditions import Conditions, Past
+from linkwright.core.diagnose.recording import Earlier, Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 
 def conditions_of(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Conditions:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 _QN = 2.21914
 _SMALL = (0.399, 0.994, 0.512, 0.844, 0.611, 0.857, 0.669, 0.872)

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from diagnose.rules.fitting_rules import FittingRules
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)

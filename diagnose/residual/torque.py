@@ -15,13 +15,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import columns
-from arm.chain.chain import Arm
-from arm.chain.statics import PoseState, solve
-from arm.errors.model import beams_of
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from sections.numeric import Array
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.sections.numeric import Array
 
 _TOLD = 1e-6
 

@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from arm.chain.balance import PointMass
-from arm.chain.chain import Arm
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.arm.chain.balance import PointMass
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 from .recorded_conditions import conditions_of
 from .visits import visits

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
 
 from .observed import Observed
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solve_banded
 
-from diagnose.recording import Recording
-from diagnose.rules.fitting_rules import FittingRules
-from sections.numeric import Array
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.fitting_rules import FittingRules
+from linkwright.core.sections.numeric import Array
 
 
 def clock(recording: Recording) -> Array:

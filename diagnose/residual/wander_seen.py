@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .observed import Observed
 from .told_apart import come_back_to

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.effects import EFFECTS
-from arm.effects.effect import LAST_RANK
-from diagnose.fitting.fit import Fit, fit, typical
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.effect import LAST_RANK
+from linkwright.core.diagnose.fitting.fit import Fit, fit, typical
+from linkwright.core.sections.numeric import Array
 
 from .naming import Named, Namer
 from .subsets import gains, products

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.patterns.pool import Pool, orthonormal
-from diagnose.rules.rules import RULES
-from diagnose.rules.search_rules import SearchRules
-from sections.numeric import Array
+from linkwright.core.diagnose.patterns.pool import Pool, orthonormal
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.rules.search_rules import SearchRules
+from linkwright.core.sections.numeric import Array
 
 from .subsets import Criterion
 

@@ -14,17 +14,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain.chain import EffectEntry
-from arm.effects import EFFECTS
-from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Patterns, Prepared, exchange, packed_up
-from diagnose.fitting.shared_weights import factors
-from diagnose.patterns.flexibility import entry, flexible, through_flexibility
-from diagnose.patterns.forces import forces
-from diagnose.patterns.library import Candidate, candidates
-from diagnose.patterns.unknown_weights import product_entry, weight_entries, weights_of
-from diagnose.residual.observed import Observed
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.prepare import Patterns, Prepared, exchange, packed_up
+from linkwright.core.diagnose.fitting.shared_weights import factors
+from linkwright.core.diagnose.patterns.flexibility import entry, flexible, through_flexibility
+from linkwright.core.diagnose.patterns.forces import forces
+from linkwright.core.diagnose.patterns.library import Candidate, candidates
+from linkwright.core.diagnose.patterns.unknown_weights import product_entry, weight_entries, weights_of
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.sections.numeric import Array
 
 from .aliases import renamed
 from .naming import Named, Namer, name_missing

@@ -17,19 +17,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from diagnose.fitting.fit import fit, impossible, remaining
-from diagnose.fitting.prepare import Prepared, nuisances, packed_up, patterns_of, prepare, set_up
-from diagnose.options import Options
-from diagnose.patterns.library import Candidate, columns_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.visits import visits
-from diagnose.result import Mislabelled
-from diagnose.rules.rules import Rules
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.fit import fit, impossible, remaining
+from linkwright.core.diagnose.fitting.prepare import Prepared, nuisances, packed_up, patterns_of, prepare, set_up
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.visits import visits
+from linkwright.core.diagnose.result import Mislabelled
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
 
 from .naming import Namer, name_missing
 from .subsets import gains, products

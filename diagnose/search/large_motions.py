@@ -13,14 +13,14 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.arrays import columns
-from arm.chain.chain import EffectEntry
-from diagnose.fitting.corrected_arm import as_entry
-from diagnose.fitting.fit import beyond_nuisances, fit
-from diagnose.patterns.basis import tip_of
-from diagnose.patterns.library import Candidate
-from diagnose.residual.observe import beyond_first_order
-from diagnose.residual.observed import Observed, rms_length
+from linkwright.core.arm.chain.arrays import columns
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.diagnose.fitting.corrected_arm import as_entry
+from linkwright.core.diagnose.fitting.fit import beyond_nuisances, fit
+from linkwright.core.diagnose.patterns.basis import tip_of
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.residual.observe import beyond_first_order
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
 
 from .aliases import likenesses
 from .naming import Named, Namer

@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.fitting.fit import fit, impossible
-from diagnose.fitting.prepare import Prepared, limits
-from diagnose.fitting.refit import refined_shapes
-from diagnose.fitting.room.small_causes import with_room
-from diagnose.patterns.forces import pull_found
-from diagnose.patterns.library import Candidate, columns_of
-from diagnose.patterns.pool import Pool, with_group
-from diagnose.rules.search_rules import SearchRules
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import fit, impossible
+from linkwright.core.diagnose.fitting.prepare import Prepared, limits
+from linkwright.core.diagnose.fitting.refit import refined_shapes
+from linkwright.core.diagnose.fitting.room.small_causes import with_room
+from linkwright.core.diagnose.patterns.forces import pull_found
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.patterns.pool import Pool, with_group
+from linkwright.core.diagnose.rules.search_rules import SearchRules
+from linkwright.core.sections.numeric import Array
 
 from .calibrate import Calibrated, Given, given_model, one_more
 from .subsets import Subset, best_subsets, gains_beside, own_blocks, products

@@ -12,12 +12,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from arm.effects import EFFECTS
-from diagnose.fitting.fit import beyond_nuisances, fit, remaining
-from diagnose.fitting.prepare import exchange
-from diagnose.fitting.refit import Refit, refit
-from diagnose.patterns.unknown_weights import only_products
-from diagnose.residual.observed import rms_length
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.fit import beyond_nuisances, fit, remaining
+from linkwright.core.diagnose.fitting.prepare import exchange
+from linkwright.core.diagnose.fitting.refit import Refit, refit
+from linkwright.core.diagnose.patterns.unknown_weights import only_products
+from linkwright.core.diagnose.residual.observed import rms_length
 
 from .aliases import renamed, stands
 from .large_motions import candidates_of

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.patterns.pool import Layout, Pool
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.patterns.pool import Layout, Pool
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 _GONE = 1e-9
 """A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""

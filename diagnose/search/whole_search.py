@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from diagnose.patterns.pool import Pool
-from executors import Executor, Here, Work
-from sections.numeric import Array
+from linkwright.core.diagnose.patterns.pool import Pool
+from linkwright.core.executors import Executor, Here, Work
+from linkwright.core.sections.numeric import Array
 
 from .calibrate import drawn_anew, p_value
 from .naming import Named, Namer

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnose.fitting.fit import t_quantile
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.refit import Refit
-from diagnose.patterns.library import Candidate, columns_of, kind_of, of_one
-from diagnose.result import Difference, FittedParameter
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import t_quantile
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.refit import Refit
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of, kind_of, of_one
+from linkwright.core.diagnose.result import Difference, FittedParameter
+from linkwright.core.sections.numeric import Array
 
 
 def differences(

@@ -7,14 +7,14 @@ from pathlib import PurePath
 
 import numpy as np
 
-from diagnose.fitting.fit import solved
-from diagnose.patterns.library import Candidate
-from diagnose.recording import RejectedRow
-from diagnose.residual.noise import NoiseFloor
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.result import OfRecording
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import solved
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.diagnose.residual.noise import NoiseFloor
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.result import OfRecording
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 
 def of_recordings(

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnose.recording import RejectedRow
-from diagnose.residual.noise import NoiseFloor
-from diagnose.several.recordings import Several
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.diagnose.residual.noise import NoiseFloor
+from linkwright.core.diagnose.several.recordings import Several
 
 
 def floor_of_all(floors: Sequence[NoiseFloor], several: Several) -> NoiseFloor:

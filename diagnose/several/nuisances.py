@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnose.residual.observed import Observed
-from diagnose.several.recordings import Several
-from sections.numeric import Array
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.sections.numeric import Array
 
 
 def of_each(

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from diagnose.answer.sentences import label_of, mm
-from diagnose.fitting.fit import fit, remaining
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import rms_length
-from diagnose.result import OtherArms
-from diagnose.search.naming import Namer
-from diagnose.several.recordings import Several
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.sentences import label_of, mm
+from linkwright.core.diagnose.fitting.fit import fit, remaining
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.result import OtherArms
+from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.several.recordings import Several
 
 
 def of_different_arms(

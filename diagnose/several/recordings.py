@@ -11,16 +11,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import tip_position
-from diagnose.instruments.camera import is_camera
-from diagnose.instruments.split import as_scalars
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.recording import Earlier, Recording, RejectedRow
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.instruments.camera import is_camera
+from linkwright.core.diagnose.instruments.split import as_scalars
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.recording import Earlier, Recording, RejectedRow
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .sessions import earlier, gone_on_from
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnose.recording import Earlier, Recording
-from diagnose.rules.residual_rules import ResidualRules
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.recording import Earlier, Recording
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 
 
 def gone_on_from(recordings: Sequence[Recording], *, rules: ResidualRules = RULES.residual) -> tuple[int | None, ...]:

@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.chain.conditions import Conditions
-from arm.chain.kinematics import Orientation
-from arm.chain.vectors import Scalar
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.kinematics import Orientation
+from linkwright.core.arm.chain.vectors import Scalar
 
 Held = TypeVar("Held")
 Array = NDArray[np.float64]

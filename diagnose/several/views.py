@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnose.instruments.camera import joined_sights
-from diagnose.instruments.view import View
+from linkwright.core.diagnose.instruments.camera import joined_sights
+from linkwright.core.diagnose.instruments.view import View
 
 
 def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View | None:

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from diagnose.rules.watch_rules import WatchRules
-from sections.numeric import Array
+from linkwright.core.diagnose.rules.watch_rules import WatchRules
+from linkwright.core.sections.numeric import Array
 
 from .evidence import Tried, doubted, kink, looked_for, scatter, tried
 

@@ -8,21 +8,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.effects import EFFECTS
-from diagnose.compare.compare import CommonFit, candidate_of, fit_columns
-from diagnose.diagnosis import cleaned_of
-from diagnose.fitting.corrected_arm import as_entry
-from diagnose.fitting.prepare import nuisances
-from diagnose.fitting.terms import Term, term_at
-from diagnose.patterns.library import Candidate, candidates, columns_of, kind_of
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.observed import Observed, kept
-from diagnose.result import Finding
-from diagnose.rules.rules import RULES, Rules
-from diagnose.rules.watch_rules import WatchRules
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.compare.compare import CommonFit, candidate_of, fit_columns
+from linkwright.core.diagnose.diagnosis import cleaned_of
+from linkwright.core.diagnose.fitting.corrected_arm import as_entry
+from linkwright.core.diagnose.fitting.prepare import nuisances
+from linkwright.core.diagnose.fitting.terms import Term, term_at
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, kind_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed, kept
+from linkwright.core.diagnose.result import Finding
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.rules.watch_rules import WatchRules
+from linkwright.core.sections.numeric import Array
 
 _RIDGE = 1e-12
 """What keeps columns that are multiples of each other apart, of their squares."""

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 _MEDIAN = float(stats.chi2.median(1))
 """The median of a squared standard normal."""

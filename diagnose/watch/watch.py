@@ -15,17 +15,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from arm.chain.chain import Arm
-from arm.effects import EFFECTS
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.fit import t_quantile
-from diagnose.options import Options
-from diagnose.recording import Recording
-from diagnose.result import Diagnosis
-from diagnose.rules.watch_rules import WatchRules
-from diagnose.several.recordings import names_of, together
-from executors import Executor
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.fit import t_quantile
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.rules.watch_rules import WatchRules
+from linkwright.core.diagnose.several.recordings import names_of, together
+from linkwright.core.executors import Executor
+from linkwright.core.sections.numeric import Array
 
 from .course import FEWEST, Course, Kind, Measured, Series, course_of
 from .estimates import Chosen, Estimates, Parameter, Unwatched, choose, estimate, parameters_of

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.effects import Effect, Parameter, Settings, Twist
-from arm.effects.effect import drive_motion
-from sections.numeric import cos, sin
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
+from linkwright.core.arm.effects.effect import drive_motion
+from linkwright.core.sections.numeric import cos, sin
 
 BEFORE, AFTER = 0.12, 0.15
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import read_text
 from linkwright.output.files import check_target, write_result
-from units.quantities import InputError
-from units.reading import read_text
 
 from .options import CatalogueFile, JsonFile, MarkdownFile, Tip, as_options, asked_of, not_lost, tell
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from arm.chain.chain import Arm
+    from linkwright.core.arm.chain.chain import Arm
 
 HELP = """The error over the workspace as a table: by how much the tip is off, and what to add to each joint against it.
 
@@ -79,7 +79,7 @@ def read_poses(path: Path, arm: Arm) -> NDArray[np.float64]:
     import numpy as np
     import pandas as pd
 
-    from diagnose.reading.table import as_number
+    from linkwright.core.diagnose.reading.table import as_number
 
     text = read_text(path)
     try:

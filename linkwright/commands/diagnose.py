@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import nearest
 from linkwright.output.files import check_target, write_result
-from units.quantities import InputError
-from units.reading import nearest
 
 from .options import (
     Author,
@@ -124,7 +124,7 @@ def diagnose(
 
 def known_effects(names: Sequence[str]) -> frozenset[str]:
     """The effects named by `--without-effect`; raises `InputError` with the nearest name for one that is not known."""
-    from arm.effects import EFFECTS
+    from linkwright.core.arm.effects import EFFECTS
 
     for name in names:
         if name not in EFFECTS:

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import format_quantity
 from linkwright.output.files import check_target, write_json
 from linkwright.version import program_version
-from units.quantities import format_quantity
 
 from .groups import command_group
 from .options import JsonFile
 
 if TYPE_CHECKING:
-    from arm.effects import Effect, Parameter
+    from linkwright.core.arm.effects import Effect, Parameter
 
 HELP = """The physics that the models know: list, show."""
 LIST_HELP = """Every effect, and whether a model has it without being asked.

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import REPORT, RESULT, check_target, claim_folder, write_result
-from units.quantities import InputError
 
 from .options import (
     Author,
@@ -29,7 +29,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
+    from linkwright.core.arm.chain.chain import Arm
 
 HELP = """The worst position error over the workspace, where it is, what each effect adds, and the arm's figures.
 

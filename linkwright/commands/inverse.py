@@ -17,8 +17,8 @@ from linkwright.results.figures_in_words import MINUS, coordinate, figure
 from .options import CatalogueFile, JsonFile, Tip, as_options
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
-    from arm.worst.inverse import InversePose
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.arm.worst.inverse import InversePose
 
 HELP = """The joint coordinates within the joint ranges that put the tip at a point, every branch.
 

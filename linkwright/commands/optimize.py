@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.output.files import (
     DESIGN,
     REPORT,
@@ -18,7 +19,6 @@ from linkwright.output.files import (
     write_markdown,
     write_result,
 )
-from units.quantities import InputError, NoAnswer
 
 from .options import (
     Author,
@@ -40,10 +40,10 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from executors import Executor
+    from linkwright.core.executors import Executor
+    from linkwright.core.optimize.result import Iteration
     from linkwright.face.design import Optimization
     from linkwright.face.problem import Problem
-    from optimize.result import Iteration
 
 HELP = """The best design within a problem's limits: what changes, how sure it is, what binds and what that costs.
 
@@ -96,7 +96,7 @@ def optimize(
     if round_to is None and round_length is not None:
         raise InputError("", "--round-length", "goes with --round; write --round stock, or --round '0.5 mm'")
     if round_to is not None:
-        from optimize.rounding.options import read_rounding
+        from linkwright.core.optimize.rounding.options import read_rounding
 
         read_rounding(round_to, round_length)  # a mistake is told before anything is read
     with waiting("reading"):

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from units.quantities import InputError, NoAnswer
+from linkwright.core.units.quantities import InputError, NoAnswer
 
 if TYPE_CHECKING:
-    from executors import Executor
+    from linkwright.core.executors import Executor
     from linkwright.results.document import Description
 
 JsonFile = Annotated[
@@ -146,7 +146,7 @@ def not_lost(described: Description) -> Generator[None]:
 def crew_of(workers: int | None, dask: str | None) -> Generator[Executor]:
     """The processes or the cluster that the options ask for. Where they are lost before there is any answer, one line
     says so."""
-    from executors import Cluster, Processes, WorkersLost
+    from linkwright.core.executors import Cluster, Processes, WorkersLost
 
     if dask is not None and workers is not None:
         raise InputError("", "--workers", "goes without --dask, whose workers are the cluster's own; leave one out")
@@ -185,8 +185,8 @@ def as_options(**named: str) -> Generator[None]:
 @contextmanager
 def asked_of(file: Path) -> Generator[None]:
     """Turn what the arm of a file lacks into wrong input that names the file."""
-    from arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
-    from arm.errors.model import PropertyNeeded
+    from linkwright.core.arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
+    from linkwright.core.arm.errors.model import PropertyNeeded
 
     try:
         yield

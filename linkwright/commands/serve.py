@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from linkwright.core.units.quantities import InputError
 from linkwright.screen.console import console
-from units.quantities import InputError
 
 HELP = """The same in a browser: arms drawn and edited, optimised, traded off, diagnosed; catalogues; results kept.
 

@@ -10,9 +10,9 @@ from typing import Annotated, Any, cast
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.output.files import OUTPUT, check_target, write_result
-from units.quantities import InputError, format_quantity
-from units.reading import load_yaml, parse_yaml
 
 from .options import (
     Anchor,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import (
     RESULT,
     check_target,
@@ -17,7 +18,6 @@ from linkwright.output.files import (
     write_file,
     write_result,
 )
-from units.quantities import InputError
 
 from .options import (
     Author,
@@ -38,12 +38,12 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from executors import Executor
+    from linkwright.core.executors import Executor
+    from linkwright.core.optimize.tradeoff.journal import Journal
+    from linkwright.core.optimize.tradeoff.question import Question
     from linkwright.face.problem import Problem
     from linkwright.face.tradeoff import Tradeoff
     from linkwright.report.origin import Origin
-    from optimize.tradeoff.journal import Journal
-    from optimize.tradeoff.question import Question
 
 HELP = """The trade-off between two figures: no design of the front can be beaten in both.
 
@@ -116,7 +116,7 @@ def tradeoff(
     if resume and out is None:
         raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
     with waiting("reading"):
-        from optimize.tradeoff.question import question
+        from linkwright.core.optimize.tradeoff.question import question
 
         given = lw.read_problem(problem, catalogue=catalogue)
         asked = question(given.model, x, y, by=None if by is None else by.value, reach=reach.value)
@@ -140,10 +140,10 @@ def tradeoff(
 
 def _journal(asked: Question, accuracy: float, out: Path | None, *, resume: bool) -> Journal:
     """The journal in the output folder, which is made or taken again; without a folder, one that is not written."""
+    from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
+    from linkwright.core.optimize.tradeoff.question import digest
     from linkwright.json.tradeoff import made_by
     from linkwright.output.tradeoff_folder import FILES
-    from optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
-    from optimize.tradeoff.question import digest
 
     own = digest(asked, accuracy)
     if out is None:

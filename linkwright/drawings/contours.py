@@ -10,14 +10,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.section import Section
-from sections.shapes.circle import Circle
-from sections.shapes.ellipse import Ellipse
-from sections.shapes.elliptical_tube import EllipticalTube
-from sections.shapes.i_section import ISection
-from sections.shapes.rectangle import box
-from sections.shapes.rectangular_tube import RectangularTube
-from sections.shapes.tube import Tube
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.shapes.circle import Circle
+from linkwright.core.sections.shapes.ellipse import Ellipse
+from linkwright.core.sections.shapes.elliptical_tube import EllipticalTube
+from linkwright.core.sections.shapes.i_section import ISection
+from linkwright.core.sections.shapes.rectangle import box
+from linkwright.core.sections.shapes.rectangular_tube import RectangularTube
+from linkwright.core.sections.shapes.tube import Tube
 
 Point: TypeAlias = tuple[float, float]
 """Across and along the height, m from the centroid."""

@@ -16,15 +16,15 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm, Link
-from arm.descriptions.formats import Exported
-from arm.placed.heights import heights
-from arm.placed.views import Side, sides
+from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.arm.descriptions.formats import Exported
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.arm.placed.views import Side, sides
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.shapes.circle import Circle
+from linkwright.core.sections.shapes.tube import Tube
+from linkwright.core.sections.taper import Tapered
 from linkwright.results.figures_in_words import figure, material_words, section_words
-from sections.section import Section
-from sections.shapes.circle import Circle
-from sections.shapes.tube import Tube
-from sections.taper import Tapered
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import section_directions
-from arm.chain.prices import joint_price_dates, link_price_dates, price_of, price_of_link
-from arm.descriptions.bodies import rod
-from arm.descriptions.formats import Exported
-from arm.errors.model import beams_of
-from arm.placed.heights import heights
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import section_directions
+from linkwright.core.arm.chain.prices import joint_price_dates, link_price_dates, price_of, price_of_link
+from linkwright.core.arm.descriptions.bodies import rod
+from linkwright.core.arm.descriptions.formats import Exported
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.spreadsheet import defused
 from linkwright.results.figures_in_words import shape_words
-from sections.taper import Tapered
-from units.spreadsheet import defused
 
 _DIGITS = 9
 

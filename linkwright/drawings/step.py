@@ -14,12 +14,12 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.descriptions.formats import Exported
-from arm.placed.stands import Stand, stands
-from sections.section import Section
-from sections.taper import Tapered
-from units.quantities import InputError, shown
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.descriptions.formats import Exported
+from linkwright.core.arm.placed.stands import Stand, stands
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import InputError, shown
 
 from .contours import Arc, Arcs, Contour, Corners, Line, Point, Ring, contours, edges
 

@@ -9,25 +9,25 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from arm.chain.chain import Arm as Model
-from arm.files.origin import UNKNOWN_ORIGIN
-from arm.files.read import arm_from
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
+from linkwright.core.arm.files.read import arm_from
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.materials.catalogue import Catalogue, load_catalogue
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping as Reader
+from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.results.figures_in_words import mm, section_words
-from materials.catalogue import Catalogue, load_catalogue
-from units.quantities import InputError
-from units.reading import Mapping as Reader
-from units.reading import load_yaml, parse_yaml
 
 from .given import File, edited, plain
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from arm.evaluation import Evaluation
+    from linkwright.core.arm.evaluation import Evaluation
 
 
 @dataclass(frozen=True, init=False)
@@ -110,7 +110,7 @@ class Arm:
     >>> arm.replace("chain[1].link.lenght", "430 mm")
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: Arm: chain[1].link: unknown key 'lenght'; did you mean 'length'?
+    linkwright.InputError: Arm: chain[1].link: unknown key 'lenght'; did you mean 'length'?
     """
 
     model: Model

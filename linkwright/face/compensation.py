@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arm.chain.kinematics import tip_position
-from arm.compensation import Heard, default_grid, moves, table_at, table_over
-from arm.compensation import Table as Found
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.compensation import Heard, default_grid, moves, table_at, table_over
+from linkwright.core.arm.compensation import Table as Found
+from linkwright.core.units.quantities import InputError
 from linkwright.json.compensation import compensation_json, table_columns
 from linkwright.output.files import write_file
 from linkwright.output.table_file import WAYS, write_table
-from units.quantities import InputError
 
 from .arm import Arm, arm_of
 from .evaluation import pose_of

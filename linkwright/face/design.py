@@ -8,9 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from arm.chain.chain import Arm as Model
-from arm.evaluation import Evaluation as Evaluated
-from executors import Executor
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.evaluation import Evaluation as Evaluated
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.limits import Figure
+from linkwright.core.optimize.result import Iteration, OptimizationResult
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
@@ -21,13 +28,6 @@ from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.redesign import redesign_json, redesign_sentences
-from optimize.choice.kept import search_journal
-from optimize.limits import Figure
-from optimize.result import Iteration, OptimizationResult
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import optimise_rounded
-from optimize.run import optimise
-from units.quantities import InputError, format_quantity
 
 from .arm import Arm
 from .evaluation import Evaluation

@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from arm.effects import EFFECTS
-from diagnose.compare.compare import Comparison as FoundComparison
-from diagnose.compare.compare import compare as compared
-from diagnose.diagnosis import diagnose as diagnosed
-from diagnose.options import Options
-from diagnose.reading.branches import refuse_unmeasured_origins
-from diagnose.result import Diagnosis as Found
-from diagnose.result import FittedParameter
-from diagnose.several.recordings import Several, together
-from executors import Executor
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.compare.compare import Comparison as FoundComparison
+from linkwright.core.diagnose.compare.compare import compare as compared
+from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
+from linkwright.core.diagnose.result import Diagnosis as Found
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.executors import Executor
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
 from linkwright.output.written_arm import with_written
@@ -30,8 +32,6 @@ from linkwright.report.pictures.residual_map import hover_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from linkwright.results.diagnoses.words import name_words
 from linkwright.results.redesign import redesign_json
-from units.names import nearest
-from units.quantities import InputError
 
 from .arm import Arm, arm_of, catalogue_of
 from .design import Redesign

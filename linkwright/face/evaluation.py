@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arm.chain.chain import Arm as Model
-from arm.chain.following import completed
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.errors.unknown_mass import unknown_taken_out
-from arm.evaluation import ErrorMap, error_map
-from arm.evaluation import Evaluation as Found
-from arm.evaluation import evaluate as evaluated
-from arm.worst.search import WorstSearch
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
+from linkwright.core.arm.evaluation import ErrorMap, error_map
+from linkwright.core.arm.evaluation import Evaluation as Found
+from linkwright.core.arm.evaluation import evaluate as evaluated
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.robust.figure import robust_figure
+from linkwright.core.optimize.robust.result import RobustFigure
+from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns
 from linkwright.report.contents import Contents
 from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
 from linkwright.results.figures_in_words import effect_title
-from optimize.limits import FIGURES, Figure
-from optimize.robust.figure import robust_figure
-from optimize.robust.result import RobustFigure
-from units.quantities import InputError
 
 from .arm import Arm, arm_of
 from .figures import ROBUST, Figured, Values, values_of

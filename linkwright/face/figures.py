@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from arm.chain.chain import Arm
-from arm.evaluation import Evaluation
-from optimize.limits import FIGURES, Figure
-from optimize.limits.error import MAX_ERROR
-from optimize.limits.frequency import FIRST_FREQUENCY
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.limits.error import MAX_ERROR
+from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
 
 if TYPE_CHECKING:
     import pandas as pd

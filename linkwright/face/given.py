@@ -10,9 +10,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol, cast, runtime_checkable
 
-from sections.section import Section
-from units.names import nearest
-from units.quantities import InputError, SIFloat, SIInt, read_quantity, shown
+from linkwright.core.sections.section import Section
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, SIFloat, SIInt, read_quantity, shown
 
 Quantity = str | float
 """A quantity as text with its unit (`"400 mm"`), or a number in SI."""

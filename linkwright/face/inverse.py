@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arm.chain.following import completed
-from arm.chain.kinematics import tip_position
-from arm.chain.vectors import Rotation, about
-from arm.worst.inverse import InversePose
-from arm.worst.inverse import inverse as found_poses
+from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.vectors import Rotation, about
+from linkwright.core.arm.worst.inverse import InversePose
+from linkwright.core.arm.worst.inverse import inverse as found_poses
+from linkwright.core.units.quantities import InputError
 from linkwright.json.fields import joint_columns
 from linkwright.json.inverse import inverse_json
-from units.quantities import InputError
 
 from .arm import Arm, arm_of
 from .given import File, Quantity, in_si

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from diagnose.predict import Prediction as Found
-from diagnose.predict import predict as predicted
+from linkwright.core.diagnose.predict import Prediction as Found
+from linkwright.core.diagnose.predict import predict as predicted
 from linkwright.json.fields import joint_columns
 from linkwright.json.prediction import prediction_json
 

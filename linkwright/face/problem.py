@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from arm.chain.chain import LoadCase
-from optimize.problem import Problem as Model
-from optimize.problem import problem_from
-from units.quantities import InputError
-from units.reading import Mapping as Reader
-from units.reading import load_yaml
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.optimize.problem import Problem as Model
+from linkwright.core.optimize.problem import problem_from
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping as Reader
+from linkwright.core.units.reading import load_yaml
 
 from .arm import Arm, arm_of, catalogue_of, read_arm
 from .given import File, edited, plain

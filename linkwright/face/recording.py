@@ -10,29 +10,29 @@ from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
-from arm.avoid.poses import NoRoom
-from arm.chain.chain import EffectEntry
-from arm.files.read import arm_from
-from diagnose.instruments.asked import observed_by
-from diagnose.instruments.instrument import LABELS
-from diagnose.plan.written import read_plan
-from diagnose.reading.read import read_recording as read_file
-from diagnose.reading.read import recording_from
-from diagnose.reading.read_back import unlike, unlike_settings
-from diagnose.reading.settings import find_settings, read_settings
-from diagnose.reading.table import table_of
-from diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
-from diagnose.recording import Recording as Found
-from diagnose.residual.visits import visits
-from diagnose.simulate import Plan
-from diagnose.simulate import Simulation as Made
-from diagnose.simulate import simulate as simulated
+from linkwright.core.arm.avoid.poses import NoRoom
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.files.read import arm_from
+from linkwright.core.diagnose.instruments.asked import observed_by
+from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.plan.written import read_plan
+from linkwright.core.diagnose.reading.read import read_recording as read_file
+from linkwright.core.diagnose.reading.read import recording_from
+from linkwright.core.diagnose.reading.read_back import unlike, unlike_settings
+from linkwright.core.diagnose.reading.settings import find_settings, read_settings
+from linkwright.core.diagnose.reading.table import table_of
+from linkwright.core.diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
+from linkwright.core.diagnose.recording import Recording as Found
+from linkwright.core.diagnose.residual.visits import visits
+from linkwright.core.diagnose.simulate import Plan
+from linkwright.core.diagnose.simulate import Simulation as Made
+from linkwright.core.diagnose.simulate import simulate as simulated
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import Mapping as Reader
 from linkwright.json.simulation import simulation_json
 from linkwright.output.files import json_text, write_file
 from linkwright.output.read_back import ReadBack
-from units.names import nearest
-from units.quantities import InputError, shown
-from units.reading import Mapping as Reader
 
 from .arm import Arm, arm_of, catalogue_of
 from .given import File, Quantity, in_si, plain

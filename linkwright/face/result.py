@@ -8,13 +8,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
 from linkwright.output.read_back import ReadBack
 from linkwright.report.contents import Contents, page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
 from linkwright.results.document import plain as plain_words
-from units.quantities import InputError
 
 from .given import File
 

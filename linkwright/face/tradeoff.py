@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from arm.chain.chain import Arm as Model
-from executors import Executor
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.limits import Figure
+from linkwright.core.optimize.tradeoff.front import Point
+from linkwright.core.optimize.tradeoff.front import Tradeoff as Found
+from linkwright.core.optimize.tradeoff.journal import Journal
+from linkwright.core.optimize.tradeoff.question import Question, question
+from linkwright.core.optimize.tradeoff.trace import Progress as Traced
+from linkwright.core.optimize.tradeoff.tradeoff import ACCURACY, trade_off
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
 from linkwright.report.contents import Contents
 from linkwright.report.origin import origin_of
 from linkwright.report.pages.tradeoff import front_figure, tradeoff_report
-from optimize.limits import Figure
-from optimize.tradeoff.front import Point
-from optimize.tradeoff.front import Tradeoff as Found
-from optimize.tradeoff.journal import Journal
-from optimize.tradeoff.question import Question, question
-from optimize.tradeoff.trace import Progress as Traced
-from optimize.tradeoff.tradeoff import ACCURACY, trade_off
 
 from .arm import Arm, catalogue_of
 from .figures import Figured, Values

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import contextmanager, nullcontext
 
-from executors import Executor, Processes
-from executors.threads import one_thread
-from units.quantities import InputError
+from linkwright.core.executors import Executor, Processes
+from linkwright.core.executors.threads import one_thread
+from linkwright.core.units.quantities import InputError
 
 
 @contextmanager

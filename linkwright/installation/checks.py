@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 State = Literal["sound", "left out", "wrong"]
 
@@ -109,7 +109,7 @@ def _solver() -> Check:
     """Solve what has a known solution: the point of the unit disc that is nearest to (3, 4)."""
     import casadi as ca
 
-    from optimize.exchange.program import ipopt_options
+    from linkwright.core.optimize.exchange.program import ipopt_options
 
     try:
         at: Any = ca.MX.sym("at", 2)
@@ -125,10 +125,10 @@ def _solver() -> Check:
 
 
 def _catalogues() -> Iterator[Check]:
-    from arm.actuators.catalogue import load_actuators, user_actuators_path
-    from materials.catalogue import load_catalogue, user_catalogue_path
-    from sections import SectionError
-    from sections.stock.tables import load_stock, user_stock_path
+    from linkwright.core.arm.actuators.catalogue import load_actuators, user_actuators_path
+    from linkwright.core.materials.catalogue import load_catalogue, user_catalogue_path
+    from linkwright.core.sections import SectionError
+    from linkwright.core.sections.stock.tables import load_stock, user_stock_path
 
     def stock() -> int:
         try:
@@ -153,7 +153,7 @@ def _catalogue(name: str, count: Callable[[], int], own: Path | None) -> Check:
 
 def _folders() -> Iterator[Check]:
     """Where own catalogues go, and where temporary files do."""
-    from materials.catalogue import user_catalogue_path
+    from linkwright.core.materials.catalogue import user_catalogue_path
 
     yield _folder("folder of own catalogues", user_catalogue_path().parent)
     try:
@@ -181,7 +181,7 @@ def _threads() -> Check:
     import numpy as np
     import scipy.linalg
 
-    from executors.threads import threads
+    from linkwright.core.executors.threads import threads
 
     scipy.linalg.lu(np.linalg.inv(np.eye(2)))  # now the libraries are loaded
     counts = sorted(set(threads()))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from linkwright.core.optimize.budget.result import Budget, Gain
 from linkwright.version import program_version
-from optimize.budget.result import Budget, Gain
 
 from .fields import fields, in_mm
 

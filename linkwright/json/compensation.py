@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.compensation import Table
-from arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.arm.compensation import Table
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.version import program_version
 
 from .fields import fields, joint_columns

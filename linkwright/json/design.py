@@ -7,25 +7,25 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from arm.chain.chain import Arm, Link, LoadCase
-from arm.files.write import material_to_value, section_to_mapping
-from arm.placed.heights import heights
-from arm.worst.workspace import Workspace
+from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
+from linkwright.core.arm.files.write import material_to_value, section_to_mapping
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.worse import softened_links, worse_figures
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.temperature import ZERO_CELSIUS
 from linkwright.version import program_version
-from optimize.limits import FIGURES, Figure
-from optimize.worse import softened_links, worse_figures
-from sections.taper import Tapered
-from units.quantities import format_quantity
-from units.temperature import ZERO_CELSIUS
 
 from .fields import fields, in_mm
 from .robust import figure_json, robust_json
 
 if TYPE_CHECKING:
-    from arm.evaluation import Compliance, Evaluation
-    from arm.worst.growth import GrowthLeftOut
-    from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
-    from optimize.robust.result import RobustFigure
+    from linkwright.core.arm.evaluation import Compliance, Evaluation
+    from linkwright.core.arm.worst.growth import GrowthLeftOut
+    from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
+    from linkwright.core.optimize.robust.result import RobustFigure
 
 _LENGTH_DIGITS = 7
 

@@ -8,10 +8,10 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import Any
 
-from arm.chain.chain import Arm
-from diagnose.answer.sentences import put_right
-from diagnose.recording import Recording, RejectedRow
-from diagnose.result import (
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.answer.sentences import put_right
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.result import (
     Covered,
     Detectable,
     Diagnosis,
@@ -26,11 +26,11 @@ from diagnose.result import (
     SmallBeside,
     Unknown,
 )
-from diagnose.several.recordings import Several
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.units.quantities import format_quantity, kind_of
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.recordings import unit_files
 from linkwright.version import program_version
-from units.quantities import format_quantity, kind_of
 
 from .design import coordinates
 from .fields import fields, in_mm

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from arm.chain.chain import Joint, Link
-from arm.descriptions.formats import Exported
-from arm.descriptions.imported_arm import Imported
+from linkwright.core.arm.chain.chain import Joint, Link
+from linkwright.core.arm.descriptions.formats import Exported
+from linkwright.core.arm.descriptions.imported_arm import Imported
 from linkwright.version import program_version
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
 
 
 def fields(item: object, *keys: str) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import Any
 
+from linkwright.core.optimize.infeasible.answer import Infeasibility
+from linkwright.core.optimize.limits import Limit
 from linkwright.version import program_version
-from optimize.infeasible.answer import Infeasibility
-from optimize.limits import Limit
 
 from .fields import fields
 

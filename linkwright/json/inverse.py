@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from arm.chain.chain import Arm
-from arm.worst.inverse import InversePose
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.worst.inverse import InversePose
 from linkwright.version import program_version
 
 from .design import coordinates

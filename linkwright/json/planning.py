@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from diagnose.plan.planned import Planned
-from diagnose.plan.promise import Rival, Shown
-from diagnose.plan.torques import TorqueTold
+from linkwright.core.diagnose.plan.planned import Planned
+from linkwright.core.diagnose.plan.promise import Rival, Shown
+from linkwright.core.diagnose.plan.torques import TorqueTold
 from linkwright.version import program_version
 
 from .diagnosis import in_unit, joint_coordinates, unit_of

@@ -6,7 +6,7 @@ import math
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.predict import Leaving, Prediction
+from linkwright.core.diagnose.predict import Leaving, Prediction
 from linkwright.version import program_version
 
 from .fields import fields

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from optimize.robust.result import Robust, RobustFigure
+from linkwright.core.optimize.robust.result import Robust, RobustFigure
 
 from .fields import fields
 

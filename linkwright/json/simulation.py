@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from arm.chain.chain import Arm
-from diagnose.simulate import Plan, Simulation
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.simulate import Plan, Simulation
 
 from .fields import fields
 

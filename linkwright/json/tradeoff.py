@@ -7,12 +7,12 @@ import io
 from pathlib import PurePath
 from typing import Any
 
+from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
+from linkwright.core.optimize.tradeoff.question import Axis
+from linkwright.core.units.spreadsheet import defused
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.tradeoff import slope_factor
 from linkwright.version import program_version
-from optimize.tradeoff.front import Front, Point, Tradeoff
-from optimize.tradeoff.question import Axis
-from units.spreadsheet import defused
 
 from .design import links_json
 from .fields import fields

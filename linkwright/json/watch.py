@@ -6,7 +6,7 @@ import math
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.watch.watch import LEFT, Moved, Watch, Watched
+from linkwright.core.diagnose.watch.watch import LEFT, Moved, Watch, Watched
 from linkwright.version import program_version
 
 from .diagnosis import in_unit, unit_of

@@ -7,16 +7,16 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from arm.chain.chain import Arm
-from arm.files.read import read_arm
-from arm.files.read_back import differences
-from arm.files.write import arm_to_yaml
-from materials.catalogue import Catalogue
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.read_back import differences
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.materials.catalogue import Catalogue
 
 from .read_back import ReadBack
 
 if TYPE_CHECKING:
-    from arm.evaluation import Evaluation
+    from linkwright.core.arm.evaluation import Evaluation
 
 
 def arm_file(arm: Arm, catalogue: Catalogue, promised: Evaluation | None = None, *, text: str = "") -> ReadBack:
@@ -29,6 +29,6 @@ def _unlike(arm: Arm, catalogue: Catalogue, promised: Evaluation | None, path: P
     back = read_arm(path, catalogue, tip=None if arm.every_tip else arm.tip)
     yield from differences(arm, back)
     if promised is not None:
-        from arm.promised import missed
+        from linkwright.core.arm.promised import missed
 
         yield from missed(promised, back)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from arm.chain.chain import Arm
-from diagnose.result import Diagnosis
-from diagnose.several.recordings import Several
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import load_json, read_text
 from linkwright.json.fields import joint_columns
 from linkwright.results.diagnoses.recordings import unit_files
-from materials.catalogue import Catalogue
-from units.quantities import InputError
-from units.reading import load_json, read_text
 
 from .arm_file import arm_file
 from .files import DESIGN, REPORT, claim_own, made_by, write_each

@@ -9,11 +9,11 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from linkwright.core.units.files import left_over_of, neighbour, write_whole
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import load_json
 from linkwright.output.read_back import NotAsWritten, ReadBack
 from linkwright.output.stream import write_result_out
-from units.files import left_over_of, neighbour, write_whole
-from units.quantities import InputError
-from units.reading import load_json
 
 if TYPE_CHECKING:
     from linkwright.results.document import Description

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from units.quantities import InputError, NoAnswer
+from linkwright.core.units.quantities import InputError, NoAnswer
 
 _MOST = 3
 """How many differences a line tells."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from units.quantities import InputError
-from units.spreadsheet import defused
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.spreadsheet import defused
 
 from .files import write_file
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.optimize.tradeoff.front import Tradeoff
+from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK
 from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
 from linkwright.report.contents import page_of
 from linkwright.report.origin import Origin, signed
 from linkwright.report.pages.tradeoff import tradeoff_report
 from linkwright.report.pictures.tradeoff import tradeoff_picture
-from materials.catalogue import Catalogue
-from optimize.tradeoff.front import Tradeoff
-from optimize.tradeoff.journal import JOURNAL, LOCK
 
 from .arm_file import arm_file
 from .files import REPORT, RESULT, claim_own, json_text, made_folder, refuse_strangers, write_each

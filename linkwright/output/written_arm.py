@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from arm.chain.chain import Arm
-from arm.effects.loads.unknown_weight import unit_weights
-from arm.files.read import arm_from
-from arm.files.write import arm_to_yaml
-from diagnose.answer.sentences import name_of
-from diagnose.predict import residual_under
-from diagnose.recording import Recording
-from diagnose.residual.observed import rms_length
-from diagnose.result import Diagnosis, OfRecording, WrittenArm
-from diagnose.several.recordings import Several
-from materials.catalogue import Catalogue
-from units.reading import Mapping, parse_yaml
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects.loads.unknown_weight import unit_weights
+from linkwright.core.arm.files.read import arm_from
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.predict import residual_under
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.result import Diagnosis, OfRecording, WrittenArm
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.units.reading import Mapping, parse_yaml
 
 from .files import DESIGN
 

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import minimize
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .printed import Paper, Parameters
 

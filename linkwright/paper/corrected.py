@@ -15,17 +15,17 @@ from functools import cached_property
 
 import numpy as np
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.refine import uphill
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from materials.catalogue_entry import read_inline
-from materials.material import Material
-from sections import build
-from sections.numeric import Array
-from sections.section import Section
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.refine import uphill
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue_entry import read_inline
+from linkwright.core.materials.material import Material
+from linkwright.core.sections import build
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.section import Section
+from linkwright.core.units.quantities import format_quantity
 
 from .printed import FILE, Paper
 

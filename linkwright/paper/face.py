@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from arm.chain.branches import way_to
-from arm.worst.seam import SeamCheck, check_seam
-from arm.worst.workspace import Unreachable
+from linkwright.core.arm.chain.branches import way_to
+from linkwright.core.arm.worst.seam import SeamCheck, check_seam
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File, Quantity, in_si
 from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result, figure_of
 from linkwright.output.files import REPORT, RESULT
-from units.quantities import InputError
 
 from .extended.sensitivity import seam_table
 from .extended.tables import make_extended

@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Unreachable, Workspace, pull
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Unreachable, Workspace, pull
+from linkwright.core.sections.numeric import Array
 
 _HELD = 1e-7
 """How near (m) a posture's tip must be to its point."""

@@ -8,8 +8,8 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import cast
 
-from units.quantities import InputError, read_quantity
-from units.reading import Mapping, parse_yaml
+from linkwright.core.units.quantities import InputError, read_quantity
+from linkwright.core.units.reading import Mapping, parse_yaml
 
 FILE = "printed.yaml"
 

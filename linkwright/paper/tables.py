@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections import build
 from linkwright.results.figures_in_words import figure, mm
-from sections import build
 
 from .conventions import Conventions, printed_second_moment
 from .corrected import DEFORMATION, PaperArm, material, worst_error, worst_signed

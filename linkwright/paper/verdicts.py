@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.worst.reach import ring_of
-from arm.worst.seam import SeamCheck, check_seam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.worst.reach import ring_of
+from linkwright.core.arm.worst.seam import SeamCheck, check_seam
 from linkwright.results.figures_in_words import figure, mm
 
 from .corrected import PaperArm, least_deformation, worst_error

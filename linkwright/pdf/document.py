@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
+from linkwright.core.units.quantities import InputError, shown
 from linkwright.pdf.markup import markup
 from linkwright.report.contents import Contents
 from linkwright.report.origin import Origin
-from units.quantities import InputError, shown
 
 
 def need_typst() -> None:

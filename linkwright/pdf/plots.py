@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.core.sections.numeric import Array
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import element, label
 from linkwright.report.pictures.svg_plot import Plot, course, dots, round_ticks, spanned
 from linkwright.results.figures_in_words import figure as in_words
-from sections.numeric import Array
 
 _SIDE = 270.0
 _BAR = 14.0

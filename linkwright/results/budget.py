@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from optimize.budget.parts import EACH_TIME, REPEATABILITY, TEMPERATURE
-from optimize.budget.result import Budget, Gain
+from linkwright.core.optimize.budget.parts import EACH_TIME, REPEATABILITY, TEMPERATURE
+from linkwright.core.optimize.budget.result import Budget, Gain
 
 from .document import (
     Description,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from arm.compensation import Table as Compensation
-from arm.effects import EFFECTS
-from arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.arm.compensation import Table as Compensation
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 
 from .document import Description, Item, Paragraph, length, table
 from .figures_in_words import coordinate, effect_title, figure, mm, with_unit

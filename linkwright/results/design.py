@@ -9,14 +9,14 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
-from arm.evaluation import Evaluation
-from arm.limits.local_buckling import LinkBuckling
-from arm.placed.heights import heights
-from arm.worst.search import WorstPose
-from optimize.limits import FIGURES, Figure
-from optimize.limits.frequency import FIRST_FREQUENCY
-from optimize.limits.sideways import SIDEWAYS_STIFFNESS
-from optimize.worse import MUCH_LESS, Worse, softened_links
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.limits.local_buckling import LinkBuckling
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
+from linkwright.core.optimize.limits.sideways import SIDEWAYS_STIFFNESS
+from linkwright.core.optimize.worse import MUCH_LESS, Worse, softened_links
 
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
 from .figures_in_words import (

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from arm.evaluation import Evaluation
-from optimize.robust.result import RobustFigure
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.optimize.robust.result import RobustFigure
 
 from . import design
 from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from arm.descriptions.formats import Exported
+from linkwright.core.arm.descriptions.formats import Exported
 
 from .document import Description, Item, table
 

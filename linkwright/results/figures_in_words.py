@@ -7,12 +7,12 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
-from units.temperature import ZERO_CELSIUS
+from linkwright.core.units.temperature import ZERO_CELSIUS
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm, Calibrated, Link, LoadCase
-    from arm.worst.workspace import Workspace
-    from optimize.robust.result import RobustFigure
+    from linkwright.core.arm.chain.chain import Arm, Calibrated, Link, LoadCase
+    from linkwright.core.arm.worst.workspace import Workspace
+    from linkwright.core.optimize.robust.result import RobustFigure
 
 MINUS = "−"
 
@@ -135,7 +135,7 @@ def workspace_words(arm: Arm, workspace: Workspace) -> str:
 
 def effect_title(effect: str) -> str:
     """An effect's title, as its file gives it."""
-    from arm.effects import EFFECTS
+    from linkwright.core.arm.effects import EFFECTS
 
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
 

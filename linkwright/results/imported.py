@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from arm.chain.chain import Arm
-from arm.descriptions.imported_arm import Imported
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.descriptions.imported_arm import Imported
 from linkwright.json.exchange import weight
 
 from .document import Description, Item, Lines, Paragraph, Value, amount, count, length, table

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from linkwright.core.optimize.infeasible.answer import Infeasibility, changed
+from linkwright.core.optimize.result import BindingLimit, Iteration, OptimizationResult
+from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
-from optimize.infeasible.answer import Infeasibility, changed
-from optimize.result import BindingLimit, Iteration, OptimizationResult
-from units.quantities import format_quantity
 
 from . import design, rounding
 from .document import (

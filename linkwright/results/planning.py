@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from diagnose.answer.sentences import name_of
-from diagnose.plan.planned import Planned
-from diagnose.plan.promise import Shown
-from diagnose.result import HALF
-from units.quantities import format_quantity
+from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.plan.planned import Planned
+from linkwright.core.diagnose.plan.promise import Shown
+from linkwright.core.diagnose.result import HALF
+from linkwright.core.units.quantities import format_quantity
 
 from .document import Column, Description, Fact, Facts, Item, Lines, Value, count, length, number, section, table
 from .figures_in_words import figure, mm, percent, pose

@@ -7,9 +7,9 @@ from pathlib import PurePath
 
 import numpy as np
 
-from arm.errors.unknown_mass import payloads_left_out
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.predict import Leaving, Prediction
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.predict import Leaving, Prediction
 
 from .document import Description, Item, Lines, Paragraph, length, table
 from .figures_in_words import mm

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
+from linkwright.core.optimize.worse import worse_figures
+from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
-from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
-from optimize.worse import worse_figures
-from units.quantities import format_quantity
 
 from . import design
 from .document import Column, Paragraph, Picture, Section, Value, section, share, table

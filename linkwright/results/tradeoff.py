@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from optimize.tradeoff.front import Front, Point, Tradeoff
-from optimize.tradeoff.question import Axis
+from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
+from linkwright.core.optimize.tradeoff.question import Axis
 
 from .design import settings
 from .document import (

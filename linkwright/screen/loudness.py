@@ -7,7 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import Literal
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 SHOW = "LINKWRIGHT_SHOW"
 Loudness = Literal["answer", "usual", "all"]

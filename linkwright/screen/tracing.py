@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from linkwright.core.optimize.tradeoff.trace import Progress
 from linkwright.results.figures_in_words import percent
-from optimize.tradeoff.trace import Progress
 
 from .progress import Steps
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
 
 Field = Literal["balancer", "counterweight", "counterweight_at"]
 """In which of a beam's fields a model finds the number (see `arm.chain.beam.Beam`)."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from optimize.result import ChosenBalance
+from linkwright.core.optimize.result import ChosenBalance
 
 if TYPE_CHECKING:
-    from optimize.choice.combinations import Choice
-    from optimize.problem import Problem
+    from linkwright.core.optimize.choice.combinations import Choice
+    from linkwright.core.optimize.problem import Problem
 
 _AT_BOUND = 1e-4
 """So near (relative to the range) a number counts as at its bound."""

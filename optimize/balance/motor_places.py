@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from arm.chain.chain import Arm
-from units.quantities import shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import shown
+from linkwright.core.units.reading import Mapping
 
 from .parallelogram import Parallelogram, read_parallelogram
 

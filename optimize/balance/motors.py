@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from arm.chain.balance import PointMass
-from arm.chain.chain import Arm
-from arm.errors.model import error_model
-from arm.worst.coverage import unreached
-from arm.worst.search import WorstSearch
-from executors import Executor
-from optimize.choice.actuators import Driven, choose_driven
-from optimize.choice.combinations import Progress
-from optimize.exchange.design import numeric_beams
-from optimize.journal import Journal
-from optimize.problem import Problem
-from optimize.result import Iteration, PlaceCandidate
-from units.quantities import InputError
+from linkwright.core.arm.chain.balance import PointMass
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import error_model
+from linkwright.core.arm.worst.coverage import unreached
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.choice.actuators import Driven, choose_driven
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import Iteration, PlaceCandidate
+from linkwright.core.units.quantities import InputError
 
 from .motor_places import MotorPlace
 from .parallelogram import with_parallelogram

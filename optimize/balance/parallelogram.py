@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from arm.chain.balance import PointMass
-from arm.chain.chain import Arm, Joint
-from arm.chain.following import Following, Tie
-from arm.files.following import along_links
-from units.quantities import shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.balance import PointMass
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.following import Following, Tie
+from linkwright.core.arm.files.following import along_links
+from linkwright.core.units.quantities import shown
+from linkwright.core.units.reading import Mapping
 
 _HALF = 0.5
 

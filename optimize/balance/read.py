@@ -7,10 +7,10 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import cast
 
-from arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
-from arm.chain.chain import Arm
-from units.quantities import shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import shown
+from linkwright.core.units.reading import Mapping
 
 from .balance import Balance, Field
 

@@ -13,14 +13,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import PoseState, solve
-from arm.effects import BACKLASH, EFFECTS, JOINT_COMPLIANCE, Settings
-from arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
-from arm.errors.model import beams_of
-from arm.errors.tip import ActiveEffect, TipError, active_effects, tip_error
-from optimize.exchange.scenarios import resized
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.effects import BACKLASH, EFFECTS, JOINT_COMPLIANCE, Settings
+from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import ActiveEffect, TipError, active_effects, tip_error
+from linkwright.core.optimize.exchange.scenarios import resized
+from linkwright.core.sections.numeric import Array
 
 from .sheet import Sheet
 

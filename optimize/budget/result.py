@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.avoid.poses import NoRoom, Room, room_of
-from arm.avoid.regions import Region
-from arm.chain.chain import Arm, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from optimize.robust.figure import upper_rank
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.avoid.poses import NoRoom, Room, room_of
+from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.optimize.robust.figure import upper_rank
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .parts import Owner, Parts, parts_of
 from .sample import ALL, Chosen, Draws, Heard, causes, errors, owners, quantile

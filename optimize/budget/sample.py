@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from arm.errors.lost_motion import farthest_by_fan, played
-from arm.errors.model import PoseArrays
-from sections.numeric import Array
+from linkwright.core.arm.errors.lost_motion import farthest_by_fan, played
+from linkwright.core.arm.errors.model import PoseArrays
+from linkwright.core.sections.numeric import Array
 
 from .parts import REPEATABILITY, Owner, Parts, Play, backlash_width, generator_of
 

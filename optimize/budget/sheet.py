@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.effects import EFFECTS
-from arm.files.read import read_effects
-from optimize.uncertain import FACTORS, Uncertain, read_widths
-from units.quantities import read_number, shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.files.read import read_effects
+from linkwright.core.optimize.uncertain import FACTORS, Uncertain, read_widths
+from linkwright.core.units.quantities import read_number, shown
+from linkwright.core.units.reading import Mapping
 
 SHARE, DRAWS, SEED = 0.95, 500, 20
 _MOST_DRAWS = 20_000

@@ -13,18 +13,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from arm.actuators import Actuator
-from arm.chain.chain import Arm
-from arm.worst.search import WorstSearch
-from executors import Executor
-from optimize.balance.balance import with_counterweights
-from optimize.exchange.design import arm_of, numeric_beams
-from optimize.exchange.exchange import Context, context_of
-from optimize.exchange.program import carried_mass, drives_cost
-from optimize.journal import Journal
-from optimize.problem import Problem
-from optimize.result import DriveCandidate, Iteration
-from units.quantities import NoAnswer
+from linkwright.core.arm.actuators import Actuator
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.balance.balance import with_counterweights
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import DriveCandidate, Iteration
+from linkwright.core.units.quantities import NoAnswer
 
 from .at_once.feasibility import Feasibility
 from .combinations import Choice, NoChoice, Progress, chosen

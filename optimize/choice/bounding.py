@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from executors import Executor, Work
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.exchange import context_of
-from optimize.problem import Problem
+from linkwright.core.executors import Executor, Work
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.problem import Problem
 
 from .picks import Combination
 

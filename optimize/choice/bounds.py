@@ -14,16 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.errors.model import beams_of
-from arm.limits.strength import STATIONS
-from materials.material import Material
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
-from optimize.exchange.exchange import Context, Exchange
-from optimize.exchange.program import Solution, carried_mass, fixed_error, unchosen_cost
-from optimize.limits import Cut
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.limits.strength import STATIONS
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context, Exchange
+from linkwright.core.optimize.exchange.program import Solution, carried_mass, fixed_error, unchosen_cost
+from linkwright.core.optimize.limits import Cut
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .at_once.feasibility import Feasibility
 from .link_options import LinkOptions

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.worst.workspace import Unreachable
-from executors import Executor
-from optimize.exchange.binding_poses import Pool, Room
-from optimize.exchange.design import (
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.exchange.binding_poses import Pool, Room
+from linkwright.core.optimize.exchange.design import (
     LENGTH,
     TAPER,
     DesignSpace,
@@ -27,14 +27,14 @@ from optimize.exchange.design import (
     numeric_beams,
     starting_points,
 )
-from optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
-from optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
-from optimize.exchange.program import Program, Solution, carried_mass
-from optimize.exchange.rescue import solved
-from optimize.exchange.signs import one_signed
-from optimize.journal import Journal
-from optimize.limits import OfDesign, Totals, excess
-from optimize.result import Candidate, Iteration
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
+from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
+from linkwright.core.optimize.exchange.program import Program, Solution, carried_mass
+from linkwright.core.optimize.exchange.rescue import solved
+from linkwright.core.optimize.exchange.signs import one_signed
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.limits import OfDesign, Totals, excess
+from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import Bounded, bound_all, bounding

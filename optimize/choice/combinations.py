@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from executors import Executor
-from optimize.exchange.design import DesignSpace
-from optimize.exchange.exchange import Context, Exchange, Exchanged
-from optimize.journal import Journal
-from optimize.result import Candidate, Iteration
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.exchange.design import DesignSpace
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility
 from .chooser import Chooser, Progress

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.limits.slowest_pose import frequency_of_drives
-from arm.worst.search import WorstSearch
-from optimize.limits.frequency import FIRST_FREQUENCY
-from optimize.problem import Problem
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.limits.slowest_pose import frequency_of_drives
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
+from linkwright.core.optimize.problem import Problem
 
 
 def frequency_asked(problem: Problem) -> float:

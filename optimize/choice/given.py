@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from optimize.exchange.design import arm_of, as_given, design_space, numeric_beams
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.optimize.exchange.design import arm_of, as_given, design_space, numeric_beams
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .picks import Combination, options
 

@@ -16,18 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.files.write import arm_to_yaml
-from arm.worst.search import WorstCase, WorstPose
-from optimize.exchange.binding_poses import Pool, Room, pool_of
-from optimize.exchange.exchange import Exchanged
-from optimize.exchange.program import Solution
-from optimize.exchange.scenarios import Scenarios
-from optimize.journal import Journal, Record
-from optimize.problem import Problem
-from optimize.result import Iteration
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.worst.search import WorstCase, WorstPose
+from linkwright.core.optimize.exchange.binding_poses import Pool, Room, pool_of
+from linkwright.core.optimize.exchange.exchange import Exchanged
+from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.optimize.exchange.scenarios import Scenarios
+from linkwright.core.optimize.journal import Journal, Record
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .bounding import Bounded
 from .picks import Combination

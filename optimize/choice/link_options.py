@@ -15,18 +15,18 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.beam import elastic_beam
-from arm.errors.model import needs_shear_modulus
-from materials.material import Material, MaterialValues
-from optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values, symbolic_properties
-from optimize.exchange.program import ipopt_options
-from optimize.exchange.rows import symbol
-from optimize.limits import Limit, OfLinks
-from optimize.problem import Problem
-from sections import SHAPES
-from sections.numeric import Array
-from sections.properties import SectionProperties
-from sections.section import Section
+from linkwright.core.arm.chain.beam import elastic_beam
+from linkwright.core.arm.errors.model import needs_shear_modulus
+from linkwright.core.materials.material import Material, MaterialValues
+from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values, symbolic_properties
+from linkwright.core.optimize.exchange.program import ipopt_options
+from linkwright.core.optimize.exchange.rows import symbol
+from linkwright.core.optimize.limits import Limit, OfLinks
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Section
 
 from .products import EXPANSION, OfLink
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from optimize.exchange.design import arm_of
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.exchange.design import arm_of
 
 from .bounds import CombinationBounds
 from .chooser import Chooser

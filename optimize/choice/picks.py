@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from materials.material import Material
-from optimize.problem import Problem
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm
-from arm.errors.model import BEAM_FIELDS, ErrorModel
-from arm.limits.modes import SegmentedArm, work_and_inertia
-from arm.limits.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
-from optimize.exchange.binding_poses import ErrorCut
-from optimize.limits import Cut
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
+from linkwright.core.arm.limits.modes import SegmentedArm, work_and_inertia
+from linkwright.core.arm.limits.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut
+from linkwright.core.optimize.limits import Cut
+from linkwright.core.sections.numeric import Array
 
 from .products import EXPANSION, FEATURES, Power, Products
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 FEATURES = (
     "weight",

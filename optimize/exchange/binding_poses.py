@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from optimize.limits import Cut
+from linkwright.core.optimize.limits import Cut
 
 
 @dataclass(frozen=True)

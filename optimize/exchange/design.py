@@ -11,30 +11,30 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import Beam, elastic_beam
-from arm.chain.chain import Arm, LoadCase, askew
-from arm.chain.prices import price_by_length, price_by_mass
-from arm.chain.similar_taper import similar_beam
-from arm.errors.calibrated import calibrated_temperature
-from arm.errors.model import (
+from linkwright.core.arm.chain.beam import Beam, elastic_beam
+from linkwright.core.arm.chain.chain import Arm, LoadCase, askew
+from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
+from linkwright.core.arm.chain.similar_taper import similar_beam
+from linkwright.core.arm.errors.calibrated import calibrated_temperature
+from linkwright.core.arm.errors.model import (
     BEAM_FIELDS,
     beam_values,
     beams_of,
     needs_shear_modulus,
     needs_thermal_expansion,
 )
-from arm.limits.strength import STRENGTH_FIELDS
-from materials.material import Material, MaterialValues
-from materials.walls import WallCompliance
-from optimize.balance.balance import FIELDS, balance_values, balanced
-from optimize.limits import DesignExpressions
-from optimize.problem import Problem
-from sections import SHAPES
-from sections.numeric import Array
-from sections.properties import SectionProperties
-from sections.section import DesignVariable, Section
-from sections.symbols import column_of_symbols
-from sections.taper import FreeTaper, Tapered, similar, size_ratio
+from linkwright.core.arm.limits.strength import STRENGTH_FIELDS
+from linkwright.core.materials.material import Material, MaterialValues
+from linkwright.core.materials.walls import WallCompliance
+from linkwright.core.optimize.balance.balance import FIELDS, balance_values, balanced
+from linkwright.core.optimize.limits import DesignExpressions
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import DesignVariable, Section
+from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.taper import FreeTaper, Tapered, similar, size_ratio
 
 MATERIAL_FIELDS = (
     "elastic_modulus",

@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.errors.model import ErrorModel, error_model
-from arm.worst.coverage import reached
-from arm.worst.parts import worst_search
-from arm.worst.search import WorstCase, WorstPose, WorstSearch
-from arm.worst.workspace import Unreachable, pull
-from materials.material import Material
-from optimize.limits import Cut, Limit, OfDesign, PoseFamily, Totals, families_of, shortfall
-from optimize.problem import Problem
-from optimize.result import Iteration
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import ErrorModel, error_model
+from linkwright.core.arm.worst.coverage import reached
+from linkwright.core.arm.worst.parts import worst_search
+from linkwright.core.arm.worst.search import WorstCase, WorstPose, WorstSearch
+from linkwright.core.arm.worst.workspace import Unreachable, pull
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.limits import Cut, Limit, OfDesign, PoseFamily, Totals, families_of, shortfall
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .binding_poses import Anchor, ErrorCut, Pool, Room
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links

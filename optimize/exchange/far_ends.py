@@ -6,8 +6,8 @@ from typing import Any, Protocol
 
 import casadi as ca
 
-from sections import Section
-from sections.section import Bounds, Constraint
+from linkwright.core.sections import Section
+from linkwright.core.sections.section import Bounds, Constraint
 
 
 class Ranges(Protocol):

@@ -13,12 +13,12 @@ from itertools import islice, permutations
 
 import numpy as np
 
-from arm.errors.model import beams_of
-from arm.worst.coverage import unreached
-from arm.worst.workspace import Unreachable, path_points, pull, spread
-from materials.material import Material
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.worst.coverage import unreached
+from linkwright.core.arm.worst.workspace import Unreachable, path_points, pull, spread
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .design import LENGTH, DesignSpace, arm_of, numeric_beams
 from .exchange import Context

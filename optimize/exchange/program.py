@@ -21,13 +21,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.prices import fixed_price, price_by_length
-from arm.errors.model import ErrorModel
-from arm.evaluation import heaviest_carried
-from arm.worst.workspace import climbing_bounds, joint_box
-from optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
-from optimize.problem import Problem
-from units.quantities import InputError
+from linkwright.core.arm.chain.prices import fixed_price, price_by_length
+from linkwright.core.arm.errors.model import ErrorModel
+from linkwright.core.arm.evaluation import heaviest_carried
+from linkwright.core.arm.worst.workspace import climbing_bounds, joint_box
+from linkwright.core.optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.units.quantities import InputError
 
 from .binding_poses import ErrorCut, Pool, Room
 from .design import MATERIAL_FIELDS, DesignSpace, expressions

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from optimize.problem import Limit
-from sections.numeric import Array
+from linkwright.core.optimize.problem import Limit
+from linkwright.core.sections.numeric import Array
 
 from .binding_poses import Pool
 from .program import TURN, Program, Solution

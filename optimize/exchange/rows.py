@@ -8,11 +8,21 @@ from typing import Any, TypeVar
 
 import casadi as ca
 
-from arm.chain.kinematics import place
-from arm.effects.functions import wound_up
-from arm.errors.model import ErrorModel
-from optimize.limits import Cut, DesignExpressions, Held, Limit, OfLinks, PoseFamily, ThroughPoses, Totals, WorstError
-from sections.symbols import column_of_symbols
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.effects.functions import wound_up
+from linkwright.core.arm.errors.model import ErrorModel
+from linkwright.core.optimize.limits import (
+    Cut,
+    DesignExpressions,
+    Held,
+    Limit,
+    OfLinks,
+    PoseFamily,
+    ThroughPoses,
+    Totals,
+    WorstError,
+)
+from linkwright.core.sections.symbols import column_of_symbols
 
 from .binding_poses import ErrorCut
 from .design import DesignSpace

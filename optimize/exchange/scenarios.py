@@ -9,17 +9,17 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.beam import Beam, elastic_beam
-from arm.chain.chain import Arm, Link, LoadCase
-from arm.chain.similar_taper import similar_beam
-from arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of
-from arm.worst.search import WorstCase, WorstSearch
-from optimize.balance.balance import FIELDS
-from optimize.limits import DesignExpressions
-from optimize.uncertain import Scenario
-from sections import Section
-from sections.numeric import Array
-from sections.taper import Tapered
+from linkwright.core.arm.chain.beam import Beam, elastic_beam
+from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
+from linkwright.core.arm.chain.similar_taper import similar_beam
+from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of
+from linkwright.core.arm.worst.search import WorstCase, WorstSearch
+from linkwright.core.optimize.balance.balance import FIELDS
+from linkwright.core.optimize.limits import DesignExpressions
+from linkwright.core.optimize.uncertain import Scenario
+from linkwright.core.sections import Section
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered
 
 _RIGIDITIES = np.array(["rigidity" in name for name in BEAM_FIELDS])
 

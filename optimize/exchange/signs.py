@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arm.errors.model import BEAM_FIELDS, ErrorModel
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
+from linkwright.core.sections.numeric import Array
 
 from .binding_poses import ErrorCut
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from optimize.limits import Limit
-from units.quantities import NoAnswer, format_quantity
+from linkwright.core.optimize.limits import Limit
+from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 
 @dataclass(frozen=True)

@@ -17,21 +17,21 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.evaluation import evaluate
-from arm.worst.workspace import Unreachable
-from optimize.choice.at_once.feasibility import Feasibility, feasibility_of
-from optimize.choice.chooser import Progress
-from optimize.choice.picks import Combination, combinations, count, uniform
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.design import arm_of, design_space, material_row, starting_points
-from optimize.exchange.exchange import Context, Exchange, first_pool
-from optimize.exchange.program import Program, Solution
-from optimize.limits import Limit, OfLinks, excess
-from optimize.problem import Problem
-from optimize.trust import GAP
-from sections.numeric import Array
-from units.quantities import format_quantity, read_bound
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.choice.at_once.feasibility import Feasibility, feasibility_of
+from linkwright.core.optimize.choice.chooser import Progress
+from linkwright.core.optimize.choice.picks import Combination, combinations, count, uniform
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, first_pool
+from linkwright.core.optimize.exchange.program import Program, Solution
+from linkwright.core.optimize.limits import Limit, OfLinks, excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.trust import GAP
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity, read_bound
 
 from .answer import Change, Infeasibility, Needed, OutOfReach
 

@@ -14,29 +14,29 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm
-from arm.chain.prices import fixed_price, price_by_length, price_by_mass
-from arm.errors.model import ErrorModel, beam_values, beams_of, error_model
-from arm.errors.rigid_links import rigid as rigid_beam
-from arm.errors.rigid_links import values_of_rigid
-from arm.limits.sideways import sideways_compliance
-from arm.limits.slowest_pose import least_frequency
-from arm.limits.tip_stiffness import least_stiffness, tip_compliance, tips_of
-from arm.worst.parts import worst_search
-from arm.worst.search import WorstPose, WorstSearch
-from arm.worst.workspace import Unreachable
-from materials.material import Material
-from optimize.balance.balance import with_counterweights
-from optimize.choice.picks import options
-from optimize.exchange.binding_poses import ErrorCut
-from optimize.exchange.design import with_chosen_links
-from optimize.exchange.program import carried_mass, fixed_error
-from optimize.exchange.signs import one_signed
-from optimize.limits import KEPT_WITHIN, Limit, excess
-from optimize.problem import Problem
-from sections import SHAPES
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price_by_mass
+from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from linkwright.core.arm.errors.rigid_links import rigid as rigid_beam
+from linkwright.core.arm.errors.rigid_links import values_of_rigid
+from linkwright.core.arm.limits.sideways import sideways_compliance
+from linkwright.core.arm.limits.slowest_pose import least_frequency
+from linkwright.core.arm.limits.tip_stiffness import least_stiffness, tip_compliance, tips_of
+from linkwright.core.arm.worst.parts import worst_search
+from linkwright.core.arm.worst.search import WorstPose, WorstSearch
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.balance.balance import with_counterweights
+from linkwright.core.optimize.choice.picks import options
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut
+from linkwright.core.optimize.exchange.design import with_chosen_links
+from linkwright.core.optimize.exchange.program import carried_mass, fixed_error
+from linkwright.core.optimize.exchange.signs import one_signed
+from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.numeric import Array
 
 from .answer import OutOfReach
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from registries import Registry
-from units.quantities import Relation
-from units.units import kinds
+from linkwright.core.registries import Registry
+from linkwright.core.units.quantities import Relation
+from linkwright.core.units.units import kinds
 
 from .aspect import ASPECT
 from .design import DesignExpressions, Designs, Totals
@@ -52,7 +52,7 @@ def _fault(entry: object) -> str | None:
 
 
 FIGURES: Registry[Figure] = Registry(
-    "limit", "linkwright.limits", lambda figure: figure.name, _fault, "optimize.limits:FIGURES"
+    "limit", "linkwright.limits", lambda figure: figure.name, _fault, "linkwright.core.optimize.limits:FIGURES"
 )
 """The figures that a problem can limit, by name, in the order in which limits are read and told; users and installed
 packages (`linkwright.limits`) add theirs."""

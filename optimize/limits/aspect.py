@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sections.numeric import maximum
+from linkwright.core.sections.numeric import maximum
 
 from .figure import Figure, OfLinks
 
 if TYPE_CHECKING:
-    from materials.material import MaterialValues
-    from sections import Section
+    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.sections import Section
 
 
 def _aspect(section: Section, material: MaterialValues) -> tuple[Any, ...]:

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from arm.chain.beam import Beam
-from materials.material import MaterialValues
-from sections.numeric import Array
-from sections.properties import SectionProperties
-from sections.section import Section
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.materials.material import MaterialValues
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Section
 
 
 @dataclass(frozen=True)

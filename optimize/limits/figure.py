@@ -14,19 +14,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
-from sections.numeric import Array
-from sections.taper import Tapered
-from units.quantities import InputError, Relation, format_quantity
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.quantities import InputError, Relation, format_quantity
 
 from .design import DesignExpressions, Designs, Totals
 
 if TYPE_CHECKING:
-    from arm.actuators import Actuator
-    from arm.chain.chain import Arm, LoadCase
-    from arm.evaluation import Evaluation
-    from arm.worst.search import WorstSearch
-    from materials.material import MaterialValues
-    from sections import Section
+    from linkwright.core.arm.actuators import Actuator
+    from linkwright.core.arm.chain.chain import Arm, LoadCase
+    from linkwright.core.arm.evaluation import Evaluation
+    from linkwright.core.arm.worst.search import WorstSearch
+    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.sections import Section
 
 
 @dataclass(frozen=True)
@@ -233,7 +233,7 @@ class Figure:
 
     def __reduce__(self) -> tuple[object, ...]:
         """To another process a figure that is shipped or registered goes by its name."""
-        from optimize.limits import FIGURES
+        from linkwright.core.optimize.limits import FIGURES
 
         if FIGURES.get(self.name) is self:
             return _by_name, (self.name,)
@@ -286,7 +286,7 @@ class Figure:
 
 
 def _by_name(name: str) -> Figure:
-    from optimize.limits import FIGURES
+    from linkwright.core.optimize.limits import FIGURES
 
     if name not in FIGURES:
         would_do = "install it on every worker, as a package with an entry point"

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from arm.errors.model import beams_of
-from arm.limits.modes import SegmentedArm, first_frequencies, first_modes, inertia_excess, segmented
-from arm.limits.slowest_pose import least_frequency
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.limits.modes import SegmentedArm, first_frequencies, first_modes, inertia_excess, segmented
+from linkwright.core.arm.limits.slowest_pose import least_frequency
+from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
-    from arm.evaluation import Evaluation
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.arm.evaluation import Evaluation
+    from linkwright.core.arm.worst.search import WorstSearch
 
 
 class Modes(PoseFamily):

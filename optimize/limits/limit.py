@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from arm.evaluation import Evaluation
+from linkwright.core.arm.evaluation import Evaluation
 
 from .figure import Figure, Limit
 

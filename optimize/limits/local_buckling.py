@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from arm.chain.similar_taper import similar_station
-from arm.errors.model import beams_of
-from arm.limits.local_buckling import (
+from linkwright.core.arm.chain.similar_taper import similar_station
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.limits.local_buckling import (
     LOAD_FIELDS,
     Buckling,
     LoadsCase,
@@ -20,17 +20,17 @@ from arm.limits.local_buckling import (
     local_buckling,
     mode_of,
 )
-from arm.limits.wall_modes import modes_of
-from sections import SHAPES, is_solid
-from sections.numeric import Array
+from linkwright.core.arm.limits.wall_modes import modes_of
+from linkwright.core.sections import SHAPES, is_solid
+from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 from .strength import POSES
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.arm.worst.search import WorstSearch
 
 _ASSUMED = 2.0
 """The least factor where nobody asks for one: linear theory knows nothing of what a wall's edges and flatness lack."""

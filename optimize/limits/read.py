@@ -6,9 +6,9 @@ from collections.abc import Mapping as MappingLike
 from types import MappingProxyType
 from typing import cast
 
-from arm.chain.chain import Arm
-from units.quantities import Bound, Relation, read_bound, shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.units.quantities import Bound, Relation, read_bound, shown
+from linkwright.core.units.reading import Mapping
 
 from .figure import Figure
 from .limit import Limit

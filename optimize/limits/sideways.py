@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from arm.errors.model import needs_shear_modulus
-from arm.limits.sideways import SIDEWAYS, sideways_compliance
-from arm.limits.tip_stiffness import TipCompliance, tips_of
-from units.quantities import InputError
+from linkwright.core.arm.errors.model import needs_shear_modulus
+from linkwright.core.arm.limits.sideways import SIDEWAYS, sideways_compliance
+from linkwright.core.arm.limits.tip_stiffness import TipCompliance, tips_of
+from linkwright.core.units.quantities import InputError
 
 from .figure import Asked, Figure, ThroughPoses
 from .tip_stiffness import Stiffness

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from arm.evaluation import strength_over
-from arm.limits.strength import STATIONS, StrengthCase, strength_case
-from sections.numeric import Array
+from linkwright.core.arm.evaluation import strength_over
+from linkwright.core.arm.limits.strength import STATIONS, StrengthCase, strength_case
+from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.arm.worst.search import WorstSearch
 
 
 POSES = 2048

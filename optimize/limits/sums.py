@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from arm.chain.chain import Arm
-from arm.chain.prices import price_dates, works
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.prices import price_dates, works
 
 from .figure import Figure, OfDesign
 

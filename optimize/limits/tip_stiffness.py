@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from arm.errors.model import beam_values, beams_of
-from arm.limits.tip_stiffness import (
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.limits.tip_stiffness import (
     TipCompliance,
     least_stiffness,
     stiffness_at,
@@ -23,16 +23,16 @@ from arm.limits.tip_stiffness import (
     tip_compliance,
     tips_of,
 )
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs
 from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
 from .strength import POSES
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm, LoadCase
-    from arm.evaluation import Evaluation
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.chain import Arm, LoadCase
+    from linkwright.core.arm.evaluation import Evaluation
+    from linkwright.core.arm.worst.search import WorstSearch
 
 
 _LEAST = 1e-24

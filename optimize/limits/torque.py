@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from arm.compiled.expressions import Expressions
-from arm.limits.drive_loads import drive_case, greatest_drive_loads, rated_torques
-from sections.numeric import Array
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.limits.drive_loads import drive_case, greatest_drive_loads, rated_torques
+from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 from .strength import POSES
 
 if TYPE_CHECKING:
-    from arm.chain.chain import Arm
-    from arm.worst.search import WorstSearch
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.arm.worst.search import WorstSearch
 
 
 @dataclass(frozen=True)

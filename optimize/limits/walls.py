@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sections import is_solid, slenderness_limits
+from linkwright.core.sections import is_solid, slenderness_limits
 
 from .figure import Asked, Figure, OfLinks
 
 if TYPE_CHECKING:
-    from materials.material import MaterialValues
-    from sections import Section
+    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.sections import Section
 
 
 def _utilisations(section: Section, material: MaterialValues) -> tuple[Any, ...] | None:

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from optimize.choice.actuators import MOST_ASSIGNMENTS, Assignment, assignments, count, with_actuators
-from optimize.choice.combinations import Progress
-from optimize.journal import Journal
-from optimize.problem import Problem
-from optimize.result import DriveCandidate, OptimizationResult
-from units.quantities import NoAnswer
+from linkwright.core.optimize.choice.actuators import MOST_ASSIGNMENTS, Assignment, assignments, count, with_actuators
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import DriveCandidate, OptimizationResult
+from linkwright.core.units.quantities import NoAnswer
 
 from .exchange import Log
 from .run import robust_optimum

@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from optimize.choice.combinations import Choice, Progress, choose
-from optimize.exchange.design import arm_of
-from optimize.exchange.exchange import Context, context_of
-from optimize.exchange.scenarios import Scenarios
-from optimize.journal import Journal
-from optimize.problem import Problem
-from optimize.result import Iteration
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.choice.combinations import Choice, Progress, choose
+from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.exchange.scenarios import Scenarios
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.sections.numeric import Array
 
 from .search import ScenarioSearch, rank
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import binom
 
-from arm.chain.chain import Arm
-from optimize.problem import Problem
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.problem import Problem
 
 from .result import RobustFigure
 from .search import ScenarioSearch, rank

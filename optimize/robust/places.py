@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from optimize.balance.motors import reaches_less, with_places
-from optimize.choice.combinations import Progress
-from optimize.journal import Journal
-from optimize.problem import Problem
-from optimize.result import OptimizationResult, PlaceCandidate
-from units.quantities import NoAnswer
+from linkwright.core.optimize.balance.motors import reaches_less, with_places
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult, PlaceCandidate
+from linkwright.core.units.quantities import NoAnswer
 
 from .exchange import Log
 from .run import robust_optimum

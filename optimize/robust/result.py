@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from optimize.uncertain import Scenario
+from linkwright.core.optimize.uncertain import Scenario
 
 
 @dataclass(frozen=True)

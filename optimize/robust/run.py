@@ -5,23 +5,23 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from arm.chain.chain import Arm
-from arm.evaluation import error_map, evaluate
-from optimize.balance.balance import settled
-from optimize.balance.chosen import balance_of
-from optimize.choice.combinations import Progress
-from optimize.choice.near_ties import NEAR
-from optimize.exchange.design import numeric_beams
-from optimize.explain import binding_limits
-from optimize.infeasible.answer import Infeasible
-from optimize.infeasible.needed import explained
-from optimize.journal import Journal
-from optimize.limits import excess
-from optimize.problem import Problem
-from optimize.result import NearTie, OptimizationResult, Status
-from optimize.ties import near_ties_of
-from optimize.trust import GAP
-from units.quantities import format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import error_map, evaluate
+from linkwright.core.optimize.balance.balance import settled
+from linkwright.core.optimize.balance.chosen import balance_of
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.choice.near_ties import NEAR
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.explain import binding_limits
+from linkwright.core.optimize.infeasible.answer import Infeasible
+from linkwright.core.optimize.infeasible.needed import explained
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.limits import excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import NearTie, OptimizationResult, Status
+from linkwright.core.optimize.ties import near_ties_of
+from linkwright.core.optimize.trust import GAP
+from linkwright.core.units.quantities import format_quantity
 
 from .exchange import SAMPLES, Log, RobustExchange
 from .exchange import RobustDesign as Design

@@ -13,16 +13,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstCase, WorstSearch
-from optimize.exchange.design import with_chosen_links
-from optimize.exchange.exchange import CERTIFICATE_GAP
-from optimize.exchange.scenarios import scenario_values
-from optimize.problem import Problem
-from optimize.uncertain import Uncertain
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstCase, WorstSearch
+from linkwright.core.optimize.exchange.design import with_chosen_links
+from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
+from linkwright.core.optimize.exchange.scenarios import scenario_values
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.uncertain import Uncertain
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 _POSES = 192
 _ENUMERATED = 8

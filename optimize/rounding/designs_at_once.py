@@ -9,18 +9,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.beam import elastic_beam
-from arm.chain.chain import Arm
-from arm.chain.prices import price_by_length, price_by_mass
-from arm.errors.calibrated import calibrated_temperature
-from arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
-from arm.limits.local_buckling import values_of
-from arm.limits.strength import STRENGTH_FIELDS, strength_values
-from arm.limits.wall_modes import Mode, modes_of
-from optimize.exchange.program import carried_mass, drives_cost
-from optimize.limits import Figure, OfLinks, Totals
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import elastic_beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
+from linkwright.core.arm.errors.calibrated import calibrated_temperature
+from linkwright.core.arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from linkwright.core.arm.limits.local_buckling import values_of
+from linkwright.core.arm.limits.strength import STRENGTH_FIELDS, strength_values
+from linkwright.core.arm.limits.wall_modes import Mode, modes_of
+from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.limits import Figure, OfLinks, Totals
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .options import Option
 

@@ -15,13 +15,24 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.chain import Arm
-from arm.errors.lost_motion import played
-from arm.worst.coverage import reached
-from arm.worst.workspace import Unreachable, pull
-from optimize.exchange.exchange import Context
-from optimize.limits import KEPT_WITHIN, Cut, Designs, Limit, OfDesign, OfLinks, PoseFamily, ThroughPoses, Worst, excess
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.worst.coverage import reached
+from linkwright.core.arm.worst.workspace import Unreachable, pull
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.limits import (
+    KEPT_WITHIN,
+    Cut,
+    Designs,
+    Limit,
+    OfDesign,
+    OfLinks,
+    PoseFamily,
+    ThroughPoses,
+    Worst,
+    excess,
+)
+from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Figures, Table
 from .options import Rounding

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.evaluation import Evaluation, evaluate
-from arm.worst.workspace import Unreachable
-from optimize.limits import Limit, excess
-from optimize.problem import Problem
-from optimize.result import NotRounded
-from sections.numeric import Array
-from units.quantities import NoAnswer, format_quantity
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.limits import Limit, excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import NotRounded
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 from .fixed_sizes import CHUNK, Integers, RoundSearch
 from .options import Rounding

@@ -9,13 +9,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from arm.chain.chain import Link
-from materials.catalogue import shipped_layers
-from materials.material import Material
-from optimize.problem import Problem
-from sections import SHAPES, StockSize, load_stock
-from sections.section import Section
-from units.quantities import InputError, NoAnswer, format_quantity, read_quantity
+from linkwright.core.arm.chain.chain import Link
+from linkwright.core.materials.catalogue import shipped_layers
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections import SHAPES, StockSize, load_stock
+from linkwright.core.sections.section import Section
+from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity, read_quantity
 
 LENGTH_STEP = 1e-3
 """The grid of link lengths unless another is given, m."""

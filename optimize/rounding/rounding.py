@@ -17,17 +17,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.evaluation import Evaluation, evaluate
-from executors import Executor
-from optimize.choice.combinations import Progress
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import context_of
-from optimize.journal import Journal
-from optimize.limits import broken
-from optimize.problem import Problem
-from optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
-from optimize.run import Log, optimise
-from units.quantities import InputError, NoAnswer, format_quantity
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.limits import broken
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
+from linkwright.core.optimize.run import Log, optimise
+from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity
 
 from .designs_at_once import Group, Table
 from .fixed_sizes import RoundSearch

@@ -12,17 +12,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from arm.actuators import Actuator
-from arm.evaluation import Evaluation, evaluate
-from arm.worst.workspace import Unreachable
-from optimize.asked import choices_in_words, limits_in_words, map_of_given
-from optimize.choice.actuators import MOST_ASSIGNMENTS, Assignment, assignments, count, promising, with_actuators
-from optimize.choice.combinations import Progress
-from optimize.exchange.exchange import context_of
-from optimize.limits import Limit
-from optimize.problem import Problem
-from optimize.result import DriveCandidate, Iteration, OptimizationResult
-from units.quantities import NoAnswer
+from linkwright.core.arm.actuators import Actuator
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.asked import choices_in_words, limits_in_words, map_of_given
+from linkwright.core.optimize.choice.actuators import (
+    MOST_ASSIGNMENTS,
+    Assignment,
+    assignments,
+    count,
+    promising,
+    with_actuators,
+)
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.limits import Limit
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import DriveCandidate, Iteration, OptimizationResult
+from linkwright.core.units.quantities import NoAnswer
 
 from .run import NoListed, optimise_listed
 from .search import CLOSE

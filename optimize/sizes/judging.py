@@ -7,16 +7,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.worst.search import WorstPose
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.exchange import Context
-from optimize.exchange.program import fixed_error
-from optimize.limits import Cut
-from optimize.rounding.designs_at_once import Group, Table
-from optimize.rounding.fixed_sizes import RoundSearch
-from optimize.rounding.options import Rounding
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.exchange.program import fixed_error
+from linkwright.core.optimize.limits import Cut
+from linkwright.core.optimize.rounding.designs_at_once import Group, Table
+from linkwright.core.optimize.rounding.fixed_sizes import RoundSearch
+from linkwright.core.optimize.rounding.options import Rounding
+from linkwright.core.sections.numeric import Array
 
 from .options import LinkList
 

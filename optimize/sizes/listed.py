@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from arm.chain.chain import Arm, askew
-from sections import SHAPES, SectionError, Stock, StockSize, load_stock
-from sections.section import Section
-from sections.stock.tables import plain_name
-from units.quantities import InputError, read_quantity, shown
-from units.reading import Mapping
+from linkwright.core.arm.chain.chain import Arm, askew
+from linkwright.core.sections import SHAPES, SectionError, Stock, StockSize, load_stock
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.stock.tables import plain_name
+from linkwright.core.units.quantities import InputError, read_quantity, shown
+from linkwright.core.units.reading import Mapping
 
 _WITHIN = 1e-9
 _MOST = 200_000

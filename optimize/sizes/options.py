@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.errors.model import needs_shear_modulus
-from materials.material import Material
-from optimize.choice.at_once.cells import COLUMNS, EXPANSION, PRICE, features
-from optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
-from optimize.limits import KEPT_WITHIN, Limit, OfLinks, excess
-from optimize.problem import Problem
-from optimize.rounding.options import Option, comes_in
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.arm.errors.model import needs_shear_modulus
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, EXPANSION, PRICE, features
+from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
+from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, OfLinks, excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.options import Option, comes_in
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 _LEAST_PRICE = 1e-12
 _ALWAYS = 4

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.optimize import linprog
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .options import LinkList
 from .rows import Integers, TableRow

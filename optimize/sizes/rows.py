@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from optimize.choice.at_once.cells import COLUMNS
-from optimize.choice.at_once.pose_rows import PoseRow
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS
+from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow
+from linkwright.core.sections.numeric import Array
 
 from .options import LinkList
 

@@ -10,19 +10,19 @@ from functools import partial
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.evaluation import Evaluation, error_map, evaluate
-from arm.worst.workspace import Unreachable
-from optimize.asked import choices_in_words, limits_in_words, map_of_given, whole_error
-from optimize.choice.combinations import Progress
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import context_of
-from optimize.limits import broken, excess
-from optimize.problem import Problem
-from optimize.result import Candidate, Iteration, OptimizationResult, Status, proved
-from optimize.rounding.nearest import nearest_design
-from optimize.trust import doubts
-from units.quantities import NoAnswer, format_quantity
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.asked import choices_in_words, limits_in_words, map_of_given, whole_error
+from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.limits import broken, excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import Candidate, Iteration, OptimizationResult, Status, proved
+from linkwright.core.optimize.rounding.nearest import nearest_design
+from linkwright.core.optimize.trust import doubts
+from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 from .free.search import FreeListSearch
 from .options import LinkList, link_lists

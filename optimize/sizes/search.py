@@ -17,13 +17,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from optimize.choice.at_once.pose_rows import rows_of
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import Context
-from optimize.result import Iteration
-from optimize.rounding.designs_at_once import Table
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.pose_rows import rows_of
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.optimize.rounding.designs_at_once import Table
+from linkwright.core.sections.numeric import Array
 
 from .judging import Judge
 from .options import LinkList, agreeing

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.evaluation import Evaluation, evaluate
-from executors import Executor, Work
-from optimize.exchange.design import arm_of, design_space
-from optimize.limits import Figure, figures_of
-from optimize.problem import Problem
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.executors import Executor, Work
+from linkwright.core.optimize.exchange.design import arm_of, design_space
+from linkwright.core.optimize.limits import Figure, figures_of
+from linkwright.core.optimize.problem import Problem
 
 from .journal import Record, design_record
 from .listed import ListedSearch, listed_arm

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm
 
 from .question import Question
 

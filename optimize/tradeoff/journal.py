@@ -6,11 +6,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from optimize.choice.combinations import Combination
-from optimize.exchange.binding_poses import pool_of
-from optimize.journal import Journal, Record, journal_digest
-from optimize.problem import Problem
-from units.files import lock_path
+from linkwright.core.optimize.choice.combinations import Combination
+from linkwright.core.optimize.exchange.binding_poses import pool_of
+from linkwright.core.optimize.journal import Journal, Record, journal_digest
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.units.files import lock_path
 
 from .point import Design
 

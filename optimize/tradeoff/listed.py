@@ -7,19 +7,19 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from arm.chain.chain import Arm
-from materials.material import Material
-from optimize.choice.picks import Combination
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.exchange import context_of
-from optimize.limits import Limit
-from optimize.problem import Problem
-from optimize.rounding.designs_at_once import Table
-from optimize.rounding.options import Option
-from optimize.sizes.judging import table_of
-from optimize.sizes.options import link_lists
-from optimize.sizes.search import CLOSE, ListSearch
-from units.quantities import NoAnswer
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.picks import Combination
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.limits import Limit
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.designs_at_once import Table
+from linkwright.core.optimize.rounding.options import Option
+from linkwright.core.optimize.sizes.judging import table_of
+from linkwright.core.optimize.sizes.options import link_lists
+from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
+from linkwright.core.units.quantities import NoAnswer
 
 from .point import Design, Learnt, Told
 from .question import Axis, Question

@@ -15,15 +15,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from arm.worst.workspace import Unreachable
-from optimize.choice.combinations import MOST_COMBINATIONS
-from optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.design import design_space, material_row, starting_points
-from optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
-from optimize.limits import Cut
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS
+from linkwright.core.optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
+from linkwright.core.optimize.limits import Cut
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .question import Question
 

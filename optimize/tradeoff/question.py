@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-from arm.files.write import arm_to_yaml
-from materials.material import Material
-from optimize.limits import Figure, Limit
-from optimize.problem import Problem
-from optimize.sizes.listed import Listed
-from units.names import meant, nearest
-from units.quantities import InputError, format_quantity
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.limits import Figure, Limit
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.sizes.listed import Listed
+from linkwright.core.units.names import meant, nearest
+from linkwright.core.units.quantities import InputError, format_quantity
 
 By = Literal["material", "shape"]
 Reach = Literal["long", "short"]

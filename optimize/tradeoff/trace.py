@@ -7,9 +7,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from arm.chain.chain import Arm
-from optimize.choice.combinations import MOST_COMBINATIONS, count
-from optimize.problem import Problem
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS, count
+from linkwright.core.optimize.problem import Problem
 
 from .crew import Crew, Wanted, arm_with, record_of, search_for
 from .front import Figures

@@ -16,14 +16,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.worst.workspace import Unreachable
-from executors import Executor
-from optimize.choice.picks import options
-from optimize.exchange.design import material_row
-from optimize.infeasible.answer import Infeasibility, Infeasible
-from optimize.infeasible.needed import explained
-from optimize.reaching import start_that_reaches
-from units.quantities import NoAnswer
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.choice.picks import options
+from linkwright.core.optimize.exchange.design import material_row
+from linkwright.core.optimize.infeasible.answer import Infeasibility, Infeasible
+from linkwright.core.optimize.infeasible.needed import explained
+from linkwright.core.optimize.reaching import start_that_reaches
+from linkwright.core.units.quantities import NoAnswer
 
 from .crew import Crew
 from .front import Front, Point, Tradeoff

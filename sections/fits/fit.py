@@ -10,7 +10,7 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
-from sections.numeric import Number, polynomial
+from linkwright.core.sections.numeric import Number, polynomial
 
 FILES = ("closed_and_i", "open_sections", "channels")
 """The data files, each named as the module of `benchmarks/section_fits` that makes it."""
@@ -40,7 +40,9 @@ class Fit:
 @cache
 def fits() -> Mapping[str, Fit]:
     """Every fit by name."""
-    texts = (files("sections.fits").joinpath(f"{name}.json").read_text(encoding="utf-8") for name in FILES)
+    texts = (
+        files("linkwright.core.sections.fits").joinpath(f"{name}.json").read_text(encoding="utf-8") for name in FILES
+    )
     return MappingProxyType({name: Fit(**entry) for text in texts for name, entry in json.loads(text).items()})
 
 

@@ -7,9 +7,9 @@ that stay bounded for every aspect ratio stand in for them; `benchmarks/section_
 
 from __future__ import annotations
 
-from sections.fits.fit import fitted
-from sections.numeric import Number, maximum, minimum, polynomial
-from sections.section import poisson_square
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.numeric import Number, maximum, minimum, polynomial
+from linkwright.core.sections.section import poisson_square
 
 
 def rectangle_torsion_constant(width: Number, height: Number) -> Number:

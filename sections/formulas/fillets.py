@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.fits.fit import coefficients, fitted
-from sections.numeric import Number, exp, maximum, minimum, polynomial, sin
+from linkwright.core.sections.fits.fit import coefficients, fitted
+from linkwright.core.sections.numeric import Number, exp, maximum, minimum, polynomial, sin
 
 SPANDREL_AREA = 1.0 - math.pi / 4.0
 """Area of a spandrel of unit radius."""

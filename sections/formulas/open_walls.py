@@ -14,11 +14,11 @@ symmetry and a free surface ask the same of the shear stress (none across it):
 
 from __future__ import annotations
 
-from sections.fits.fit import fitted
-from sections.formulas.closed_forms import rectangle_torsion_constant
-from sections.formulas.thin_walls import corner_excess, i_section_bending_shear, i_section_cross_base
-from sections.numeric import Number, exp
-from sections.section import poisson_square
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.formulas.closed_forms import rectangle_torsion_constant
+from linkwright.core.sections.formulas.thin_walls import corner_excess, i_section_bending_shear, i_section_cross_base
+from linkwright.core.sections.numeric import Number, exp
+from linkwright.core.sections.section import poisson_square
 
 FREE_END = 0.10504
 """What a free end takes from the J of a long strip, in thicknesses^4 (Timoshenko and Goodier, section 109)."""

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.numeric import Number, absolute, maximum, minimum
+from linkwright.core.sections.numeric import Number, absolute, maximum, minimum
 
 
 def layered_modulus(layers: Sequence[tuple[Number, Number]]) -> Number:

@@ -20,10 +20,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sections.fits.fit import fitted
-from sections.formulas.closed_forms import rectangle_torsion_constant
-from sections.numeric import Number, atan, exp, log, minimum, sqrt
-from sections.section import poisson_square
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.formulas.closed_forms import rectangle_torsion_constant
+from linkwright.core.sections.numeric import Number, atan, exp, log, minimum, sqrt
+from linkwright.core.sections.section import poisson_square
 
 
 @dataclass(frozen=True)

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from registries import Registry
-from sections.section import Section
-from sections.shapes.angle import Angle
-from sections.shapes.channel import Channel
-from sections.shapes.circle import Circle
-from sections.shapes.ellipse import Ellipse
-from sections.shapes.elliptical_tube import EllipticalTube
-from sections.shapes.i_section import FreeFlangeISection, ISection
-from sections.shapes.polygon import Polygon
-from sections.shapes.rectangle import Rectangle
-from sections.shapes.rectangular_tube import RectangularTube
-from sections.shapes.regular_polygon import Octagon, OctagonalTube
-from sections.shapes.t_section import TSection
-from sections.shapes.triangle import Triangle
-from sections.shapes.triangular_tube import TriangularTube
-from sections.shapes.tube import Tube
+from linkwright.core.registries import Registry
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.shapes.angle import Angle
+from linkwright.core.sections.shapes.channel import Channel
+from linkwright.core.sections.shapes.circle import Circle
+from linkwright.core.sections.shapes.ellipse import Ellipse
+from linkwright.core.sections.shapes.elliptical_tube import EllipticalTube
+from linkwright.core.sections.shapes.i_section import FreeFlangeISection, ISection
+from linkwright.core.sections.shapes.polygon import Polygon
+from linkwright.core.sections.shapes.rectangle import Rectangle
+from linkwright.core.sections.shapes.rectangular_tube import RectangularTube
+from linkwright.core.sections.shapes.regular_polygon import Octagon, OctagonalTube
+from linkwright.core.sections.shapes.t_section import TSection
+from linkwright.core.sections.shapes.triangle import Triangle
+from linkwright.core.sections.shapes.triangular_tube import TriangularTube
+from linkwright.core.sections.shapes.tube import Tube
 
 
 def _fault(kind: object) -> str | None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.fits.fit import fitted
-from sections.formulas.closed_forms import rectangle_torsion_constant
-from sections.formulas.plastic import layered_modulus
-from sections.numeric import Number, exp, maximum, sqrt
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.formulas.closed_forms import rectangle_torsion_constant
+from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.numeric import Number, exp, maximum, sqrt
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     Dimension,
     Outline,

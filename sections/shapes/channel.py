@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.formulas.open_walls import channel_shear_factors, channel_torsion_constant
-from sections.formulas.plastic import layered_modulus
-from sections.numeric import Number, maximum
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.formulas.open_walls import channel_shear_factors, channel_torsion_constant
+from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.numeric import Number, maximum
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     Dimension,
     Outline,

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.numeric import Number, minimum
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.numeric import Number, minimum
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Dimension,
     Outline,
     Section,

@@ -9,9 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from sections.numeric import Number, sqrt
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.numeric import Number, sqrt
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     CURVE_POINTS,
     Constraint,
     Dimension,

@@ -8,12 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from sections.formulas.fillets import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
-from sections.formulas.plastic import layered_modulus
-from sections.formulas.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
-from sections.numeric import Number, maximum
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.formulas.fillets import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
+from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.formulas.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
+from linkwright.core.sections.numeric import Number, maximum
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     DesignVariable,
     Dimension,

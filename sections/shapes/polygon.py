@@ -10,11 +10,11 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.formulas.plastic import polygon_modulus
-from sections.formulas.saint_venant import SaintVenant, moments, solve
-from sections.numeric import Number
-from sections.properties import SectionProperties
-from sections.section import Dimension, Outline, Section, SectionError, closed, poisson_square
+from linkwright.core.sections.formulas.plastic import polygon_modulus
+from linkwright.core.sections.formulas.saint_venant import SaintVenant, moments, solve
+from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Dimension, Outline, Section, SectionError, closed, poisson_square
 
 _THIN = 0.05
 """Share of the polar moment below which J is that of an open section with thin walls."""

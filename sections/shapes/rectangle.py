@@ -8,10 +8,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sections.formulas.closed_forms import rectangle_shear_factor, rectangle_torsion_constant, rectangle_torsion_modulus
-from sections.numeric import Number
-from sections.properties import SectionProperties
-from sections.section import Dimension, Outline, Section, closed, common_properties
+from linkwright.core.sections.formulas.closed_forms import (
+    rectangle_shear_factor,
+    rectangle_torsion_constant,
+    rectangle_torsion_modulus,
+)
+from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Dimension, Outline, Section, closed, common_properties
 
 
 @dataclass(frozen=True)

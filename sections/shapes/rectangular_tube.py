@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.formulas.fillets import rounded_box, rounded_tube_shear, rounded_tube_torsion, spandrel
-from sections.formulas.thin_walls import tube_shear_factor, tube_torsion_constant
-from sections.numeric import Number, maximum, minimum
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.formulas.fillets import rounded_box, rounded_tube_shear, rounded_tube_torsion, spandrel
+from linkwright.core.sections.formulas.thin_walls import tube_shear_factor, tube_torsion_constant
+from linkwright.core.sections.numeric import Number, maximum, minimum
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     DesignVariable,
     Dimension,
@@ -20,7 +20,7 @@ from sections.section import (
     design_variables,
     opening,
 )
-from sections.shapes.rectangle import box
+from linkwright.core.sections.shapes.rectangle import box
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from sections.fits.fit import fitted
-from sections.numeric import Array, Number
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.numeric import Array, Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     Dimension,
     Outline,

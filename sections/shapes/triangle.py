@@ -6,10 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.formulas.closed_forms import triangle_shear_factors, triangle_torsion_constant, triangle_torsion_modulus
-from sections.numeric import Number
-from sections.properties import SectionProperties
-from sections.section import Dimension, Outline, Section, closed, common_properties
+from linkwright.core.sections.formulas.closed_forms import (
+    triangle_shear_factors,
+    triangle_torsion_constant,
+    triangle_torsion_modulus,
+)
+from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import Dimension, Outline, Section, closed, common_properties
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sections.fits.fit import fitted
-from sections.formulas.closed_forms import triangle_torsion_constant
-from sections.numeric import Number, absolute, exp, maximum, minimum, sqrt
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.fits.fit import fitted
+from linkwright.core.sections.formulas.closed_forms import triangle_torsion_constant
+from linkwright.core.sections.numeric import Number, absolute, exp, maximum, minimum, sqrt
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     Constraint,
     Dimension,
     Outline,

@@ -9,9 +9,9 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from sections.numeric import Number, is_symbol, maximum, sqrt
-from sections.properties import SectionProperties
-from sections.section import (
+from linkwright.core.sections.numeric import Number, is_symbol, maximum, sqrt
+from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.section import (
     LEAST_OPENING,
     Bounds,
     Constraint,

@@ -45,13 +45,13 @@ from typing import Any, cast
 import numpy as np
 from platformdirs import user_config_dir
 
-from sections.build import build
-from sections.section import Section, SectionError
-from sections.shapes import SHAPES
-from units.names import meant, nearest
-from units.quantities import InputError, shown
-from units.reading import parse_own_yaml, parse_yaml
-from units.reading import read_text as file_text
+from linkwright.core.sections.build import build
+from linkwright.core.sections.section import Section, SectionError
+from linkwright.core.sections.shapes import SHAPES
+from linkwright.core.units.names import meant, nearest
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import parse_own_yaml, parse_yaml
+from linkwright.core.units.reading import read_text as file_text
 
 FORMAT_VERSION = 1
 """The version of the table format that this code reads."""
@@ -211,7 +211,7 @@ def user_stock_path() -> Path:
 @lru_cache(maxsize=1)
 def shipped_sizes() -> tuple[StockSize, ...]:
     """The sizes that come with the program, read from its package data and checked."""
-    folder = files("sections").joinpath("stock")
+    folder = files("linkwright.core.sections").joinpath("stock")
     sizes: list[StockSize] = []
     for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
         if item.name.endswith(".yaml"):

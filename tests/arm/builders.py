@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.statics import PoseState, solve
-from arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
-from arm.files.read import read_arm
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.sections.numeric import Array
 from tests.random_chains import RandomChain
 
 CIRCLE = "{shape: circle, diameter: 100 mm}"

@@ -12,17 +12,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.actuators import ACTUATORS_VARIABLE, Actuator, load_actuators, read_actuators, shipped_actuators
-from arm.chain.chain import EffectEntry, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from arm.limits.drive_loads import drive_case, greatest_drive_loads
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from units.quantities import InputError
-from units.reading import Mapping, parse_yaml
+from linkwright.core.arm.actuators import (
+    ACTUATORS_VARIABLE,
+    Actuator,
+    load_actuators,
+    read_actuators,
+    shipped_actuators,
+)
+from linkwright.core.arm.chain.chain import EffectEntry, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.limits.drive_loads import drive_case, greatest_drive_loads
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping, parse_yaml
 
 BAR = "link: {length: 500 mm, section: {shape: circle, diameter: 50 mm}, material: aluminium-6061-t6}"
 OWN = """\

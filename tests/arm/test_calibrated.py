@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import Circle
+from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.results.describe import describe
-from materials.catalogue import load_catalogue
-from optimize.run import optimise
-from sections import Circle
 from tests.optimize.builders import problem_of, scanned_error
-from units.quantities import InputError
 
 CATALOGUE = load_catalogue(user=False)
 STEEL, ALUMINIUM = CATALOGUE.find("steel-s355"), CATALOGUE.find("aluminium-6061-t6")

@@ -15,13 +15,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from arm.compiled.tape import UnsupportedOperation, read_tape
-from arm.compiled.vectorise import vectorise
 from benchmarks.compiled import c_build, c_code
 from benchmarks.compiled.c_build import CompilerError
 from benchmarks.compiled.c_code import BLOCK, FAR_ANGLE, c_source
 from benchmarks.compiled.function import compiled
 from benchmarks.trigonometric_quadratic import NotQuadratic, TrigQuadratic
+from linkwright.core.arm.compiled.tape import UnsupportedOperation, read_tape
+from linkwright.core.arm.compiled.vectorise import vectorise
 
 HAS_COMPILER = any(map(shutil.which, ("cc", "gcc", "clang"))) and os.name == "posix"
 needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="no C compiler on this machine")

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.errors.tip import active_effects
-from arm.evaluation import compliance_at, evaluate
-from materials.catalogue import load_catalogue
-from sections import build
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.evaluation import compliance_at, evaluate
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
 from tests import frame_solver
 from tests.arm.builders import arm_of, chain_arm, rod_lines
 from tests.random_chains import build_frame, random_planar_chain, random_spatial_chain

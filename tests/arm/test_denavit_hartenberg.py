@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.chain.kinematics import tip_position
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from sections.numeric import Array
-from units.quantities import InputError
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 Row = tuple[float, float, float, float]
 

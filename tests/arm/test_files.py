@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import yaml
 
-from arm.chain.chain import Arm
-from arm.chain.kinematics import tip_position
-from arm.effects.loads.base_tilt import BASE_TILT
-from arm.errors.model import PropertyNeeded, beams_of
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml, write_arm
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.effects.loads.base_tilt import BASE_TILT
+from linkwright.core.arm.errors.model import PropertyNeeded, beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml, write_arm
+from linkwright.core.units.quantities import InputError, format_quantity
 from tests.arm.builders import CIRCLE, PAPER_MATERIAL, arm_of, rod_lines
-from units.quantities import InputError, format_quantity
 
 FULL_FILE = """
 name: everything

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.conditions import Conditions
-from arm.chain.statics import solve
-from arm.compensation import model_error
-from arm.errors.exact import deformed
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.compensation import model_error
+from linkwright.core.arm.errors.exact import deformed
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections.shapes.tube import Tube
 from linkwright.results.design import bound_words, first_order_words
-from materials.catalogue import load_catalogue
-from sections.shapes.tube import Tube
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 

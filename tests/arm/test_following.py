@@ -9,25 +9,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from arm.chain.jacobian import jacobian
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import solve
-from arm.compensation import table_over
-from arm.errors.first_order import beyond_first_order
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
-from arm.evaluation import compliance_at
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from arm.limits.modes import compliance_matrices, segmented
-from arm.worst.inverse import inverse
-from diagnose.reading.read import read_recording
-from diagnose.simulate import Plan, simulate
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.jacobian import jacobian
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.compensation import table_over
+from linkwright.core.arm.errors.first_order import beyond_first_order
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects, carried_to_tip, rotation_at_tip
+from linkwright.core.arm.evaluation import compliance_at
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.limits.modes import compliance_matrices, segmented
+from linkwright.core.arm.worst.inverse import inverse
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 from tests.arm.builders import arm_of
 from tests.arm.worst.test_worst_case import errors, search_of
-from units.quantities import InputError
 
 G = 9.81
 L1, L2, L3 = 0.8, 0.7, 0.2

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Constant, Material, Property
+from linkwright.core.sections import Circle
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
 from linkwright.results.describe import describe
-from materials.catalogue import load_catalogue
-from materials.material import Constant, Material, Property
-from sections import Circle
 
 CATALOGUE = load_catalogue(user=False)
 STEEL, ALUMINIUM = CATALOGUE.find("steel-s355"), CATALOGUE.find("aluminium-6061-t6")

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase, Statistics
-from arm.errors.lost_motion import played
-from arm.errors.model import PoseArrays, beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase, Statistics
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import PoseArrays, beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.sections.numeric import Array
 
 UP = (0.0, 0.0, 1.0)
 

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.limits.modes import first_frequencies
-from arm.limits.slowest_pose import Slowness, least_frequency
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace
-from materials.catalogue import load_catalogue
-from sections import build
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.limits.modes import first_frequencies
+from linkwright.core.arm.limits.slowest_pose import Slowness, least_frequency
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
+from linkwright.core.sections.numeric import Array
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 TUBE = build("tube", {"diameter": 0.08, "thickness": 0.004})

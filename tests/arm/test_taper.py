@@ -12,22 +12,22 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from arm.chain.statics import solve
-from arm.chain.taper import tapered_beam
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate, link_masses
-from arm.files.write import arm_to_yaml
-from arm.limits.modes import first_modes
-from arm.worst.workspace import Workspace
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.chain.taper import tapered_beam
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate, link_masses
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.limits.modes import first_modes
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.sections import SectionError, build
+from linkwright.core.sections.taper import Tapered, build_tapered
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping, load_yaml
 from linkwright.results.figures_in_words import section_words
-from materials.catalogue import load_catalogue
-from optimize.problem import read_problem
-from sections import SectionError, build
-from sections.taper import Tapered, build_tapered
 from tests import frame_solver
 from tests.arm.builders import arm_of, elastic_motion
-from units.quantities import InputError
-from units.reading import Mapping, load_yaml
 
 E, NU, RHO = 71e9, 0.33, 2700.0
 G = E / (2.0 * (1.0 + NU))

@@ -8,8 +8,8 @@ from benchmarks.instruments.touches import INSTRUMENTS as TOUCHING
 from benchmarks.instruments.touches import met, touched, touching
 from benchmarks.multibody.causes import Cause
 from benchmarks.multibody.session import Plan, played
-from diagnose.diagnosis import diagnose
-from diagnose.residual.observe import observe
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.residual.observe import observe
 
 pytestmark = pytest.mark.slow
 

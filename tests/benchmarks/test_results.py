@@ -10,7 +10,7 @@ import pytest
 from benchmarks.results import random_problems
 from benchmarks.results.__main__ import SECTIONS, page
 from benchmarks.results.row import Row, at_least, at_most
-from optimize.run import optimise
+from linkwright.core.optimize.run import optimise
 
 pytestmark = pytest.mark.slow
 

@@ -9,10 +9,10 @@ from benchmarks.rules.judge import Told, harm, moves
 from benchmarks.rules.outcomes import Found, Outcome, Run, as_json, from_json, report
 from benchmarks.rules.page import FOUND, page, what_moved
 from benchmarks.rules.watch import perturbed, watched
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.rules.rule import rules_in
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.rules.rule import rules_in
+from linkwright.core.diagnose.rules.rules import RULES
 from tests.diagnose.core_cases import made_arm, recorded
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.diagnose.recording import Recording
 
 LENGTHS = np.array([0.5, 0.42, 0.3])
 MASS = 6.0

@@ -5,18 +5,18 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import EffectEntry
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, seen_of_model
-from arm.errors.tip import active_effects
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.patterns.library import Candidate
-from diagnose.patterns.pool import make_pool
-from diagnose.residual.observe import observe
-from diagnose.simulate import Plan, simulate
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, seen_of_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.patterns.pool import make_pool
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.simulate import Plan, simulate
 from tests.diagnose.made_diagnosis import made_arm
 
 SMALL = Plan(12, repeats=2, payloads=(0.0, 5.0), temperature=(293.15, 303.15))

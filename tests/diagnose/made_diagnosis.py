@@ -7,15 +7,15 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, seen_of_model
-from arm.errors.tip import active_effects
-from arm.files.read import read_arm
-from diagnose.recording import Recording, RejectedRow
-from diagnose.result import (
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, seen_of_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.recording import Recording, RejectedRow
+from linkwright.core.diagnose.result import (
     Alternative,
     Covered,
     Dependence,
@@ -30,8 +30,8 @@ from diagnose.result import (
     Rung,
     Unknown,
 )
-from materials.catalogue import load_catalogue
-from sections import Tube
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Tube
 
 
 def made_arm(space=False):

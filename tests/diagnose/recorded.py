@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.chain import Arm, Joint, Link
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.sections.numeric import Array
 
 LENGTHS = (0.4, 0.42, 0.3)
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import LoadCase
-from diagnose.diagnosis import diagnose
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.units.quantities import InputError
 
 from .by_cosines import GIVES, LENGTHS, file, noise, poses, recording
 

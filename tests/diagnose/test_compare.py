@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from diagnose.compare.compare import common_model, compare, fit_common, holm
-from diagnose.compare.places import regions, shared_poses
-from diagnose.patterns.library import Candidate
-from diagnose.residual.observe import observe
-from diagnose.result import Alternative, Covered, Finding, FittedParameter
+from linkwright.core.diagnose.compare.compare import common_model, compare, fit_common, holm
+from linkwright.core.diagnose.compare.places import regions, shared_poses
+from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.result import Alternative, Covered, Finding, FittedParameter
 from linkwright.output.files import json_text
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips

@@ -7,11 +7,11 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Joint
-from arm.effects import EFFECTS
 from benchmarks.diagnosis_simulated import linear
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
+from linkwright.core.arm.chain.chain import Joint
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.predict import predict
-from diagnose.residual.observe import observe, tip_residual
+from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.residual.observe import observe, tip_residual
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
 
 

@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.rules.rule import rules_in
-from diagnose.rules.rules import RULES, Rules
-from diagnose.search.naming import _against_forms, margin_of_forms, worth_of_one_more
-from diagnose.search.subsets import Subset
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.rules.rule import rules_in
+from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.search.naming import _against_forms, margin_of_forms, worth_of_one_more
+from linkwright.core.diagnose.search.subsets import Subset
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
 
 DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"

@@ -10,12 +10,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, LoadCase
-from diagnose.reading.read import read_recording
-from diagnose.reading.write import recording_text, settings_text
-from diagnose.residual.noise import noise_floor
-from diagnose.simulate import Plan, simulate
 from linkwright.command_line import outcome
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, LoadCase
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.reading.write import recording_text, settings_text
+from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.simulate import Plan, simulate
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip
 
 ARM = planar_arm()
@@ -144,7 +144,7 @@ def test_the_command_writes_a_recording_that_is_read_again(tmp_path: Path) -> No
     effect = "{effect: joint_compliance, at: 2, compliance: 21 urad/(N*m)}"
     arguments = ("--poses", "10", "--with", effect, "--payloads", "0 kg, 5 kg", "--declare-sigma", "--noise", "20 um")
     assert run(tmp_path, *arguments) == 0
-    from arm.files.read import read_arm
+    from linkwright.core.arm.files.read import read_arm
 
     read = read_recording(tmp_path / "out.csv", read_arm(tmp_path / "arm.yaml"))
     assert read.size == 10 * 2 * 2 * 3

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from executors import Cluster
+from linkwright.core.executors import Cluster
 
 FEW = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
 """One worker may die of a step, as when somebody kills it; two are the step's own doing."""

@@ -13,10 +13,10 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 
-from executors import Cluster, Processes
-from optimize.choice.kept import search_journal
-from optimize.problem import read_problem
-from optimize.run import optimise
+from linkwright.core.executors import Cluster, Processes
+from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.run import optimise
 
 
 def main(problem: str, journal: str, answer: str, address: str, kill_at: str) -> None:

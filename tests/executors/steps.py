@@ -7,7 +7,7 @@ import signal
 import time
 from pathlib import Path
 
-from units.quantities import NoAnswer
+from linkwright.core.units.quantities import NoAnswer
 
 
 def square(item: int) -> int:
@@ -51,7 +51,7 @@ def die(item: int) -> int:
 
 def threads(item: int) -> list[int]:
     """How many threads each library of linear algebra that is loaded would take."""
-    from executors.threads import threads as counted
+    from linkwright.core.executors.threads import threads as counted
 
     del item
     return counted()

@@ -10,19 +10,19 @@ from pathlib import Path
 
 import pytest
 
-from executors import Processes
-from executors.packing import packed, unpacked
-from optimize.limits import FIGURES
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.run import optimise
-from optimize.tradeoff.front import Tradeoff
-from optimize.tradeoff.question import question
-from optimize.tradeoff.trace import Progress
-from optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.executors import Processes
+from linkwright.core.executors.packing import packed, unpacked
+from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.front import Tradeoff
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.optimize.tradeoff.trace import Progress
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.units.quantities import InputError
 from tests.executors.dask_processes import Dask, joined, two_workers
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError
 
 ARM = jointed((500, 400), ranged("-100 100", "30 140"))
 SIZES = "section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]"

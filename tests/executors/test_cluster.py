@@ -10,10 +10,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from executors import Cluster, Work, WorkersLost, plain
+from linkwright.core.executors import Cluster, Work, WorkersLost, plain
+from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.executors import steps
 from tests.executors.dask_processes import Dask, free_port, joined, two_workers
-from units.quantities import InputError, NoAnswer
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from optimize.problem import Problem
+from linkwright.core.optimize.problem import Problem
 from tests.executors.dask_processes import ROOT, joined, two_workers
 from tests.optimize.builders import jointed, problem_of, ranged
 

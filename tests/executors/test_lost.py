@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 
 import linkwright as lw
-from executors import Here, Work, WorkersLost, plain
-from executors.executor import Pulse, no_pulse
 from linkwright.browser.server import work
 from linkwright.cli import run
-from optimize.run import optimise
-from optimize.tradeoff.question import question
-from optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.executors import Here, Work, WorkersLost, plain
+from linkwright.core.executors.executor import Pulse, no_pulse
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from tests.executors import steps
 from tests.executors.dask_processes import joined, two_workers
 from tests.optimize.builders import jointed, problem_of, ranged

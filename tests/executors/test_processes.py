@@ -10,12 +10,12 @@ from types import MappingProxyType
 import pytest
 from threadpoolctl import threadpool_limits
 
-from executors import Here, Processes, Work, WorkersLost, plain
-from executors.packing import packed, unpacked
-from executors.threads import threads
+from linkwright.core.executors import Here, Processes, Work, WorkersLost, plain
+from linkwright.core.executors.packing import packed, unpacked
+from linkwright.core.executors.threads import threads
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.workers import at_work
 from tests.executors import steps
-from units.quantities import InputError, NoAnswer
 
 
 def test_results_come_in_the_order_of_the_items_whoever_does_them():

@@ -297,7 +297,7 @@ def test_catalogues_are_mappings():
     finally:
         lw.effects.withdraw("my_payload")
     assert "my_payload" not in lw.effects
-    assert importlib.import_module("arm.effects").EFFECTS["clearance"] is lw.effects["clearance"]
+    assert importlib.import_module("linkwright.core.arm.effects").EFFECTS["clearance"] is lw.effects["clearance"]
 
 
 def test_the_name_of_a_file_is_no_chain():

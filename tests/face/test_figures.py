@@ -8,7 +8,7 @@ import math
 import pytest
 
 import linkwright as lw
-from optimize.limits import FIGURES
+from linkwright.core.optimize.limits import FIGURES
 
 LIMITS = {"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]}
 

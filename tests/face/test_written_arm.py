@@ -6,14 +6,14 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import EffectEntry, Link
-from diagnose.recording import Recording
-from diagnose.result import WrittenArm
+from linkwright.core.arm.chain.chain import EffectEntry, Link
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import WrittenArm
+from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.output.written_arm import with_written
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.document import Paragraph
-from materials.catalogue import load_catalogue
 from tests.diagnose.made_diagnosis import made_diagnosis
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses
 

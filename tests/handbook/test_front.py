@@ -9,7 +9,7 @@ import linkwright as lw
 from handbook.front import DRAWN, PAGE, PICTURE, asked, shown, unpack
 from handbook.sources import ROOT
 from linkwright.cli import run
-from optimize.tradeoff.journal import JOURNAL
+from linkwright.core.optimize.tradeoff.journal import JOURNAL
 from tests.handbook import pages
 
 EXAMPLE = ROOT / "examples" / "welding-arm"

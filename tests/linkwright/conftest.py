@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from arm.chain.chain import LoadCase
-from arm.evaluation import evaluate
 from linkwright.cli import run
-from optimize.result import BindingLimit, Candidate, Iteration, OptimizationResult
-from sections import Circle, Tube
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.result import BindingLimit, Candidate, Iteration, OptimizationResult
+from linkwright.core.sections import Circle, Tube
 from tests.linkwright.samples import arm_of, mapped
 
 ROOT = Path(__file__).resolve().parents[2]

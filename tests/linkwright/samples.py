@@ -5,11 +5,11 @@ import gzip
 import json
 import math
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import error_map
-from arm.worst.search import WorstSearch
-from materials.catalogue import load_catalogue
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import error_map
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.materials.catalogue import load_catalogue
 
 
 def arm_of(sections, lengths=(0.4, 0.3), joints=None):

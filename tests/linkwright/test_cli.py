@@ -7,11 +7,11 @@ import re
 import pytest
 
 import linkwright as lw
-from arm.chain.chain import Arm, Joint, Link
 from linkwright import command_line
 from linkwright.cli import INTERRUPTED
 from linkwright.command_line import NO_ANSWER, READER_GONE, WRONG_INPUT
 from linkwright.commands import evaluate
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.screen.console import PLAIN_WIDTH
 
 COMMANDS = (

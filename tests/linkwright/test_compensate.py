@@ -10,10 +10,18 @@ import pandas as pd
 import pytest
 from scipy.optimize import brentq
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.chain.kinematics import tip_position
-from arm.compensation import corrected, default_grid, grid_axes, model_error, remaining, table_at, table_over
-from arm.effects import EFFECTS
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.compensation import (
+    corrected,
+    default_grid,
+    grid_axes,
+    model_error,
+    remaining,
+    table_at,
+    table_over,
+)
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.json.compensation import compensation_json
 from linkwright.markdown.described import markdown
 from linkwright.results.describe import describe

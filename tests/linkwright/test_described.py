@@ -6,8 +6,8 @@ import pytest
 from markdown_it import MarkdownIt
 from rich.console import Console
 
-from arm.compensation import table_over
-from diagnose.compare.compare import compare
+from linkwright.core.arm.compensation import table_over
+from linkwright.core.diagnose.compare.compare import compare
 from linkwright.markdown.described import escaped
 from linkwright.markdown.described import markdown as written
 from linkwright.report.described import body

@@ -13,12 +13,14 @@ import pandas as pd
 import pytest
 from rich.console import Console
 
-from arm.chain.chain import Link
-from arm.effects import EFFECTS
-from arm.effects.elastic.joint_compliance import drive_compliance
-from arm.files.read import read_arm
-from diagnose.answer.sentences import said_of_no_weight
-from diagnose.result import Alternative, Detectable, FittedParameter
+from linkwright.core.arm.chain.chain import Link
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.elastic.joint_compliance import drive_compliance
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.answer.sentences import said_of_no_weight
+from linkwright.core.diagnose.result import Alternative, Detectable, FittedParameter
+from linkwright.core.units.quantities import read_quantity
+from linkwright.core.units.units import kinds
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
 from linkwright.output.files import json_text
@@ -34,8 +36,6 @@ from linkwright.results.figures_in_words import figure, mm
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
 from tests.linkwright.reports.test_report import Page
-from units.quantities import read_quantity
-from units.units import kinds
 
 VERDICTS = ("none", "named", "alias_class", "unknown", "insufficient_data")
 CONTRACT = {

@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from arm.files.read import read_arm
 from linkwright.cli import run
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.units.quantities import read_quantity
 from tests.handbook.pages import shown, told
-from units.quantities import read_quantity
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARCMINUTE = np.pi / 10800.0

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from arm.files.read import read_arm
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import claim_folder
 from linkwright.results.figures_in_words import figure, mm
-from units.quantities import InputError
 
 
 def test_optimize_writes_its_three_files(linkwright, bench):

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import linkwright as lw
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from optimize.problem import read_problem
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.optimize.problem import read_problem
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.units.quantities import InputError
 from linkwright.json.design import coordinates, evaluation_json, optimization_json
 from linkwright.output.files import json_text, write_file
-from units.quantities import InputError
 
 
 def strictly(text):

@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from arm.chain.chain import EffectEntry
-from arm.effects.elastic.joint_compliance import drive_compliance
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects.elastic.joint_compliance import drive_compliance
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.units.quantities import InputError
 from linkwright.redesigning import (
     STIFFER,
     decisions,
@@ -16,10 +18,8 @@ from linkwright.redesigning import (
     with_findings,
     worst_error,
 )
-from optimize.problem import read_problem
 from tests.diagnose.made_diagnosis import made_arm, softer, write_recording
 from tests.linkwright.reports.test_report import Page
-from units.quantities import InputError
 
 PROBLEM = """\
 arm: arm.yaml
@@ -60,7 +60,7 @@ def test_old_design_keeps_its_links_and_gets_the_physics():
 
 
 def read_space(arm):
-    from arm.worst.workspace import Workspace
+    from linkwright.core.arm.worst.workspace import Workspace
 
     return Workspace(), (arm.payload,)
 

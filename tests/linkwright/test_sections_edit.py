@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from catalogues.stock_editor import STOCK, Row
 from linkwright.cli import run
-from sections import load_stock
-from sections.stock.tables import read_file
+from linkwright.core.catalogues.stock_editor import STOCK, Row
+from linkwright.core.sections import load_stock
+from linkwright.core.sections.stock.tables import read_file
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
 TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
@@ -28,7 +28,9 @@ def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
     for name in ("LINKWRIGHT_SECTIONS", "VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr("sections.stock.tables.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
+    monkeypatch.setattr(
+        "linkwright.core.sections.stock.tables.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
+    )
 
     def command(*arguments):
         status = run(["sections", *(str(argument) for argument in arguments)])

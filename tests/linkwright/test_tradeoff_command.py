@@ -11,14 +11,14 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
 from linkwright.commands.tradeoff import HELP
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.optimize.tradeoff.journal import JOURNAL
+from linkwright.core.optimize.tradeoff.question import axes_of
 from linkwright.report.pictures.tradeoff import ticks
 from linkwright.results.tradeoff import spread
-from optimize.limits import FIGURES
-from optimize.tradeoff.journal import JOURNAL
-from optimize.tradeoff.question import axes_of
 from tests.linkwright.conftest import ROOT
 from tests.linkwright.samples import unpacked
 
@@ -124,7 +124,7 @@ def test_no_design_is_no_answer(two, linkwright):
 STOPPED_AT = """
 import os, signal, sys
 from linkwright.cli import main
-from optimize.tradeoff.journal import Journal
+from linkwright.core.optimize.tradeoff.journal import Journal
 
 left, number = int(sys.argv[1]), int(sys.argv[2])
 put = Journal.put

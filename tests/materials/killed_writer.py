@@ -18,10 +18,10 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from catalogues import store
-from materials.catalogue import load_layer
-from units import files
-from units.files import locked
+from linkwright.core.catalogues import store
+from linkwright.core.materials.catalogue import load_layer
+from linkwright.core.units import files
+from linkwright.core.units.files import locked
 
 WATCHED = {store.__file__, files.__file__}
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
-from materials.catalogue import load_catalogue, load_layer, shipped_layers
-from materials.material import MissingProperty, OutOfRange
-from units.quantities import InputError
+from linkwright.core.materials.catalogue import load_catalogue, load_layer, shipped_layers
+from linkwright.core.materials.material import MissingProperty, OutOfRange
+from linkwright.core.units.quantities import InputError
 
 CELSIUS = 273.15
 SHIPPED = [material for layer in shipped_layers() for material in layer.materials.values()]
@@ -347,7 +347,7 @@ def test_own_catalogue_is_read_from_the_environment_and_must_then_exist(tmp_path
 
 
 def test_own_catalogue_in_the_configuration_folder_may_be_absent(tmp_path, monkeypatch):
-    monkeypatch.setattr("materials.catalogue.user_config_dir", lambda name: str(tmp_path / name))
+    monkeypatch.setattr("linkwright.core.materials.catalogue.user_config_dir", lambda name: str(tmp_path / name))
     assert "my-alloy" not in load_catalogue()
     write(tmp_path / "linkwright" / "materials.yaml", GOOD)
     assert "my-alloy" in load_catalogue()

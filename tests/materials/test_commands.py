@@ -7,9 +7,9 @@ import re
 import pytest
 
 from linkwright.cli import run
-from materials.catalogue import load_catalogue, load_layer
-from materials.plausible import doubts_of
-from units.quantities import InputError
+from linkwright.core.materials.catalogue import load_catalogue, load_layer
+from linkwright.core.materials.plausible import doubts_of
+from linkwright.core.units.quantities import InputError
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "price", "remove", "rename", "undo", "check", "import", "export")
 
@@ -22,7 +22,9 @@ def materials(tmp_path, tmp_path_factory, monkeypatch, capsys):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "configuration"))
     for name in ("LINKWRIGHT_CATALOGUE", "VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr("materials.catalogue.user_config_dir", lambda name: str(tmp_path / "configuration" / name))
+    monkeypatch.setattr(
+        "linkwright.core.materials.catalogue.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
+    )
 
     def command(*arguments):
         status = run(["materials", *(str(argument) for argument in arguments)])

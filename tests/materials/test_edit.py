@@ -2,11 +2,11 @@
 
 import pytest
 
-from catalogues import store
-from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries, shipped_entry
-from catalogues.materials_editor import MATERIALS
-from materials.catalogue import load_catalogue, load_layer, shipped_layers
-from units.quantities import InputError
+from linkwright.core.catalogues import store
+from linkwright.core.catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries, shipped_entry
+from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.materials.catalogue import load_catalogue, load_layer, shipped_layers
+from linkwright.core.units.quantities import InputError
 
 ALLOY = Entry("alloy", {"elastic_modulus": "80 GPa", "density": "3000 kg/m^3", "source": "s"}, {"s": "A data sheet"})
 

@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catalogues.freecad_cards import MECHANICAL, THERMAL, read_card, write_card
-from catalogues.materials_as_text import entries_text
-from catalogues.materials_csv import read_table, write_table
-from catalogues.materials_editor import MATERIALS
-from materials.catalogue import load_catalogue
-from materials.material import Constant, Material, Property
-from units.quantities import InputError
+from linkwright.core.catalogues.freecad_cards import MECHANICAL, THERMAL, read_card, write_card
+from linkwright.core.catalogues.materials_as_text import entries_text
+from linkwright.core.catalogues.materials_csv import read_table, write_table
+from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Constant, Material, Property
+from linkwright.core.units.quantities import InputError
 
 # In the manner of the cards of FreeCAD 1.0 (Steel-S235JR) and 0.21 (Invar-Generic), with values of their own.
 NEW_CARD = """\

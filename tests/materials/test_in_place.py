@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 import linkwright as lw
-from materials.catalogue_entry import read_inline
-from materials.material import property_kinds
-from units.quantities import InputError
+from linkwright.core.materials.catalogue_entry import read_inline
+from linkwright.core.materials.material import property_kinds
+from linkwright.core.units.quantities import InputError
 
 PLY = {"elastic_modulus": "135 GPa", "transverse_modulus": "9 GPa", "shear_modulus": "5 GPa", "poisson_ratio": 0.3,
        "density": "1550 kg/m^3", "isotropic": False}  # fmt: skip

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.errors.model import beams_of
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from arm.limits.walls import walls_of
-from materials.catalogue import Catalogue, load_catalogue, load_layer
-from materials.laminate import Ply, wall_of
-from units.quantities import InputError
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.limits.walls import walls_of
+from linkwright.core.materials.catalogue import Catalogue, load_catalogue, load_layer
+from linkwright.core.materials.laminate import Ply, wall_of
+from linkwright.core.units.quantities import InputError
 
 T300 = Ply(along=181e9, across=10.3e9, shear=7.17e9, poisson_ratio=0.28, expansion_along=2e-8, expansion_across=22.5e-6)
 """T300/5208: S. W. Tsai, H. T. Hahn, Introduction to Composite Materials, Technomic, 1980."""

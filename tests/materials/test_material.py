@@ -7,9 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from materials.catalogue_entry import read_inline
-from materials.material import Constant, Material, MissingProperty, OutOfRange, Polynomial, Property, Table
-from units.quantities import InputError
+from linkwright.core.materials.catalogue_entry import read_inline
+from linkwright.core.materials.material import (
+    Constant,
+    Material,
+    MissingProperty,
+    OutOfRange,
+    Polynomial,
+    Property,
+    Table,
+)
+from linkwright.core.units.quantities import InputError
 
 
 def inline(**content):

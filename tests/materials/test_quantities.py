@@ -9,8 +9,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from units.quantities import InputError, format_quantity, read_bound, read_number, read_quantity, read_range
-from units.units import kinds
+from linkwright.core.units.quantities import (
+    InputError,
+    format_quantity,
+    read_bound,
+    read_number,
+    read_quantity,
+    read_range,
+)
+from linkwright.core.units.units import kinds
 
 
 def read(value, kind):
@@ -280,7 +287,7 @@ def test_threads_that_ask_first_together_get_one_registry():
     """Units of two registries do not go together; every thread of a process that has read no quantity yet asks."""
     code = (
         "from concurrent.futures import ThreadPoolExecutor\nfrom threading import Barrier\n"
-        "from units.units import registry\nstart = Barrier(8)\n"
+        "from linkwright.core.units.units import registry\nstart = Barrier(8)\n"
         "def ask(_):\n    start.wait()\n    return id(registry())\n"
         "with ThreadPoolExecutor(8) as pool:\n    print(len(set(pool.map(ask, range(8)))))"
     )

@@ -2,8 +2,8 @@
 
 import pytest
 
-from units.quantities import InputError
-from units.reading import Mapping, load_yaml, parse_yaml
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping, load_yaml, parse_yaml
 
 
 def parse(text):

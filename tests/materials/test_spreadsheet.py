@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.kinds import RELATIONS, TYPES
-from catalogues.csv_table import read_rows, table_text
-from units.quantities import InputError
-from units.spreadsheet import defused, fused
-from units.workbook import workbook_text
+from linkwright.core.catalogues.csv_table import read_rows, table_text
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.spreadsheet import defused, fused
+from linkwright.core.units.workbook import workbook_text
 
 # From OWASP's page on the attack.
 ATTACKS = [

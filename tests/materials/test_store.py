@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from catalogues import store
-from catalogues.materials_editor import MATERIALS
-from materials.catalogue import load_layer
-from units.quantities import InputError
+from linkwright.core.catalogues import store
+from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.materials.catalogue import load_layer
+from linkwright.core.units.quantities import InputError
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAD = "# a comment\nformat_version: 1\nreferences: {s: some source}\nmaterials:\n"

@@ -5,8 +5,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catalogues.yaml_edit import YamlText
-from units.quantities import InputError
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.quantities import InputError
 
 TEXT = """\
 # head

@@ -7,9 +7,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catalogues.yaml_edit import YamlText
-from units.quantities import InputError
-from units.reading import parse_yaml, yaml_line
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import parse_yaml, yaml_line
 
 TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cs",)), min_size=0, max_size=20)
 PLAIN = st.sampled_from(["1 GPa", "on", "1e3", "012", "~", "null", "- x", "a: b", "a #b", "12 um/(m*K)", "'q'", ""])

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from arm.errors.lost_motion import played
-from arm.errors.model import beam_values, beams_of, error_model
-from optimize.choice.combinations import choose, combinations
-from optimize.exchange.design import arm_of, design_space, material_row, starting_points
-from optimize.exchange.exchange import Exchange, Exchanged, context_of, first_pool
-from optimize.problem import Problem, read_problem
-from optimize.result import BindingLimit
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.optimize.choice.combinations import choose, combinations
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Exchange, Exchanged, context_of, first_pool
+from linkwright.core.optimize.problem import Problem, read_problem
+from linkwright.core.optimize.result import BindingLimit
+from linkwright.core.sections.numeric import Array
 from tests.arm.builders import PAPER_MATERIAL, rod_lines
 
 ALUMINIUM = "aluminium-6061-t6"

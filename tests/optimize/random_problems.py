@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import Evaluation, evaluate
-from arm.worst.workspace import Unreachable
-from optimize.choice.picks import combinations
-from optimize.exchange.design import design_space, material_row, starting_points
-from optimize.exchange.exchange import Exchange, context_of, first_pool, objective_of
-from optimize.limits import excess
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.trust import keeps_limits
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.choice.picks import combinations
+from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Exchange, context_of, first_pool, objective_of
+from linkwright.core.optimize.limits import excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.trust import keeps_limits
+from linkwright.core.units.quantities import NoAnswer
 from tests.optimize.builders import ALUMINIUM, jointed, problem_of, ranged
-from units.quantities import NoAnswer
 
 GAP = 2e-4
 METALS = (ALUMINIUM, "steel-s355", "titanium-ti-6al-4v", "magnesium-az31b")

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from optimize.called import CHOICES_CALLED, PROBLEM_CALLED
-from optimize.limits import FIGURES, RANGES_CALLED
-from optimize.run import optimise
-from sections.shapes import SHAPES
+from linkwright.core.optimize.called import CHOICES_CALLED, PROBLEM_CALLED
+from linkwright.core.optimize.limits import FIGURES, RANGES_CALLED
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.shapes import SHAPES
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import PAPER_ARM, problem_of
-from units.quantities import InputError
 
 LIMITS = "subject_to: {{{}}}\n"
 
@@ -117,7 +117,7 @@ def test_arm_file_that_is_not_there(tmp_path: Path) -> None:
     path = tmp_path / "problem.yaml"
     problem_of(tmp_path, PAPER_ARM, "")
     (tmp_path / "arm.yaml").unlink()
-    from optimize.problem import read_problem
+    from linkwright.core.optimize.problem import read_problem
 
     with pytest.raises(InputError, match=r"arm\.yaml"):
         read_problem(path)

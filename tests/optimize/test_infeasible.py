@@ -12,17 +12,17 @@ from scipy.optimize import brentq
 
 import linkwright as lw
 from linkwright.command_line import outcome
-from optimize.choice.chooser import Chooser
-from optimize.choice.combinations import combinations
-from optimize.choice.many import possible
-from optimize.exchange.exchange import context_of
-from optimize.infeasible.answer import Infeasibility
-from optimize.infeasible.needed import explained
-from optimize.infeasible.quick import out_of_reach
-from optimize.run import optimise
-from sections import SHAPES
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.choice.many import possible
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.infeasible.answer import Infeasibility
+from linkwright.core.optimize.infeasible.needed import explained
+from linkwright.core.optimize.infeasible.quick import out_of_reach
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import SHAPES
+from linkwright.core.units.quantities import NoAnswer
 from tests.optimize.builders import problem_of
-from units.quantities import NoAnswer
 
 E, RHO, GRAVITY = 70e9, 2700.0, 9.81
 LENGTH, PAYLOAD, STIFFNESS = 0.5, 4.0, 20e3

@@ -9,15 +9,15 @@ from typing import Any
 
 import pytest
 
-from optimize.choice import combinations as chooser
-from optimize.choice.bounds import CombinationBounds
-from optimize.choice.chooser import Chooser
-from optimize.choice.many import Among
-from optimize.choice.picks import Combination, combinations
-from optimize.exchange.exchange import context_of, objective_of
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.trust import doubts_of, optimum_of
+from linkwright.core.optimize.choice import combinations as chooser
+from linkwright.core.optimize.choice.bounds import CombinationBounds
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.many import Among
+from linkwright.core.optimize.choice.picks import Combination, combinations
+from linkwright.core.optimize.exchange.exchange import context_of, objective_of
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.trust import doubts_of, optimum_of
 from tests.optimize.builders import jointed, problem_of, ranged
 from tests.optimize.random_problems import agreed, held, random_problem
 
@@ -69,7 +69,7 @@ def test_objective_that_the_design_does_not_have_is_noticed(tmp_path: Path, monk
     def too_little(*arguments: Any) -> float:
         return 0.9 * objective_of(*arguments)
 
-    monkeypatch.setattr("optimize.choice.chooser.objective_of", too_little)
+    monkeypatch.setattr("linkwright.core.optimize.choice.chooser.objective_of", too_little)
     with pytest.raises(AssertionError):
         held(problem)
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from optimize.run import optimise
-from sections.numeric import Array
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import PAPER_ARM, problem_of
 
 E, RHO, G, PAYLOAD, REACH, MASS = 71e9, 2700.0, 9.81, 0.77472, 1.240, 26.296

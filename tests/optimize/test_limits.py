@@ -13,10 +13,22 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import evaluate
-from arm.limits.tip_stiffness import least_stiffness, tip_compliance
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.limits.tip_stiffness import least_stiffness, tip_compliance
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.limits import FIGURES, Figure, OfLinks, limit_on
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.rounding.options import Rounding
+from linkwright.core.optimize.rounding.rounding import rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.sections import Circle, Polygon, RectangularTube, Section
+from linkwright.core.sections.shapes import EllipticalTube
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.report.contents import page_of
@@ -24,19 +36,7 @@ from linkwright.report.pages.optimization import optimization_report
 from linkwright.results.describe import describe
 from linkwright.results.design import figures as told
 from linkwright.screen.described import show
-from materials.catalogue import load_catalogue
-from materials.material import Material
-from optimize.limits import FIGURES, Figure, OfLinks, limit_on
-from optimize.problem import read_problem
-from optimize.rounding.options import Rounding
-from optimize.rounding.rounding import rounded
-from optimize.run import optimise
-from optimize.tradeoff.question import question
-from optimize.tradeoff.tradeoff import trade_off
-from sections import Circle, Polygon, RectangularTube, Section
-from sections.shapes import EllipticalTube
 from tests.optimize.builders import measured_price, problem_of
-from units.quantities import InputError, NoAnswer
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 CFRP = load_catalogue(user=False).find("cfrp-quasi-isotropic")

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from optimize.run import optimise
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import NoAnswer
 from tests.costs import slow_but
 from tests.optimize.builders import PAPER_ARM, jointed, problem_of, ranged
-from units.quantities import NoAnswer
 
 ARM = jointed(
     [400, 420, 420],

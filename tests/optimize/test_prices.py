@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from optimize.run import optimise
+from linkwright.core.optimize.run import optimise
 from tests.costs import slow_but
 from tests.optimize.builders import PAPER_ARM, jointed, measured_price, problem_of, ranged
 

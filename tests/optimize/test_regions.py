@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.kinematics import tip_position
-from arm.errors.model import beams_of
-from arm.evaluation import evaluate, link_masses
-from arm.worst.coverage import Unreached
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.evaluation import evaluate, link_masses
+from linkwright.core.arm.worst.coverage import Unreached
+from linkwright.core.optimize.choice.combinations import choose
+from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.trust import doubts_of
 from linkwright.results.design import bound_words
-from optimize.choice.combinations import choose
-from optimize.exchange.design import arm_of
-from optimize.exchange.exchange import context_of
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.run import optimise
-from optimize.trust import doubts_of
 from tests.optimize.builders import ALUMINIUM, DRIVE, jointed, one_exchange, problem_of, ranged, scanned_error, worst_at
 
 ARM = jointed((500, 500), ranged("-120 120", "20 150"))

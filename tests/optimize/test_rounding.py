@@ -11,25 +11,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.errors.tip import active_effects
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from arm.limits.walls import walls_of
-from arm.worst.search import WorstSearch
 from linkwright.cli import run
-from materials.catalogue import load_catalogue
-from optimize.exchange.exchange import CERTIFICATE_GAP
-from optimize.limits import FIGURES, figures_of
-from optimize.problem import Problem
-from optimize.rounding.options import GRADES, comes_in, multiples, read_rounding
-from optimize.rounding.rounding import optimise_rounded, rounded
-from optimize.run import optimise
-from sections import Circle, load_stock
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.arm.limits.walls import walls_of
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
+from linkwright.core.optimize.limits import FIGURES, figures_of
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.options import GRADES, comes_in, multiples, read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded, rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import Circle, load_stock
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import ALUMINIUM, DRIVE, jointed, problem_of, ranged
-from units.quantities import InputError
 
 STEEL = "steel-s355"
 TWO = jointed([400, 300], ranged("-120 120", "-150 150"))

@@ -14,24 +14,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.errors.model import error_model
-from arm.evaluation import evaluate
-from arm.worst.search import WorstSearch
-from optimize.choice.combinations import combinations
-from optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
-from optimize.exchange.design import arm_of, design_space, numeric_beams
-from optimize.limits import FIGURES, Cut, limit_on
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.tradeoff.front import Tradeoff
-from optimize.tradeoff.journal import Journal, design_of, design_record
-from optimize.tradeoff.point import Design, Search
-from optimize.tradeoff.question import Question, axes_of, digest, question
-from optimize.tradeoff.refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
-from optimize.tradeoff.trace import Progress
-from optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.arm.errors.model import error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
+from linkwright.core.optimize.exchange.design import arm_of, design_space, numeric_beams
+from linkwright.core.optimize.limits import FIGURES, Cut, limit_on
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.front import Tradeoff
+from linkwright.core.optimize.tradeoff.journal import Journal, design_of, design_record
+from linkwright.core.optimize.tradeoff.point import Design, Search
+from linkwright.core.optimize.tradeoff.question import Question, axes_of, digest, question
+from linkwright.core.optimize.tradeoff.refinement import (
+    Refined,
+    Stretch,
+    envelope,
+    knee,
+    logarithmic,
+    refine,
+    undominated,
+)
+from linkwright.core.optimize.tradeoff.trace import Progress
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
-from units.quantities import InputError, NoAnswer
 
 ARM = jointed((500, 400), ranged("-100 100", "30 140"))
 SIZES = "section_size: [20 mm, 90 mm], thickness: [2 mm, 8 mm]"

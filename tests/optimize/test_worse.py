@@ -10,24 +10,24 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import evaluate
-from arm.limits.sideways import SIDEWAYS, sideways_compliance
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.limits.sideways import SIDEWAYS, sideways_compliance
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Constant, Material, MissingProperty, Property
+from linkwright.core.optimize.limits import FIGURES, Figure, OfLinks
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.worse import softened_links, worse_figures
+from linkwright.core.sections import Circle, ISection, Rectangle, Section
+from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.report.contents import page_of
 from linkwright.report.pages.optimization import optimization_report
 from linkwright.results.describe import describe
-from materials.catalogue import load_catalogue
-from materials.material import Constant, Material, MissingProperty, Property
-from optimize.limits import FIGURES, Figure, OfLinks
-from optimize.problem import read_problem
-from optimize.run import optimise
-from optimize.worse import softened_links, worse_figures
-from sections import Circle, ISection, Rectangle, Section
 from tests.optimize.builders import measured_price, problem_of
-from units.quantities import InputError
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 THIN = ISection(width=0.02, height=0.15, flange_thickness=0.01, web_thickness=0.005)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
-from arm.errors.model import beam_values, beams_of, error_model
-from optimize.choice.combinations import choose
-from optimize.exchange.design import arm_of
-from optimize.exchange.exchange import Context, Exchange, context_of, first_pool
-from optimize.run import optimise
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.optimize.choice.combinations import choose
+from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, context_of, first_pool
+from linkwright.core.optimize.run import optimise
 from tests.optimize.builders import DRIVE, jointed, one_exchange, problem_of, ranged, scanned_error, worst_at
 
 BENT = ranged("-120 120", "40 140", "30 150")

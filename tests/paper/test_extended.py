@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.worst.workspace import Unreachable
 from linkwright.cli import run
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.paper.corrected import PaperArm, worst_error
 from linkwright.paper.extended.sensitivity import seam_table, sensitivities
 from linkwright.paper.extended.tables import LENGTHS, Extended
@@ -30,7 +31,6 @@ from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import Column, ExtendedTable
 from linkwright.screen.console import console
-from materials.catalogue import load_catalogue
 
 pytestmark = pytest.mark.slow
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.sections import build
 from linkwright.paper.conventions import Conventions, Deformation, Equations, printed_second_moment
 from linkwright.paper.corrected import PAPER_PHYSICS, PaperArm
 from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import at_digits_of, tally
-from sections import build
 
 pytestmark = pytest.mark.slow
 

@@ -7,9 +7,10 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.effects import EFFECTS
-from arm.files.read import read_arm
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.paper.corrected import PaperArm, worst_error
 from linkwright.paper.extended.tables import Extended
 from linkwright.paper.extended.workplace import (
@@ -23,7 +24,6 @@ from linkwright.paper.extended.workplace import (
 )
 from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
-from materials.catalogue import load_catalogue
 
 pytestmark = pytest.mark.slow
 

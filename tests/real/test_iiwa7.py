@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.real import iiwa7
-from diagnose.result import Finding
+from linkwright.core.diagnose.result import Finding
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-iiwa7")]
 

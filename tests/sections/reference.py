@@ -9,7 +9,7 @@ from sectionproperties.analysis import Section as FiniteElements
 from sectionproperties.pre import Geometry, Material
 from shapely import Polygon as ShapelyPolygon
 
-from sections import Section
+from linkwright.core.sections import Section
 
 
 class Reference(NamedTuple):

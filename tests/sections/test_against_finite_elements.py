@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sections import (
+from linkwright.core.sections import (
     Angle,
     Channel,
     Circle,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sections import SHAPES, FreeFlangeISection, ISection, RectangularTube, SectionError, Tube, build
+from linkwright.core.sections import SHAPES, FreeFlangeISection, ISection, RectangularTube, SectionError, Tube, build
 
 CHOSEN = [kind for name, kind in SHAPES.items() if name != "polygon"] + [FreeFlangeISection]
 OUTER, WALL = (0.02, 0.14), (0.002, 0.01)

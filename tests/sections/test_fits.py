@@ -9,9 +9,9 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from sections import SHAPES, Section
-from sections.fits.fit import FILES, Fit, fits
-from sections.formulas.saint_venant import SaintVenant, solve
+from linkwright.core.sections import SHAPES, Section
+from linkwright.core.sections.fits.fit import FILES, Fit, fits
+from linkwright.core.sections.formulas.saint_venant import SaintVenant, solve
 
 POINTS = 2
 SOLVER_ERROR = 2e-4
@@ -34,7 +34,7 @@ def test_no_name_comes_twice() -> None:
     names = [
         name
         for file in FILES
-        for name in json.loads(files("sections.fits").joinpath(f"{file}.json").read_text("utf-8"))
+        for name in json.loads(files("linkwright.core.sections.fits").joinpath(f"{file}.json").read_text("utf-8"))
     ]
     assert sorted(names) == sorted(fits())
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sections import (
+from linkwright.core.sections import (
     SHAPES,
     Angle,
     Channel,
@@ -31,8 +31,8 @@ from sections import (
     TSection,
     Tube,
 )
-from sections.formulas.plastic import polygon_modulus
-from sections.numeric import Number
+from linkwright.core.sections.formulas.plastic import polygon_modulus
+from linkwright.core.sections.numeric import Number
 
 sizes = st.floats(0.02, 0.3)
 ratios = st.floats(0.35, 2.8)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sections import (
+from linkwright.core.sections import (
     Angle,
     Circle,
     Ellipse,

@@ -12,10 +12,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catalogues.stock_csv import read_table, write_table
-from catalogues.stock_editor import STOCK, row_of
-from sections import SectionError, load_stock, section_from_name
-from sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
+from linkwright.core.catalogues.stock_csv import read_table, write_table
+from linkwright.core.catalogues.stock_editor import STOCK, row_of
+from linkwright.core.sections import SectionError, load_stock, section_from_name
+from linkwright.core.sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
 
 TABLE = """
 format_version: 1
@@ -30,7 +30,7 @@ tables:
 
 
 def shipped() -> list[tuple[str, dict]]:
-    folder = files("sections").joinpath("stock")
+    folder = files("linkwright.core.sections").joinpath("stock")
     return [
         (item.name, yaml.safe_load(item.read_text(encoding="utf-8")))
         for item in folder.iterdir()
@@ -53,7 +53,7 @@ def test_each_says_where_it_was_found_or_that_it_was_not() -> None:
 
 
 def test_the_fast_reading_of_the_shipped_tables_finds_what_the_careful_one_does() -> None:
-    folder = files("sections").joinpath("stock")
+    folder = files("linkwright.core.sections").joinpath("stock")
     names = sorted(item.name for item in folder.iterdir() if item.name.endswith(".yaml"))
     careful = [read_text(folder.joinpath(name).read_text(encoding="utf-8"), f"stock/{name}") for name in names]
     assert [size for sizes in careful for size in sizes] == list(shipped_sizes())

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.kinematics import place, section_directions
-from arm.chain.statics import solve
-from arm.chain.vectors import from_roll_pitch_yaw, unit
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate
-from arm.limits.modes import segmented
-from materials.catalogue import load_catalogue
-from sections import build
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import place, section_directions
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.chain.vectors import from_roll_pitch_yaw, unit
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.limits.modes import segmented
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
 from tests import frame_solver
 from tests.arm.builders import arm_of, chain_arm, chain_motion, elastic_motion, rod_lines
 from tests.random_chains import (

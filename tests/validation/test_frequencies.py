@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.limits.modes import first_modes
-from materials.catalogue import load_catalogue
-from sections import build
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.limits.modes import first_modes
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
 from tests import frame_solver
 from tests.arm.builders import chain_arm
 from tests.random_chains import RandomChain, build_frame, random_planar_chain, random_spatial_chain

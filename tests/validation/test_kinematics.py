@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import place, tip_position
-from arm.chain.vectors import from_roll_pitch_yaw, to_roll_pitch_yaw
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.chain.vectors import from_roll_pitch_yaw, to_roll_pitch_yaw
+from linkwright.core.sections.numeric import Array
 from tests.arm.builders import arm_of
 from tests.random_chains import places, random_spatial_chain, rotation_about
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import evaluate, strength_over, warnings_of
-from arm.limits.strength import StrengthResult
-from materials.catalogue import load_catalogue
-from materials.material import MissingProperty
-from sections import build
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.evaluation import evaluate, strength_over, warnings_of
+from linkwright.core.arm.limits.strength import StrengthResult
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import MissingProperty
+from linkwright.core.sections import build
 from tests.arm.builders import arm_of, rod_lines
 
 STEEL = load_catalogue(user=False).find("steel-s355")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import plus, times
-from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
-from sections.numeric import cos, sin
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import plus, times
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from linkwright.core.sections.numeric import cos, sin
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import plus, times
-from arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
-from sections.numeric import cos, sin
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import plus, times
+from linkwright.core.arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.sections.numeric import cos, sin
 
 _LEAST_WAVES = 0.7
 """Of less of a wave neither its period nor that it is one shows: a scale or an eccentricity does as much."""

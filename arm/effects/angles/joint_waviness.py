@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar, plus, times
-from arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
-from sections.numeric import cos, sin
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar, plus, times
+from linkwright.core.arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.sections.numeric import cos, sin
 
 ORDERS = 32
 """The highest order: a wave of 11 degrees."""

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import plus, times
-from arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import plus, times
+from linkwright.core.arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, size
 
 _DIFFERENT_MOVES = 0.05
 """Moves must differ by as much (rad, m): if all are alike, their share is a zero that is off."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from arm.effects.effect import Effect
-from units.quantities import InputError
+from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.units.quantities import InputError
 
 from .behaviour import behaviour_faults
 from .entry import entry_faults

@@ -9,9 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from arm.chain.statics import PoseState
-from arm.effects.effect import Disc, Effect, Interval, Settings, Twist
-from sections.numeric import Array
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist
+from linkwright.core.sections.numeric import Array
 
 from .chains import ROWS, Chain, chains
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.conditions import Conditions
-from arm.chain.kinematics import parts, symbols
-from arm.chain.statics import PoseState, solve
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.kinematics import parts, symbols
+from linkwright.core.arm.chain.statics import PoseState, solve
 
 ROWS = 5
 _QUARTER = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))

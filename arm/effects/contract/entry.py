@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from types import MappingProxyType
 from typing import get_args
 
-from arm.effects.effect import Cause, Condition, Effect, Only, Parameter, Role, kind_at
-from arm.effects.registry import EFFECTS
-from units.units import kinds
+from linkwright.core.arm.effects.effect import Cause, Condition, Effect, Only, Parameter, Role, kind_at
+from linkwright.core.arm.effects.registry import EFFECTS
+from linkwright.core.units.units import kinds
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _PLACES = ("joint", "link", "base", "tip")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Vector, add, cross, is_zero, scale, times
-from arm.effects.effect import Effect, Settings, Twist, size
-from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Vector, add, cross, is_zero, scale, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def base_moment(state: PoseState) -> Vector:

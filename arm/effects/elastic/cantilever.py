@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from arm.chain.beam import Beam
-from arm.chain.chain import LoadCase
-from arm.chain.statics import PoseState, solve, unladen
-from arm.chain.vectors import ZERO, Scalar, Vector
-from arm.effects.effect import Settings, Twist
-from arm.effects.loads.unknown_weight import without_unit_weights
-from arm.effects.registry import EFFECTS
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve, unladen
+from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector
+from linkwright.core.arm.effects.effect import Settings, Twist
+from linkwright.core.arm.effects.loads.unknown_weight import without_unit_weights
+from linkwright.core.arm.effects.registry import EFFECTS
 
 
 def elastic_twists(state: PoseState) -> Iterator[Twist]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar, add, cross, dot, is_zero, scale, subtract, times
-from arm.effects.effect import Effect, Settings, Twist, given, size
-from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
-from sections.numeric import absolute
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar, add, cross, dot, is_zero, scale, subtract, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, given, size
+from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.sections.numeric import absolute
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import times
-from arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import times
+from linkwright.core.arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, shape, size
 
 _STEADY = 0.02
 """A load that changes by no more than this share of its greatest is steady."""

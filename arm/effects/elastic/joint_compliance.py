@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.chain.statics import PoseState
-from arm.chain.vectors import times
-from arm.effects.effect import Effect, Kink, Settings, Twist, drive_motion, given, size
-from arm.effects.functions import wound_up
-from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import times
+from linkwright.core.arm.effects.effect import Effect, Kink, Settings, Twist, drive_motion, given, size
+from linkwright.core.arm.effects.functions import wound_up
+from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

@@ -5,11 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from arm.chain.chain import Zones
-from arm.chain.statics import PoseState
-from arm.effects.effect import Effect, Kink, Parameter, Settings, Twist, drive_motion, given, shape, size
-from arm.effects.functions import saturated, wound_up
-from sections.numeric import tanh
+from linkwright.core.arm.chain.chain import Zones
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects.effect import (
+    Effect,
+    Kink,
+    Parameter,
+    Settings,
+    Twist,
+    drive_motion,
+    given,
+    shape,
+    size,
+)
+from linkwright.core.arm.effects.functions import saturated, wound_up
+from linkwright.core.sections.numeric import tanh
 
 ZONES = ("stiffness_1", "stiffness_2", "stiffness_3", "torque_1", "torque_2")
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from arm.chain.chain import Joint
-from arm.chain.statics import JointState, PoseState
-from arm.chain.vectors import Scalar, dot, is_zero, scale, subtract
-from arm.effects.effect import Effect, Settings, Twist, size
-from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.chain.chain import Joint
+from linkwright.core.arm.chain.statics import JointState, PoseState
+from linkwright.core.arm.chain.vectors import Scalar, dot, is_zero, scale, subtract
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

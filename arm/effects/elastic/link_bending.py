@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from arm.chain.beam import Beam, BendingFactors
-from arm.chain.chain import Arm
-from arm.chain.statics import LinkState, PoseState
-from arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
-from arm.effects.effect import Effect, Settings, Twist, size
-from arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.chain.beam import Beam, BendingFactors
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import LinkState, PoseState
+from linkwright.core.arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
 
 
 def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:

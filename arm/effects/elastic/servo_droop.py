@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import times
-from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.beam import BendingFactors
-from arm.chain.statics import LinkState, PoseState
-from arm.chain.vectors import Scalar, Vector, add, dot, plus, scale, times
-from arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.chain.beam import BendingFactors
+from linkwright.core.arm.chain.statics import LinkState, PoseState
+from linkwright.core.arm.chain.vectors import Scalar, Vector, add, dot, plus, scale, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist
 
 from .link_bending import in_both_planes
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.chain import FloatVector, Joint
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Vector, add, cross, is_zero, plus, rotate, scale
-from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.chain.chain import FloatVector, Joint
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Vector, add, cross, is_zero, plus, rotate, scale
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

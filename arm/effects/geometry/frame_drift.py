@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 from .frame_misalignment import moved_base
 

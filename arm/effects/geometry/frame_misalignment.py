@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar, Vector, is_zero, scale
-from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar, Vector, is_zero, scale
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def moved_base(state: PoseState, values: Mapping[str, float], factor: Scalar = 1.0) -> Iterator[Twist]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import scale
-from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import scale
+from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:

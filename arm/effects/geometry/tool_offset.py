@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from arm.chain.kinematics import section_directions
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Vector, add, dot, is_zero, scale, snap
-from arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.chain.kinematics import section_directions
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Vector, add, dot, is_zero, scale, snap
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
 def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from arm.chain.chain import EffectEntry
-from arm.chain.statics import JointState, PoseState
-from arm.chain.vectors import add, minus, plus, scale, times
-from arm.effects.effect import Settings
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.statics import JointState, PoseState
+from linkwright.core.arm.chain.vectors import add, minus, plus, scale, times
+from linkwright.core.arm.effects.effect import Settings
 
 from .link_mass import LINK_MASS, link_masses_alone
 from .payload import PAYLOAD, payload_alone

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Vector, cross, is_zero
-from arm.effects.effect import Effect, Parameter, Settings, Twist, size
-from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import ZERO, Vector, cross, is_zero
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 from .added_weights import under_weight_alone, weights_added
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
-from arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
 
 _UPRIGHT: Vector = (0.0, 0.0, 1.0)
 

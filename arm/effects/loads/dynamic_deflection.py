@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from arm.chain.beam import Beam
-from arm.chain.statics import PoseState
-from arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
-from arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
 
 _BOOLE = (7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0)
 """Boole's rule over the quarters of a link, exact for polynomials up to the fifth degree."""

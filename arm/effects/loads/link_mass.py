@@ -12,12 +12,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar, minus, plus, times
-from arm.effects.effect import Effect, Settings, Sum, Twist, given, size
-from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar, minus, plus, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Sum, Twist, given, size
+from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 
 def link_masses_alone(state: PoseState, settings: Settings) -> PoseState | None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm
-from arm.chain.statics import PoseState
-from arm.effects.effect import Effect, Settings, Twist, size
-from arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
 from .link_mass import mass_declared
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, EffectEntry, LoadCase
-from arm.chain.statics import PoseState, solve, unladen
-from arm.chain.vectors import ZERO, scale
-from arm.effects.effect import Effect, Parameter, given
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve, unladen
+from linkwright.core.arm.chain.vectors import ZERO, scale
+from linkwright.core.arm.effects.effect import Effect, Parameter, given
 
 MOMENTS = ("along", "height", "width")
 """The parameters that are levers, in the order of a `Beam`'s first moment."""

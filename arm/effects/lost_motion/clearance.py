@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arm.chain.statics import JointState, PoseState
-from arm.chain.vectors import dot, scale, subtract
-from arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
-from arm.effects.loads.added_weights import bearing
+from linkwright.core.arm.chain.statics import JointState, PoseState
+from linkwright.core.arm.chain.vectors import dot, scale, subtract
+from linkwright.core.arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
+from linkwright.core.arm.effects.loads.added_weights import bearing
 
 
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:

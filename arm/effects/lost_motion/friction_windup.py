@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import JointState, PoseState
-from arm.chain.vectors import Scalar, plus, times
-from arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, size
-from arm.effects.loads.added_weights import bearing
-from sections.numeric import absolute
+from linkwright.core.arm.chain.statics import JointState, PoseState
+from linkwright.core.arm.chain.vectors import Scalar, plus, times
+from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, size
+from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.sections.numeric import absolute
 
 
 def _windup(joint: JointState, settings: Settings) -> Scalar:

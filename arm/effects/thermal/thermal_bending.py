@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import scale, times
-from arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import scale, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
 
 from .warming import LAG, warming_of
 

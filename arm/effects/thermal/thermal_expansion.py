@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import scale, times
-from arm.effects.effect import Effect, Settings, Twist, given, size
-from materials.material import MissingProperty
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import scale, times
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, given, size
+from linkwright.core.materials.material import MissingProperty
 
 from .warming import LAG, warming_of
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from arm.chain.statics import PoseState
-from arm.chain.vectors import Scalar
-from arm.effects.effect import shape
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.effects.effect import shape
 
 LAG = shape(
     "lag",

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from executors import Processes, plain
+from linkwright.core.executors import Processes, plain
 
 VERSION = "1"
 """Part of every key: raised where a part's meaning changes."""

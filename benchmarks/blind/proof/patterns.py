@@ -43,10 +43,10 @@ class Patterns:
 
 
 def _read(arm: Path, recording: Path, *, known: bool) -> Any:
-    from arm.files.read import read_arm
-    from diagnose.reading.read import read_recording
-    from diagnose.residual.observe import observe
-    from materials.catalogue import load_catalogue
+    from linkwright.core.arm.files.read import read_arm
+    from linkwright.core.diagnose.reading.read import read_recording
+    from linkwright.core.diagnose.residual.observe import observe
+    from linkwright.core.materials.catalogue import load_catalogue
 
     given = read_arm(arm, load_catalogue())
     read = read_recording(recording, given)
@@ -66,7 +66,7 @@ def left(arm: Path, recording: Path) -> Array:
 
 def patterns(arm: Path, recording: Path) -> Patterns:
     """All candidates of the library on a recording, as the tool would search them."""
-    from diagnose.patterns.library import candidates
+    from linkwright.core.diagnose.patterns.library import candidates
 
     observed = _read(arm, recording, known=False)
     found = list(candidates(observed))
@@ -75,7 +75,7 @@ def patterns(arm: Path, recording: Path) -> Patterns:
 
 def patterns_at(arm: Path, recording: Path, of: Patterns) -> Patterns:
     """The same candidates, with the same shapes, on another recording of the arm, its frame known."""
-    from diagnose.patterns.library import columns_of
+    from linkwright.core.diagnose.patterns.library import columns_of
 
     observed = _read(arm, recording, known=True)
     columns: list[Array] = []
@@ -87,7 +87,7 @@ def patterns_at(arm: Path, recording: Path, of: Patterns) -> Patterns:
 
 
 def _patterns(observed: Any, found: list[Any], columns: list[Array]) -> Patterns:
-    from diagnose.fitting.prepare import nuisances
+    from linkwright.core.diagnose.fitting.prepare import nuisances
 
     recording, width = observed.recording, observed.components
     held = (recording.payload_mass, recording.temperature, recording.time, recording.sides, recording.force)

@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import f as f_distribution
 
-from diagnose.fitting.held_out import HeldOut
-from diagnose.fitting.room.small_causes import SmallCauses
-from diagnose.residual.observed import Observed, rms_length
-from diagnose.residual.robust_scale import resolution
-from diagnose.residual.visits import poses
-from diagnose.residual.wander import walks
-from diagnose.result import LackOfFit
-from diagnose.rules.answer_rules import AnswerRules
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.held_out import HeldOut
+from linkwright.core.diagnose.fitting.room.small_causes import SmallCauses
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.robust_scale import resolution
+from linkwright.core.diagnose.residual.visits import poses
+from linkwright.core.diagnose.residual.wander import walks
+from linkwright.core.diagnose.result import LackOfFit
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.sections.numeric import Array
 
 Groups = NDArray[np.int64]
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.fitting.fit import solved
-from diagnose.residual.observed import Observed
-from diagnose.rules.answer_rules import AnswerRules
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import solved
+from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.sections.numeric import Array
 
 from .lack_of_fit import memory_at_most, remembering, split
 

@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.effects import EFFECTS, Parameter
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.terms import Term
-from diagnose.patterns.library import columns_of
-from diagnose.patterns.pool import orthonormal
-from sections.numeric import Array
+from linkwright.core.arm.effects import EFFECTS, Parameter
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.terms import Term
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.sections.numeric import Array
 
 _ALIKE = 1e-9
 """Of a pattern's length, what rounding leaves beside another that is the same."""

@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.fitting.fit import fit, solved
-from diagnose.fitting.prepare import Prepared
-from diagnose.patterns.pool import orthonormal
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.fit import fit, solved
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.sections.numeric import Array
 
 from .unnamed import others_of
 

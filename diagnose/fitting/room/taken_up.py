@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.effects import EFFECTS
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.terms import Term
-from diagnose.patterns.library import Candidate, columns_of, parameter_of
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.terms import Term
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of, parameter_of
 
 _ALIKE = 1e-6
 """Patterns that differ by a smaller share are one."""

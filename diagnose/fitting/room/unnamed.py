@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
-from diagnose.fitting.prepare import Prepared, comes_anew
-from sections.numeric import Array
+from linkwright.core.diagnose.fitting.prepare import Prepared, comes_anew
+from linkwright.core.sections.numeric import Array
 
 _TINY = 1e-9
 _STEPS = 121

@@ -12,7 +12,7 @@ from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.jobs import Job
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .editor import YamlEditor
 from .file_choice import FileChoice

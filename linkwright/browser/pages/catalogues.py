@@ -8,7 +8,7 @@ from collections.abc import Callable
 from nicegui import events, ui
 
 from linkwright.browser.server.tables import ActuatorsTable, CatalogueTable, MaterialsTable, SectionsTable
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, row, stack
 

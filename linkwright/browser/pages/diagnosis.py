@@ -15,7 +15,7 @@ from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, known_names, units_of
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, heading, panel, row, stack
 from .job_panel import JobPanel

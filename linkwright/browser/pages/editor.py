@@ -10,9 +10,9 @@ from typing import Any, cast
 
 from nicegui import ui
 
-from catalogues.yaml_edit import YamlText
-from units.quantities import InputError
-from units.reading import parse_yaml, yaml_line
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import parse_yaml, yaml_line
 
 from .frame import Problem, heading, row, stack
 

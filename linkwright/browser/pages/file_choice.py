@@ -9,7 +9,7 @@ from nicegui import ui
 
 from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.folder import Kind
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .editor import YamlEditor
 from .frame import Problem, row

@@ -11,7 +11,7 @@ import linkwright as lw
 from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.folder import staged
 from linkwright.browser.server.jobs import Job
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .editor import YamlEditor
 from .file_choice import FileChoice

@@ -11,7 +11,7 @@ from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.shelf import Kept
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, heading, panel, picture, row, stack
 from .save_row import SaveRow

@@ -9,7 +9,7 @@ from nicegui import ui
 from linkwright.browser.server.desk import Desk
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.shelf import NAME, Kept, Run
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, heading, row, stack
 from .job_panel import JobPanel

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 
 from linkwright.browser.server.folder import Folder, Occupied
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, row, stack
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from urllib.parse import quote
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .jobs import Job
 from .shelf import Kept, Shelf

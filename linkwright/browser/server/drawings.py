@@ -8,9 +8,10 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
-from arm.chain.chain import Arm
-from arm.evaluation import Evaluation
-from arm.worst.search import WorstPose
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.units.quantities import InputError
 from linkwright.face.tradeoff import Tradeoff, TradeoffDesign
 from linkwright.json.tradeoff import point_file
 from linkwright.report.pages.tradeoff import front_figure
@@ -23,7 +24,6 @@ from linkwright.report.pictures.arm import (
 from linkwright.report.pictures.bent import bent_line
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, section_words
-from units.quantities import InputError
 
 _MOST_POSES = 4
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import linkwright as lw
-from diagnose.reading.settings import read_settings
-from diagnose.reading.table import Table, as_number, read_table
-from units.quantities import InputError
+from linkwright.core.diagnose.reading.settings import read_settings
+from linkwright.core.diagnose.reading.table import Table, as_number, read_table
+from linkwright.core.units.quantities import InputError
 
 from .folder import staged
 from .guard import MOST_UPLOADED

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from fastapi import FastAPI, Response
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .answers import left_behind, on_shelf
 from .desk import Desk

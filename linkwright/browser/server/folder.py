@@ -13,9 +13,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Literal, cast
 
 import linkwright as lw
-from units.files import read_bytes, write_whole
-from units.quantities import InputError, shown
-from units.reading import parse_yaml, read_text
+from linkwright.core.units.files import read_bytes, write_whole
+from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import parse_yaml, read_text
 
 Kind = Literal["arm", "problem"]
 _ARM = re.compile(r"^chain\s*:", re.MULTILINE)

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .folder import put
 from .shelf import Run, Shelf

@@ -10,10 +10,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.reading.columns import looks_like_ours, otherwise_spelled, units_for
-from diagnose.reading.table import Table
-from units.reading import yaml_line
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.columns import looks_like_ours, otherwise_spelled, units_for
+from linkwright.core.diagnose.reading.table import Table
+from linkwright.core.units.reading import yaml_line
 
 OTHER = "other"
 """A column of somebody's own: kept, as something that the error may depend on."""

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
 
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 NAME = "linkwright-results.sqlite"
 _TABLES = """

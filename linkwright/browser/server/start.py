@@ -18,7 +18,7 @@ from nicegui import app as pages
 from nicegui import ui
 
 from linkwright.browser.pages.site import add_pages
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .desk import Desk
 from .files import add_files

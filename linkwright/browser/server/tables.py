@@ -10,21 +10,21 @@ from pathlib import Path
 from types import MappingProxyType
 
 import linkwright as lw
-from arm.actuators import Actuator, read_actuators, shipped_actuators, user_actuators_path
-from catalogues import store
-from catalogues.materials_as_text import find_entry
-from catalogues.materials_editor import MATERIALS
-from catalogues.prices import remove_price, set_price
-from catalogues.stock_editor import STOCK, columns_of, row_of
 from linkwright.commands.actuators.editor import ACTUATORS, actuator_entry
 from linkwright.commands.catalogues.own import value_of_text
 from linkwright.commands.materials.edit import OWN
 from linkwright.commands.materials.query import QUERY, value_of
-from materials.catalogue import load_layer, user_catalogue_path
-from sections.stock.tables import user_stock_path
-from units.prices import read_prices
-from units.quantities import InputError, format_quantity
-from units.reading import load_yaml, read_text
+from linkwright.core.arm.actuators import Actuator, read_actuators, shipped_actuators, user_actuators_path
+from linkwright.core.catalogues import store
+from linkwright.core.catalogues.materials_as_text import find_entry
+from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.catalogues.prices import remove_price, set_price
+from linkwright.core.catalogues.stock_editor import STOCK, columns_of, row_of
+from linkwright.core.materials.catalogue import load_layer, user_catalogue_path
+from linkwright.core.sections.stock.tables import user_stock_path
+from linkwright.core.units.prices import read_prices
+from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.reading import load_yaml, read_text
 
 Row = dict[str, str]
 """A row's cells as text, `name` among them; `own` says whether it stands in the user's own file, `unconfirmed` what

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import linkwright as lw
-from executors import WorkersLost
 from linkwright.cli import end_as_by_ctrl_c
+from linkwright.core.executors import WorkersLost
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.result import Reported
-from units.quantities import InputError, NoAnswer
 
 from .folder import called_plainly
 

@@ -19,7 +19,7 @@ from linkwright.version import program_version
 from . import HELP, edit
 
 if TYPE_CHECKING:
-    from arm.actuators import Actuator
+    from linkwright.core.arm.actuators import Actuator
 
 LIST_HELP = """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
 
@@ -42,8 +42,8 @@ def list_actuators(
     catalogue: ActuatorFile = None,
 ) -> None:
     """Run `actuators list`."""
+    from linkwright.core.units.quantities import read_quantity
     from linkwright.screen.console import console, table
-    from units.quantities import read_quantity
 
     check_target(json, catalogue)
     least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")

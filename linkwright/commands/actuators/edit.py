@@ -8,8 +8,6 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from arm.actuators import read_actuators, shipped_actuators, user_actuators_path
-from catalogues.materials_as_text import Entry
 from linkwright.commands.catalogues.own import (
     OwnCatalogue,
     edit_keys_command,
@@ -17,10 +15,12 @@ from linkwright.commands.catalogues.own import (
     value_of_text,
 )
 from linkwright.commands.groups import Commands
+from linkwright.core.arm.actuators import read_actuators, shipped_actuators, user_actuators_path
+from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import load_yaml
 from linkwright.output.files import check_target
 from linkwright.output.table_file import rows_of
-from units.quantities import InputError
-from units.reading import load_yaml
 
 from .editor import ACTUATORS, actuator_entry, entries_text, read_entries
 from .spreadsheet import read_table, write_table

@@ -8,12 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
-from arm.actuators import CONFIRMABLE, read_actuators
-from catalogues.editor import Editor, Place
-from catalogues.materials_as_text import Entry, entry_in, put, reference
-from catalogues.yaml_edit import YamlText
-from units.reading import Mapping as Keys
-from units.reading import load_yaml, parse_yaml, read_text, shipped_files
+from linkwright.core.arm.actuators import CONFIRMABLE, read_actuators
+from linkwright.core.catalogues.editor import Editor, Place
+from linkwright.core.catalogues.materials_as_text import Entry, entry_in, put, reference
+from linkwright.core.catalogues.yaml_edit import YamlText
+from linkwright.core.units.reading import Mapping as Keys
+from linkwright.core.units.reading import load_yaml, parse_yaml, read_text, shipped_files
 
 NEW_FILE = "format_version: 1\nreferences: {}\nactuators: {}\n"
 """What a file of actuators begins as; each entry says its maker."""
@@ -140,4 +140,4 @@ def _confirm(document: YamlText, name: str, key: str) -> None:
 
 @cache
 def _shipped() -> list[dict[str, Any]]:
-    return [cast(dict[str, Any], each.content) for each in shipped_files("arm.actuators")]
+    return [cast(dict[str, Any], each.content) for each in shipped_files("linkwright.core.arm.actuators")]

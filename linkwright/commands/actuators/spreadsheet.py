@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from arm.actuators import CONFIRMABLE
-from catalogues.csv_table import marks_of, marks_text, read_rows, table_text
-from catalogues.materials_as_text import Entry
-from units.quantities import InputError
+from linkwright.core.arm.actuators import CONFIRMABLE
+from linkwright.core.catalogues.csv_table import marks_of, marks_text, read_rows, table_text
+from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.units.quantities import InputError
 
 _SEVERAL = ("stiffness", "zone_torques")
 """Keys that may have several values, those of zones of torque: `31 kN*m/rad; 50 kN*m/rad`."""

@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
 import typer
 
-from catalogues import store
-from catalogues.editor import Editor
-from catalogues.prices import remove_price, set_price
 from linkwright.commands.groups import Commands
+from linkwright.core.catalogues import store
+from linkwright.core.catalogues.editor import Editor
+from linkwright.core.catalogues.prices import remove_price, set_price
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import parse_yaml
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import WAYS, rows_of
-from units.quantities import InputError
-from units.reading import parse_yaml
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Generic, Protocol, TypeVar
 
-from units.names import nearest
-from units.quantities import InputError, read_quantity
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, read_quantity
 
 _CONDITION = re.compile(r"\s*(\w+)\s*(<=|>=|==|=|<|>)\s*(.+)")
 

@@ -9,8 +9,8 @@ import typer
 
 import linkwright as lw
 from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, as_options, asked_of, not_lost, tell
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import check_target, write_result
-from units.quantities import InputError
 
 HELP = """The arm for other programs: URDF, MJCF (with all that gives), SDF, DXF (to scale), STEP (solid bodies), parts.
 

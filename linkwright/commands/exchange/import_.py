@@ -9,8 +9,8 @@ import typer
 
 import linkwright as lw
 from linkwright.commands.options import JsonFile, MarkdownFile, as_options, not_lost, tell
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import DESIGN, check_target, write_result
-from units.quantities import InputError
 
 HELP = """An arm file from a URDF: frames, limits and weights; with lists of what is doubtful and what it does not say.
 

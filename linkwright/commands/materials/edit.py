@@ -10,10 +10,6 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from catalogues.freecad_cards import read_card, write_card
-from catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
-from catalogues.materials_csv import read_table, write_table
-from catalogues.materials_editor import MATERIALS
 from linkwright.commands.catalogues.own import (
     OwnCatalogue,
     edit_keys_command,
@@ -23,12 +19,16 @@ from linkwright.commands.catalogues.own import (
 from linkwright.commands.groups import Commands
 from linkwright.commands.materials.query import SHORT
 from linkwright.commands.options import CatalogueFile
+from linkwright.core.catalogues.freecad_cards import read_card, write_card
+from linkwright.core.catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
+from linkwright.core.catalogues.materials_csv import read_table, write_table
+from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.materials.catalogue import load_layer, shipped_layers, user_catalogue_path
+from linkwright.core.materials.material import Material
+from linkwright.core.materials.plausible import doubts_of
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import check_target
 from linkwright.output.table_file import rows_of
-from materials.catalogue import load_layer, shipped_layers, user_catalogue_path
-from materials.material import Material
-from materials.plausible import doubts_of
-from units.quantities import InputError
 
 ADD_HELP = """Add a material to your catalogue.
 

@@ -11,13 +11,13 @@ import typer
 import linkwright as lw
 from linkwright.commands.groups import command_group
 from linkwright.commands.options import CatalogueFile, JsonFile
+from linkwright.core.materials.catalogue import Catalogue
+from linkwright.core.materials.material import Constant, Material, Property, PropertyName, property_kinds
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 from linkwright.output.files import check_target, write_file, write_json
 from linkwright.version import program_version
-from materials.catalogue import Catalogue
-from materials.material import Constant, Material, Property, PropertyName, property_kinds
-from units.names import nearest
-from units.quantities import InputError
-from units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 
 from . import HELP, edit
 from .query import QUERY, SHORT, is_unconfirmed, marked, value_of, written

@@ -7,9 +7,9 @@ from types import MappingProxyType
 from typing import Literal
 
 from linkwright.commands.catalogues.query import Query
-from materials.material import Material, PropertyName, property_kinds
-from units.quantities import format_quantity
-from units.temperature import REFERENCE_TEMPERATURE
+from linkwright.core.materials.material import Material, PropertyName, property_kinds
+from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 Asked = PropertyName | Literal["magnetic"]
 """What a material can be listed, chosen and compared by."""

@@ -13,9 +13,9 @@ import typer
 
 import linkwright as lw
 from linkwright.commands.options import JsonFile
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import read_text
 from linkwright.output.files import check_target, write_file, write_result
-from units.quantities import InputError
-from units.reading import read_text
 
 HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 

@@ -25,8 +25,8 @@ from linkwright.commands.options import (
     tell,
 )
 from linkwright.commands.simulate import listed, numbers, refuse_others_settings
+from linkwright.core.units.quantities import InputError, shown
 from linkwright.output.files import OUTPUT, check_target, write_result
-from units.quantities import InputError, shown
 
 HELP = """Which poses, payloads and sides are worth recording, in which order, and what they will show.
 

@@ -9,15 +9,15 @@ from typing import Annotated
 import typer
 
 import linkwright as lw
-from catalogues.stock_csv import read_table, write_table
-from catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
 from linkwright.commands.catalogues.own import Changes, Name, OwnCatalogue, OwnFile, Source, changes_of, say
 from linkwright.commands.groups import Commands
+from linkwright.core.catalogues.stock_csv import read_table, write_table
+from linkwright.core.catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
+from linkwright.core.sections.stock.tables import shipped_sizes, user_stock_path
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import read_text
 from linkwright.output.files import check_target
 from linkwright.output.table_file import rows_of
-from sections.stock.tables import shipped_sizes, user_stock_path
-from units.quantities import InputError
-from units.reading import read_text
 
 from .stock import StockFile
 

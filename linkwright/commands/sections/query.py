@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from linkwright.commands.catalogues.query import Query
+from linkwright.core.sections import SHAPES, SectionProperties, StockSize
 from linkwright.results.figures_in_words import figure
-from sections import SHAPES, SectionProperties, StockSize
 
 POISSON_RATIO = 0.3
 """With which shear areas are listed; it changes them by some per cent at most."""

@@ -10,12 +10,12 @@ import typer
 import linkwright as lw
 from linkwright.commands.groups import command_group
 from linkwright.commands.options import JsonFile, as_options
+from linkwright.core.sections import SHAPES, Section, Stock, StockSize
+from linkwright.core.units.names import meant
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import check_target, write_json
 from linkwright.results.figures_in_words import figure
 from linkwright.version import program_version
-from sections import SHAPES, Section, Stock, StockSize
-from units.names import meant
-from units.quantities import InputError
 
 from . import HELP, edit
 from .query import FIGURES, QUERY, heading, properties_of, unit_of, value_of, written

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
-from arm.actuators import Actuator, load_actuators
-from arm.actuators import Actuators as Models
+from linkwright.core.arm.actuators import Actuator, load_actuators
+from linkwright.core.arm.actuators import Actuators as Models
 
 from .kept import Catalogue
 
@@ -23,7 +23,7 @@ class Actuators(Catalogue[Actuator]):
     >>> lw.actuators["RV-2E"]
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: actuator: there is no actuator 'RV-2E'; did you mean 'RV-20E'?
+    linkwright.InputError: actuator: there is no actuator 'RV-2E'; did you mean 'RV-20E'?
     """
 
     def __getitem__(self, name: str) -> Actuator:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from arm.effects import EFFECTS, Effect
+from linkwright.core.arm.effects import EFFECTS, Effect
 
 from .kept import Open
 
@@ -21,12 +21,12 @@ class Effects(Open[Effect]):
     >>> lw.effects["backlsh"]
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: effect: there is no effect 'backlsh'; did you mean 'backlash'?
+    linkwright.InputError: effect: there is no effect 'backlsh'; did you mean 'backlash'?
     """
 
     def check(self, effect: Effect) -> None:
         """Hold an effect against the contract that every effect keeps. Raises `InputError`, one line a breach."""
-        from arm.effects.contract import check
+        from linkwright.core.arm.effects.contract import check
 
         check(effect)
 

@@ -6,10 +6,10 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import Generic, Self, TypeVar
 
+from linkwright.core.registries import Registry
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
 from linkwright.face.given import File
-from registries import Registry
-from units.names import nearest
-from units.quantities import InputError
 
 T = TypeVar("T")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.limits import FIGURES, Figure
 
 from .kept import Open
 
@@ -21,7 +21,7 @@ class Limits(Open[Figure]):
     >>> lw.limits["masss"]
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: limit: there is no limit 'masss'; did you mean 'mass'?
+    linkwright.InputError: limit: there is no limit 'masss'; did you mean 'mass'?
     """
 
     @property

@@ -7,12 +7,12 @@ from collections.abc import ValuesView
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from linkwright.core.materials.catalogue import Catalogue as Models
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material as Model
+from linkwright.core.materials.material import MaterialValues, PropertyName
+from linkwright.core.units.temperature import ZERO_CELSIUS
 from linkwright.face.given import Quantity, in_si
-from materials.catalogue import Catalogue as Models
-from materials.catalogue import load_catalogue
-from materials.material import Material as Model
-from materials.material import MaterialValues, PropertyName
-from units.temperature import ZERO_CELSIUS
 
 from .kept import Catalogue
 
@@ -57,7 +57,7 @@ class Materials(Catalogue[Material]):
     >>> lw.materials["steel-s335"]
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: material: there is no material 'steel-s335'; did you mean 'steel-s355'?
+    linkwright.InputError: material: there is no material 'steel-s335'; did you mean 'steel-s355'?
     """
 
     def __getitem__(self, name: str) -> Material:

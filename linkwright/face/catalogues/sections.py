@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
-from sections import SectionError, Stock, StockSize, load_stock
-from units.quantities import InputError
+from linkwright.core.sections import SectionError, Stock, StockSize, load_stock
+from linkwright.core.units.quantities import InputError
 
 from .kept import Catalogue
 
@@ -25,7 +25,7 @@ class Sections(Catalogue[StockSize]):
     >>> lw.sections["IPE 81"]
     Traceback (most recent call last):
     ...
-    units.quantities.InputError: section: there is no stock size 'IPE 81'; did you mean IPE 80?
+    linkwright.InputError: section: there is no stock size 'IPE 81'; did you mean IPE 80?
     """
 
     @property

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from arm.files.read import read_section
+from linkwright.core.arm.files.read import read_section
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.section import Section
+from linkwright.core.units.names import nearest
+from linkwright.core.units.reading import Mapping as Reader
 from linkwright.face.given import plain
-from sections import SHAPES
-from sections.section import Section
-from units.names import nearest
-from units.reading import Mapping as Reader
 
 
 class Shapes:

@@ -9,10 +9,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from arm.descriptions.formats import Exported as Found
-from arm.descriptions.formats import export_arm as exported
-from arm.descriptions.into import into_file
-from arm.descriptions.read_back import unlike
+from linkwright.core.arm.descriptions.formats import Exported as Found
+from linkwright.core.arm.descriptions.formats import export_arm as exported
+from linkwright.core.arm.descriptions.into import into_file
+from linkwright.core.arm.descriptions.read_back import unlike
+from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File
@@ -22,7 +23,6 @@ from linkwright.json.exchange import export_json
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import WAYS, write_table
-from units.quantities import InputError, shown
 
 from .imported import skeleton
 

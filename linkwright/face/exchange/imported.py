@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from arm.chain.chain import Arm as Model
-from arm.chain.kinematics import place
-from arm.descriptions.imported import import_urdf
-from arm.descriptions.imported_arm import Imported as Found
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.imported_arm import Imported as Found
+from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.result import Result, figure_of
 from linkwright.json.exchange import import_json
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import write_file
-from materials.catalogue import load_catalogue
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,8 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from arm.avoid.poses import NoRoom
-from arm.chain.chain import Arm as Model
+from linkwright.core.arm.avoid.poses import NoRoom
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.optimize.budget.result import Budget as Found
+from linkwright.core.optimize.budget.result import budget as budgeted
+from linkwright.core.optimize.budget.sheet import Sheet, read_sheet
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping as Reader
+from linkwright.core.units.reading import load_yaml
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.given import File, plain
 from linkwright.face.problem import Problem, cases_at, problem_of
@@ -19,12 +25,6 @@ from linkwright.output.files import REPORT, RESULT
 from linkwright.report.contents import Contents
 from linkwright.report.pages.budget import budget_report
 from linkwright.results.budget import cause_title
-from optimize.budget.result import Budget as Found
-from optimize.budget.result import budget as budgeted
-from optimize.budget.sheet import Sheet, read_sheet
-from units.quantities import InputError
-from units.reading import Mapping as Reader
-from units.reading import load_yaml
 
 if TYPE_CHECKING:
     import pandas as pd

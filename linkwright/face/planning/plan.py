@@ -10,25 +10,28 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from arm.avoid.poses import NoRoom, room_of
-from arm.avoid.regions import Region
-from arm.effects import EFFECTS
-from arm.files.avoid import read_avoid
-from diagnose.instruments.asked import observed_by
-from diagnose.instruments.instrument import LABELS, Instrument
-from diagnose.plan.asked import INSTRUMENTS, Asked, Place, seen_axes
-from diagnose.plan.planned import Planned
-from diagnose.plan.planning import NothingToSee
-from diagnose.plan.planning import plan as planned
-from diagnose.plan.tried import TooFewPostures
-from diagnose.plan.written import ALONG_BAR, READ, plan_text, read_plan
-from diagnose.reading.read_back import unlike
-from diagnose.reading.write import settings_text
-from diagnose.recording import Recording as Readings
-from diagnose.result import Diagnosis as Found
-from diagnose.rules.rules import RULES
-from diagnose.several.recordings import Several
-from diagnose.simulate import Plan as Noise
+from linkwright.core.arm.avoid.poses import NoRoom, room_of
+from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.files.avoid import read_avoid
+from linkwright.core.diagnose.instruments.asked import observed_by
+from linkwright.core.diagnose.instruments.instrument import LABELS, Instrument
+from linkwright.core.diagnose.plan.asked import INSTRUMENTS, Asked, Place, seen_axes
+from linkwright.core.diagnose.plan.planned import Planned
+from linkwright.core.diagnose.plan.planning import NothingToSee
+from linkwright.core.diagnose.plan.planning import plan as planned
+from linkwright.core.diagnose.plan.tried import TooFewPostures
+from linkwright.core.diagnose.plan.written import ALONG_BAR, READ, plan_text, read_plan
+from linkwright.core.diagnose.reading.read_back import unlike
+from linkwright.core.diagnose.reading.write import settings_text
+from linkwright.core.diagnose.recording import Recording as Readings
+from linkwright.core.diagnose.result import Diagnosis as Found
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.diagnose.simulate import Plan as Noise
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, NoAnswer, shown
+from linkwright.core.units.reading import Mapping as Reader
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import Diagnosis, diagnose, recordings_of
 from linkwright.face.given import File, Quantity, in_si, plain
@@ -39,9 +42,6 @@ from linkwright.json.planning import plan_json
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.results.planning import cause
-from units.names import nearest
-from units.quantities import InputError, NoAnswer, shown
-from units.reading import Mapping as Reader
 
 if TYPE_CHECKING:
     import pandas as pd

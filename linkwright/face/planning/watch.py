@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arm.effects import EFFECTS
-from diagnose.options import Options
-from diagnose.recording import Recording as Read
-from diagnose.watch.watch import Watch as Found
-from diagnose.watch.watch import basics, dates_of
-from diagnose.watch.watch import watch as watched
-from executors import Executor
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.recording import Recording as Read
+from linkwright.core.diagnose.watch.watch import Watch as Found
+from linkwright.core.diagnose.watch.watch import basics, dates_of
+from linkwright.core.diagnose.watch.watch import watch as watched
+from linkwright.core.executors import Executor
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.diagnosis import recording_of
 from linkwright.face.given import File
@@ -29,8 +31,6 @@ from linkwright.output.files import REPORT, RESULT
 from linkwright.report.contents import Contents
 from linkwright.report.pages.watch import watch_report
 from linkwright.results.diagnoses.watch import title_of, watch_sentence
-from units.names import nearest
-from units.quantities import InputError
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.paper.corrected import search_of
 from linkwright.paper.postures import Postures, around
 from linkwright.paper.rows import Cell, Column, ExtendedTable

@@ -9,21 +9,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.combinations import Choice, Progress, choose
+from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.limits import limit_on
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections import build
+from linkwright.core.sections.section import Section
+from linkwright.core.units.quantities import NoAnswer, Relation, format_quantity
 from linkwright.paper.corrected import PaperArm, search_of, worst_error
 from linkwright.paper.printed import read_paper
 from linkwright.paper.rows import Cell, Column, ExtendedTable
 from linkwright.results.figures_in_words import figure, mm
-from materials.catalogue import load_catalogue
-from materials.material import Material
-from optimize.choice.combinations import Choice, Progress, choose
-from optimize.exchange.design import arm_of
-from optimize.exchange.exchange import context_of
-from optimize.limits import limit_on
-from optimize.problem import Problem
-from sections import build
-from sections.section import Section
-from units.quantities import NoAnswer, Relation, format_quantity
 
 from .sensitivity import seam_table, tolerance_table
 from .warmth import mass_of, material_table

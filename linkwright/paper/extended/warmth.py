@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.errors.model import beam_values, beams_of
-from arm.worst.search import WorstSearch
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material, OutOfRange
+from linkwright.core.sections import build
+from linkwright.core.sections.section import Section
+from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 from linkwright.paper.corrected import PaperArm, material, search_of
 from linkwright.paper.rows import Cell, Column, ExtendedTable
 from linkwright.results.figures_in_words import figure, mm
-from materials.catalogue import load_catalogue
-from materials.material import Material, OutOfRange
-from sections import build
-from sections.section import Section
-from units.temperature import REFERENCE_TEMPERATURE
 
 COLD, WARM = REFERENCE_TEMPERATURE, REFERENCE_TEMPERATURE + 30.0
 """20 degC (ISO 1), and the 50 degC that the paper gives for the workshop, in kelvin."""

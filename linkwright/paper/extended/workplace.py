@@ -12,14 +12,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material
+from linkwright.core.sections.numeric import Array
 from linkwright.paper.corrected import PaperArm, worst_error
 from linkwright.paper.postures import Postures, around
 from linkwright.paper.rows import Cell, Column, ExtendedTable
 from linkwright.results.figures_in_words import figure, mm
-from materials.catalogue import load_catalogue
-from materials.material import Material
-from sections.numeric import Array
 
 from .warmth import COLD, WARM, growth_of, warmed
 

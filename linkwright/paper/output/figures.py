@@ -13,19 +13,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.chain import LoadCase
-from arm.chain.kinematics import tip_position
-from arm.errors.model import BEAM_FIELDS
-from arm.evaluation import strength_over
-from arm.limits.strength import LARGEST_DEFLECTION, StrengthResult
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import spread
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.errors.model import BEAM_FIELDS
+from linkwright.core.arm.evaluation import strength_over
+from linkwright.core.arm.limits.strength import LARGEST_DEFLECTION, StrengthResult
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import spread
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections.numeric import Array
 from linkwright.paper.conventions import SQUARE, Conventions, squared
 from linkwright.paper.corrected import PaperArm, pose_errors, search_of, worst_error
 from linkwright.paper.printed import read_paper
 from linkwright.results.figures_in_words import figure, mm
-from materials.catalogue import load_catalogue
-from sections.numeric import Array
 
 YIELD_MATERIAL = "aluminium-6061-t6"
 """Whose yield strength figure 9 takes: the paper prints none."""

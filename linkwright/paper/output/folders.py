@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
+from linkwright.core.units.files import left_over_of, read_bytes
+from linkwright.core.units.quantities import InputError
 from linkwright.output.files import made_folder, refuse_strangers
-from units.files import left_over_of, read_bytes
-from units.quantities import InputError
 
 
 def claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from linkwright.core.optimize.budget.result import Budget
 from linkwright.report.contents import Contents
 from linkwright.report.pictures.svg import drawing, element, label, text
 from linkwright.results.budget import cause_title, describe
 from linkwright.results.figures_in_words import mm
-from optimize.budget.result import Budget
 
 _WIDTH, _STEP, _BAR, _TEXT = 520.0, 44.0, 9.0, 13.0
 _MOST = 10

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.jacobian import motion_directions
-from diagnose.result import Diagnosis
+from linkwright.core.arm.chain.jacobian import motion_directions
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.temperature import ZERO_CELSIUS
 from linkwright.report.pictures.residual_map import chosen_rows, states
 from linkwright.report.pictures.svg import element, line, text
 from linkwright.report.pictures.svg_plot import Plot, binned, course, dots, spanned
 from linkwright.results.diagnoses.words import covariate_words, probability
-from sections.numeric import Array
-from units.temperature import ZERO_CELSIUS
 
 MOST_DOTS = 500
 _WIDTH, _HEIGHT = 270.0, 150.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from arm.evaluation import ErrorMap
+from linkwright.core.arm.evaluation import ErrorMap
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton
 from linkwright.report.pictures.plots import (

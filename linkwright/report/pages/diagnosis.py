@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.worst.search import WorstPose
-from diagnose.result import Diagnosis
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.diagnose.result import Diagnosis
 from linkwright.redesigning import Redesign
 from linkwright.report.contents import Contents
 from linkwright.report.page import side_by_side

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.report.contents import Contents
 from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 from linkwright.results.evaluation import describe
-from optimize.robust.result import RobustFigure
 
 from . import design_pictures
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from linkwright.core.optimize.result import OptimizationResult
 from linkwright.report.contents import Contents
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.loads import loads_picture
@@ -10,7 +11,6 @@ from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 from linkwright.report.pictures.svg import text
 from linkwright.results.optimization import describe, effort_words
-from optimize.result import OptimizationResult
 
 from . import design_pictures
 

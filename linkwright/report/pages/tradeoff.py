@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.report.contents import Contents
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
@@ -11,7 +12,6 @@ from linkwright.report.pictures.svg import text
 from linkwright.report.pictures.tradeoff import COLOURS, tradeoff_picture
 from linkwright.results.figures_in_words import figure, section_words, with_unit
 from linkwright.results.tradeoff import describe, price_words, shown, slope_factor
-from optimize.tradeoff.front import Front, Point, Tradeoff
 
 _ENVELOPE = "rgba(140,150,165,0.45)"
 

@@ -7,14 +7,14 @@ from datetime import timedelta
 
 import numpy as np
 
-from diagnose.watch.watch import Watch, Watched
+from linkwright.core.diagnose.watch.watch import Watch, Watched
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
 from linkwright.report.contents import Contents
 from linkwright.report.pictures.svg import element, label, line, path, text
 from linkwright.report.pictures.svg_plot import Plot, course, dots, spanned
 from linkwright.results.diagnoses.watch import change_words, describe, title_of
 from linkwright.results.diagnoses.words import whole_sentence
-from sections.numeric import Array
-from units.quantities import format_quantity
 
 _TEXT = 12.0
 _LARGE, _SMALL = (760.0, 240.0), (300.0, 150.0)

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from arm.chain.branches import ways
-from arm.chain.chain import Arm, Joint
-from arm.chain.kinematics import place
-from arm.evaluation import Evaluation
-from arm.placed.stands import Stand, stands
-from arm.placed.views import view_of
-from arm.worst.search import WorstPose
+from linkwright.core.arm.chain.branches import ways
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.placed.stands import Stand, stands
+from linkwright.core.arm.placed.views import view_of
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import Tapered
 from linkwright.results.figures_in_words import figure, mm, pose
-from sections.section import Section
-from sections.taper import Tapered
 
 from .svg import drawing, element, label, line, nice_below, path, scale_bar
 

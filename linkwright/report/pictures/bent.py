@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm, LoadCase
-from arm.chain.statics import PoseState, solve
-from arm.effects import Twist
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects, motions
-from arm.worst.search import WorstPose
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.effects import Twist
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects, motions
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.sections.numeric import Array
 
 from .arm import Point, Window, page_of
 from .svg import element

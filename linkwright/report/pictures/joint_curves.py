@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from arm.chain.vectors import Scalar
-from arm.effects import EFFECTS
-from diagnose.result import Diagnosis, Finding
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.result import Diagnosis, Finding
 
 from .svg import element, text
 from .svg_plot import Plot, course, spanned

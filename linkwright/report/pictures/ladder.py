@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from diagnose.result import Diagnosis, Rung
+from linkwright.core.diagnose.result import Diagnosis, Rung
 from linkwright.results.figures_in_words import mm
 
 from .svg import drawing, element, label, line, text

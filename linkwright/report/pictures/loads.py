@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from arm.evaluation import Evaluation
-from arm.limits.joint_loads import JointLoad
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.limits.joint_loads import JointLoad
 from linkwright.results.figures_in_words import figure, pose
 
 from .arm import Point, Skeleton, Window, arm_picture, numbered, shared_window, skeleton

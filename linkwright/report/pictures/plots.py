@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.kinematics import tip_position
-from arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.optimize.result import Iteration
 from linkwright.json.design import objective_unit
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, pose
-from optimize.result import Iteration
 
 MOST_MARKS = 5
 Figure = dict[str, Any]

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnose.residual.observed import rms_length
-from diagnose.result import Diagnosis
-from diagnose.several.recordings import nominal_tips as tips_of
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.several.recordings import nominal_tips as tips_of
+from linkwright.core.sections.numeric import Array
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.results.diagnoses.words import row_words
 from linkwright.results.figures_in_words import figure, mm, pose
-from sections.numeric import Array
 
 from .plots import Figure, in_own_colours, with_scales
 from .svg import element, label, line, nice_below, text

@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from arm.chain.chain import Arm, Link
-from arm.placed.heights import HeightPoints, heights
-from arm.placed.views import Side, sides
+from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.arm.placed.heights import HeightPoints, heights
+from linkwright.core.arm.placed.views import Side, sides
 from linkwright.results.figures_in_words import figure, material_words, mm, section_words
 
 from .svg import drawing, element, nice_below, path, scale_bar, text

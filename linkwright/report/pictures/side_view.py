@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.chain.chain import Arm, Link, LoadCase
-from arm.chain.kinematics import place
-from arm.placed.heights import HeightPoints, heights
-from arm.placed.views import Side, sides
+from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.placed.heights import HeightPoints, heights
+from linkwright.core.arm.placed.views import Side, sides
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.section import Section
+from linkwright.core.sections.taper import Tapered
 from linkwright.results.figures_in_words import figure, with_unit
-from sections.numeric import Array
-from sections.section import Section
-from sections.taper import Tapered
 
 from .labels import Levels, width_of
 from .svg import drawing, element, label, line, path, text

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.sections.numeric import Array
 from linkwright.results.figures_in_words import figure
-from sections.numeric import Array
 
 from .svg import drawing, element, label, line, nice_below
 

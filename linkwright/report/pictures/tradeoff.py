@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
+from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.results.figures_in_words import figure
 from linkwright.results.tradeoff import picture_words, shown
-from optimize.tradeoff.front import Front, Point, Tradeoff
-from optimize.tradeoff.question import Axis
 
 from .svg import element, nice_below, text
 

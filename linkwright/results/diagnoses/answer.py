@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
-from arm.effects import EFFECTS
-from arm.effects.effect import Condition
-from diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
-from diagnose.recording import Recording
-from diagnose.result import Diagnosis, Finding, FittedParameter, Left
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.effect import Condition
+from linkwright.core.diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, Left
 from linkwright.results.figures_in_words import figure, mm
 
 from .words import covariate_words, listed, name_words, portion, value

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import Any
 
-from diagnose.compare.compare import Change, Comparison
-from diagnose.compare.places import Region
+from linkwright.core.diagnose.compare.compare import Change, Comparison
+from linkwright.core.diagnose.compare.places import Region
 from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
 from linkwright.json.fields import fields, in_mm
 from linkwright.results.document import Description, Lines, Section, Table, Value, count, length, section, table

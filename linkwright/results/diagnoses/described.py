@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import PurePath
 from types import MappingProxyType
 
-from arm.effects import EFFECTS
-from diagnose.answer.sentences import about_of, name_of
-from diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.sentences import about_of, name_of
+from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
 from linkwright.results.design import settings
 from linkwright.results.document import (

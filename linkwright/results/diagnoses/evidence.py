@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from diagnose.result import Detectable, Diagnosis, RejectedForm
+from linkwright.core.diagnose.result import Detectable, Diagnosis, RejectedForm
 from linkwright.results.document import (
     Bars,
     Cell,

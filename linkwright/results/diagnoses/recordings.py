@@ -6,8 +6,8 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
-from diagnose.result import Diagnosis, OfRecording
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.result import Diagnosis, OfRecording
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.results.document import Cell, Column, Paragraph, Section, count, length, section, table
 from linkwright.results.figures_in_words import mm
 

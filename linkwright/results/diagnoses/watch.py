@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import PurePath
 
-from diagnose.watch.watch import LEFT, Moved, Watch, Watched
+from linkwright.core.diagnose.watch.watch import LEFT, Moved, Watch, Watched
 from linkwright.results.document import (
     Cell,
     Column,

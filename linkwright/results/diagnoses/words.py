@@ -7,13 +7,22 @@ import re
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from arm.effects import EFFECTS
-from diagnose.recording import Recording
-from diagnose.result import HALF, Alternative, Covered, Detectable, Diagnosis, Finding, FittedParameter, NextPose
-from diagnose.several.recordings import Several
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import (
+    HALF,
+    Alternative,
+    Covered,
+    Detectable,
+    Diagnosis,
+    Finding,
+    FittedParameter,
+    NextPose,
+)
+from linkwright.core.diagnose.several.recordings import Several
+from linkwright.core.units.quantities import format_quantity
 from linkwright.results.document import Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
-from units.quantities import format_quantity
 
 MOST_PARAMETERS = 6
 

@@ -15,15 +15,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from materials.material import Material
-from optimize.choice.chooser import Chooser
-from optimize.choice.picks import Combination, uniform
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
-from optimize.exchange.exchange import first_pool
-from optimize.exchange.program import carried_mass
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.picks import Combination, uniform
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
+from linkwright.core.optimize.exchange.exchange import first_pool
+from linkwright.core.optimize.exchange.program import carried_mass
+from linkwright.core.sections.numeric import Array
 
 from .cells import elastic_links, link_cells
 from .lengths import LengthRows

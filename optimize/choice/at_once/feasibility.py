@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from materials.material import Material
-from optimize.choice.picks import Combination, options
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.design import arm_of, numeric_beams
-from optimize.exchange.exchange import Context, Exchange
-from optimize.exchange.program import Solution
-from sections.numeric import Array
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.picks import Combination, options
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context, Exchange
+from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.sections.numeric import Array
 
 from .cells import Ids, elastic_links, link_cells
 from .pose_rows import rows_of

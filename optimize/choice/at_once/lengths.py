@@ -13,15 +13,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.chain.prices import price_by_length
-from arm.errors.model import BEAM_FIELDS
-from optimize.choice.pose_products import error_vectors, features_of
-from optimize.choice.products import Power
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.exchange import Context
-from optimize.exchange.program import carried_mass, drives_cost, fixed_error
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.prices import price_by_length
+from linkwright.core.arm.errors.model import BEAM_FIELDS
+from linkwright.core.optimize.choice.pose_products import error_vectors, features_of
+from linkwright.core.optimize.choice.products import Power
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from linkwright.core.sections.numeric import Array
 
 from .cells import LENGTH, PRICE
 from .pose_rows import PoseRow, error_rows, sums_rows

@@ -13,18 +13,24 @@ from typing import Any
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from arm.errors.model import BEAM_FIELDS, beams_of
-from arm.limits.strength import STATIONS
-from optimize.choice.pose_products import SOFT, compression_products, error_vectors, inertia_products, stress_products
-from optimize.choice.products import Power, Products
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.exchange import Context
-from optimize.exchange.program import carried_mass, fixed_error, unchosen_cost
-from optimize.limits import Cut
-from optimize.limits.tip_stiffness import PreparedStiffness
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import BEAM_FIELDS, beams_of
+from linkwright.core.arm.limits.strength import STATIONS
+from linkwright.core.optimize.choice.pose_products import (
+    SOFT,
+    compression_products,
+    error_vectors,
+    inertia_products,
+    stress_products,
+)
+from linkwright.core.optimize.choice.products import Power, Products
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.exchange.program import carried_mass, fixed_error, unchosen_cost
+from linkwright.core.optimize.limits import Cut
+from linkwright.core.optimize.limits.tip_stiffness import PreparedStiffness
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 from .cells import COLUMNS, EXPANSION, PRICE
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.optimize import linprog
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .cells import COLUMNS, LENGTH, NARROWEST, Cells, Ids
 from .pose_rows import PoseRow

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 from .cells import COLUMNS, LENGTH, PRICE, Ids
 from .relaxation import Node, Relaxation, Relaxed

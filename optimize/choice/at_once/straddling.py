@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linprog
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 _SWEEPS, _MOST_TURNS = 3, 8
 _LEAST = 1e-300

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from optimize.problem import Problem
-from sections.numeric import Array
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 _HALVED = 200
 

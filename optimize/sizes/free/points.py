@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimize.choice.at_once.cells import Cells, Ids
-from optimize.sizes.options import LinkList
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import Cells, Ids
+from linkwright.core.optimize.sizes.options import LinkList
+from linkwright.core.sections.numeric import Array
 
 
 class Points(Cells):

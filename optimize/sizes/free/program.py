@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from optimize.choice.at_once.cells import COLUMNS, LENGTH
-from optimize.choice.at_once.pose_rows import PoseRow
-from optimize.limits import Limit
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
+from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow
+from linkwright.core.optimize.limits import Limit
+from linkwright.core.sections.numeric import Array
 
 _WIDTH = len(COLUMNS)
 _KEPT = 1e-6

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from optimize.choice.at_once.cells import COLUMNS, LENGTH
-from optimize.choice.at_once.pose_rows import PoseRow
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
+from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow
+from linkwright.core.sections.numeric import Array
 
 _WIDTH = len(COLUMNS)
 

@@ -17,20 +17,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.worst.workspace import Unreachable
-from optimize.choice.at_once.cells import COLUMNS, LENGTH
-from optimize.choice.at_once.lengths import LengthRows
-from optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
-from optimize.choice.at_once.splitting import split
-from optimize.exchange.binding_poses import Pool
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import Context, context_of
-from optimize.result import Iteration
-from optimize.sizes.judging import Judge, cut_of
-from optimize.sizes.options import LinkList, agreeing
-from optimize.sizes.rows import Integers, greatest, table_row
-from optimize.sizes.search import Found, ListSearch, Progress
-from sections.numeric import Array
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
+from linkwright.core.optimize.choice.at_once.lengths import LengthRows
+from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
+from linkwright.core.optimize.choice.at_once.splitting import split
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.optimize.sizes.judging import Judge, cut_of
+from linkwright.core.optimize.sizes.options import LinkList, agreeing
+from linkwright.core.optimize.sizes.rows import Integers, greatest, table_row
+from linkwright.core.optimize.sizes.search import Found, ListSearch, Progress
+from linkwright.core.sections.numeric import Array
 
 from .fitting import fitted, moved
 from .points import Points

@@ -10,16 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import linkwright as lw
-from arm.avoid.poses import Room, frames_and_tips, half_size, meets, room_of
-from arm.avoid.regions import Region, around, between, beyond
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import place, tip_position
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from materials.catalogue import load_catalogue
-from sections import Circle
-from sections.shapes import RectangularTube
-from units.quantities import InputError
+from linkwright.core.arm.avoid.poses import Room, frames_and_tips, half_size, meets, room_of
+from linkwright.core.arm.avoid.regions import Region, around, between, beyond
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Circle
+from linkwright.core.sections.shapes import RectangularTube
+from linkwright.core.units.quantities import InputError
 
 UP = (0.0, 0.0, -9.81)
 ALUMINIUM = load_catalogue(user=False).find("aluminium-6061-t6")

@@ -10,11 +10,11 @@ import pytest
 import yaml
 
 import linkwright as lw
-from arm.chain.kinematics import tip_position
-from arm.effects import EFFECTS
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.units.quantities import InputError
 from linkwright.results.budget import describe
 from tests import two_arms
-from units.quantities import InputError
 
 LEFT_OF = {"origin": {"xyz": ["0 m", "50 mm", "0 m"]}}
 RIGHT = (math.radians(25.0), math.radians(-70.0))

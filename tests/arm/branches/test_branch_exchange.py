@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.chain.statics import solve
-from arm.compensation import model_error
-from arm.errors.model import beams_of
-from arm.files.read import read_arm
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.compensation import model_error
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.units.quantities import InputError
 from tests import two_arms
-from units.quantities import InputError
 
 LOW, HIGH = np.radians(np.array(two_arms.RANGES)).T
 

@@ -8,12 +8,12 @@ import pytest
 import scipy.linalg
 
 import linkwright as lw
-from arm.chain.chain import Arm, Branch, Joint, Link, LoadCase
-from arm.errors.model import beams_of
-from arm.files.read import read_arm
-from arm.limits.modes import first_frequencies
-from materials.catalogue import load_catalogue
-from sections import build
+from linkwright.core.arm.chain.chain import Arm, Branch, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.limits.modes import first_frequencies
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
 from tests import frame_solver, two_arms
 
 LOW, HIGH = np.radians(np.array(two_arms.RANGES)).T

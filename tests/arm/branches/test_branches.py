@@ -5,18 +5,18 @@ import pytest
 import yaml
 
 import linkwright as lw
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import solve
-from arm.chain.vectors import ZERO
-from arm.compensation import model_error
-from arm.effects import EFFECTS, Settings
-from arm.errors.model import beams_of
-from arm.errors.recorded import Asked, seen
-from arm.errors.tip import active_effects, tip_error
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml, write_arm
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.chain.vectors import ZERO
+from linkwright.core.arm.compensation import model_error
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.recorded import Asked, seen
+from linkwright.core.arm.errors.tip import active_effects, tip_error
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml, write_arm
+from linkwright.core.units.quantities import InputError
 from tests import two_arms
-from units.quantities import InputError
 
 LOW, HIGH = np.radians(np.array(two_arms.RANGES)).T
 SOFT = 50e-6

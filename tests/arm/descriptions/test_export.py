@@ -8,17 +8,17 @@ import mujoco
 import numpy as np
 import pytest
 
-from arm.chain.chain import EffectEntry
-from arm.chain.kinematics import place, tip_position
-from arm.chain.statics import solve
-from arm.descriptions.formats import HELD, export_arm
-from arm.descriptions.imported import import_urdf
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects, tip_error
-from arm.files.read import arm_from, read_arm
-from materials.catalogue import load_catalogue
-from units.quantities import InputError
-from units.reading import Mapping, parse_yaml
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.descriptions.formats import HELD, export_arm
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects, tip_error
+from linkwright.core.arm.files.read import arm_from, read_arm
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import Mapping, parse_yaml
 
 WELDING = Path(__file__).resolve().parents[3] / "examples" / "welding-arm" / "arm.yaml"
 

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.kinematics import place, tip_position
-from arm.chain.statics import solve
-from arm.descriptions.formats import export_arm
-from arm.descriptions.imported import import_urdf
-from arm.errors.model import beams_of
-from arm.files.read import read_arm
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.descriptions.formats import export_arm
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.units.quantities import InputError
 from tests.arm.descriptions.urdf_chain import in_mujoco, posed, tip_pose
-from units.quantities import InputError
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "urdf" / "tabletop.urdf"
 

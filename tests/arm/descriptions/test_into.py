@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from arm.chain.chain import EffectEntry
-from arm.chain.kinematics import tip_position
-from arm.descriptions.exported import found_geometry
-from arm.descriptions.imported import import_urdf
-from arm.descriptions.into import into_file
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.descriptions.exported import found_geometry
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.into import into_file
+from linkwright.core.units.quantities import InputError
 from tests.arm.descriptions.urdf_chain import posed, tip_pose
-from units.quantities import InputError
 
 URDF = """<?xml version='1.0'?>\r
 <!-- the maker's own file: do not reformat -->
@@ -106,7 +106,7 @@ MJCF = """<mujoco model="odd"><compiler eulerseq="XYZ" autolimits="true"/>
 
 def of_mjcf(text):
     """The same arm as an arm file has it, by MuJoCo's own frames at coordinates 0."""
-    from arm.chain.chain import Arm, Joint, Link
+    from linkwright.core.arm.chain.chain import Arm, Joint, Link
 
     model = mujoco.MjModel.from_xml_string(text)
     data = posed(model, {"slew": 0.0, "lift": 0.0, "reach": 0.0})

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from arm.descriptions.imported import import_urdf
-from arm.descriptions.meshes import solid
-from arm.descriptions.urdf import NO_STEP, Shape
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.meshes import solid
+from linkwright.core.arm.descriptions.urdf import NO_STEP, Shape
 from tests.arm.descriptions.test_weights import chain, weighs
 
 SOUND = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"'

@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from arm.descriptions.formats import export_arm
-from arm.descriptions.imported import import_urdf
-from arm.errors.model import PropertyNeeded
-from arm.files.read import read_arm
+from linkwright.core.arm.descriptions.formats import export_arm
+from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.errors.model import PropertyNeeded
+from linkwright.core.arm.files.read import read_arm
 from tests.arm.descriptions.urdf_chain import in_mujoco, posed, tip_pose
 
 TWO = """<?xml version="1.0"?>

@@ -8,14 +8,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.conditions import Conditions
-from arm.chain.kinematics import tip_position
-from arm.chain.statics import PoseState, solve
-from arm.effects import EFFECTS, Settings
-from arm.errors.tip import carried_to_tip
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.tip import carried_to_tip
+from linkwright.core.sections.numeric import Array
 
 Z = (0.0, 0.0, 1.0)
 GRAVITY = 9.81

@@ -9,13 +9,13 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry
-from arm.chain.statics import PoseState
-from arm.effects.loads.added_weights import bearing, borne_wholly
-from arm.errors.exact import deformed
-from arm.errors.tip import active_effects, tip_error
-from diagnose.residual.torque import DriveTorque, under_measured
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects.loads.added_weights import bearing, borne_wholly
+from linkwright.core.arm.errors.exact import deformed
+from linkwright.core.arm.errors.tip import active_effects, tip_error
+from linkwright.core.diagnose.residual.torque import DriveTorque, under_measured
+from linkwright.core.sections.numeric import Array
 from tests.arm.effects.effect_states import ROWS, Posed, moved, planar, spatial
 
 MASS, HOSE = 4.0, 2.5

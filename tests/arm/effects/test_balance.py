@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml, write_arm
-from arm.limits.modes import first_frequencies
-from materials.catalogue import load_catalogue
-from sections import Circle
+from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml, write_arm
+from linkwright.core.arm.limits.modes import first_frequencies
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Circle
+from linkwright.core.units.quantities import InputError
 from tests.arm.builders import arm_of
-from units.quantities import InputError
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 G, K = 9.81, 2e4

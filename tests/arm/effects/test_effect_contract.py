@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.statics import PoseState
-from arm.effects import EFFECTS, Disc, Effect, Interval, Parameter, Settings, Twist
-from arm.effects.contract import check
-from arm.effects.effect import drive_motion
-from units.quantities import InputError
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.effects import EFFECTS, Disc, Effect, Interval, Parameter, Settings, Twist
+from linkwright.core.arm.effects.contract import check
+from linkwright.core.arm.effects.effect import drive_motion
+from linkwright.core.units.quantities import InputError
 
 OFFSET = EFFECTS["encoder_offset"]
 SIZE = OFFSET.parameters[0]

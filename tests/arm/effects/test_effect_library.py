@@ -13,18 +13,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.chain import EffectEntry
-from arm.chain.kinematics import parts, symbols
-from arm.chain.statics import solve
-from arm.effects import EFFECTS, Effect, Settings, kind_at
-from arm.errors.tip import active_effects, carried_to_tip, tip_error
-from arm.evaluation import evaluate
-from arm.files.write import arm_to_yaml
 from linkwright.cli import run
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.kinematics import parts, symbols
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects import EFFECTS, Effect, Settings, kind_at
+from linkwright.core.arm.errors.tip import active_effects, carried_to_tip, tip_error
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.units import kinds
 from tests.arm.builders import arm_of, rod_lines
 from tests.arm.effects.effect_states import Posed, moved, planar, spatial
-from units.quantities import InputError, format_quantity
-from units.units import kinds
 
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "model.md"
 NOT_LINEAR = frozenset({"link_modulus"})

@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint
-from arm.chain.kinematics import tip_position
-from arm.effects import EFFECTS, Settings
-from arm.errors.recorded import Asked, seen
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.recorded import Asked, seen
+from linkwright.core.sections.numeric import Array
 from tests.arm.effects.effect_states import Plane, Posed, exact_change, in_space, moved, planar, spatial
 from tests.random_chains import rotation_about
 

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.beam import Beam, Taper
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.conditions import Conditions
-from arm.chain.kinematics import place
-from arm.chain.statics import solve
-from arm.effects.loads.dynamic_deflection import inertial_loads
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam, Taper
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects.loads.dynamic_deflection import inertial_loads
+from linkwright.core.sections.numeric import Array
 from tests.arm.effects.effect_states import ROWS, Posed, moved, planar, spatial
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, EffectEntry, Joint, Link
-from arm.chain.statics import PoseState, solve
-from arm.effects import EFFECTS, Settings
-from arm.errors.recorded import Asked, seen
-from arm.errors.tip import active_effects, tip_error
-from sections.numeric import Array
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.recorded import Asked, seen
+from linkwright.core.arm.errors.tip import active_effects, tip_error
+from linkwright.core.sections.numeric import Array
 from tests.arm.builders import chain_arm, elastic_motion
 from tests.arm.effects.effect_states import GRAVITY, ROWS, Plane, in_space, moved, planar, spatial
 from tests.random_chains import RandomChain, random_planar_chain, random_spatial_chain, rotation_about, tip_motion

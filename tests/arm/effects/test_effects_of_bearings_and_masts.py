@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.chain.beam import Beam
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.chain.statics import PoseState, solve
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.statics import PoseState, solve
+from linkwright.core.arm.evaluation import evaluate
 from tests.arm.effects.effect_states import moved
 
 G = 9.81

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from arm.chain.conditions import Conditions
-from arm.chain.statics import solve
-from sections.numeric import Array
+from linkwright.core.arm.chain.conditions import Conditions
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.sections.numeric import Array
 from tests.arm.effects.effect_states import ROWS, Plane, Posed, in_space, moved, planar, spatial, turned
 
 LAG = 2400.0

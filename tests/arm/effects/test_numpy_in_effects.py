@@ -10,9 +10,9 @@ from tests.test_house import ROOT
 PROGRAM = """
 import numpy as np
 import linkwright as lw
-from arm.effects import Effect, Parameter
-from arm.effects.effect import drive_motion
-from sections import numeric
+from linkwright.core.arm.effects import Effect, Parameter
+from linkwright.core.arm.effects.effect import drive_motion
+from linkwright.core.sections import numeric
 
 
 def made(name, wave):

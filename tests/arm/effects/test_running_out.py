@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.chain.statics import solve
-from arm.effects import EFFECTS
-from arm.errors.exact import deformed
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.exact import deformed
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
 
 E, RHO, YIELD, G = 200e9, 7800.0, 300e6, 9.81
 LENGTH, LEAST, LOAD = 1.5, 0.3, 12.0

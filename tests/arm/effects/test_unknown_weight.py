@@ -6,14 +6,14 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link
-from arm.chain.statics import solve
-from arm.compensation import model_error
-from arm.effects import EFFECTS, Settings
-from arm.errors.model import PropertyNeeded, beams_of
-from arm.errors.recorded import Asked, seen
-from arm.errors.unknown_mass import payloads_left_out
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.compensation import model_error
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.errors.model import PropertyNeeded, beams_of
+from linkwright.core.arm.errors.recorded import Asked, seen
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.arm.evaluation import evaluate
 
 UNIT = 7.0
 """kg; any will do, as only products show."""

@@ -6,13 +6,13 @@ import pytest
 import yaml
 
 import linkwright as lw
-from arm.actuators import ACTUATORS_VARIABLE
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.actuators import ACTUATORS_VARIABLE
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.units.quantities import InputError
 from linkwright.results.document import Paragraph
 from linkwright.results.evaluation import describe
-from optimize.problem import read_problem
-from units.quantities import InputError
 
 BAR = {"shape": "rectangle", "width": "30 mm", "height": "60 mm"}
 UPRIGHT = ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"]

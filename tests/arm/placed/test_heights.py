@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from arm.chain.kinematics import place
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from arm.placed.heights import heights
-from arm.placed.stands import stands
-from units.quantities import InputError
+from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.arm.placed.stands import stands
+from linkwright.core.units.quantities import InputError
 
 TUBE = "{shape: rectangular_tube, width: 30 mm, height: 90 mm, thickness: 3 mm}"
 

@@ -14,11 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.limits.wall_modes import Mode, WallLoads, modes_of
-from materials.catalogue import load_catalogue
-from materials.laminate import Ply, wall_of
-from materials.walls import Orthotropic, WallCompliance, orthotropic, wall_compliance
-from sections import (
+from linkwright.core.arm.limits.wall_modes import Mode, WallLoads, modes_of
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.laminate import Ply, wall_of
+from linkwright.core.materials.walls import Orthotropic, WallCompliance, orthotropic, wall_compliance
+from linkwright.core.sections import (
     Angle,
     Channel,
     EllipticalTube,

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.loose_bound import loose_bound
-from arm.worst.search import WorstSearch
-from arm.worst.workspace import Workspace, pull
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.loose_bound import loose_bound
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace, pull
 from tests.arm.builders import arm_of
 
 METAL = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3}"
@@ -84,7 +84,7 @@ def test_no_pose_of_the_region_is_worse_than_the_bound(tmp_path: Path, workspace
 
 
 def test_a_search_says_its_bound_and_that_it_is_no_certificate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("arm.worst.search.CONFINED", 4_000_000)
+    monkeypatch.setattr("linkwright.core.arm.worst.search.CONFINED", 4_000_000)
     arm = five(tmp_path)
     p = beam_values(beams_of(arm))
     found = WorstSearch(error_model(arm), BOX).worst(p)

@@ -10,10 +10,10 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.errors.model import BEAM_FIELDS
-from arm.worst.polynomial_error import error_polynomials
-from arm.worst.workspace import Workspace
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import BEAM_FIELDS
+from linkwright.core.arm.worst.polynomial_error import error_polynomials
+from linkwright.core.arm.worst.workspace import Workspace
 from tests.arm.worst.test_worst_case import DOWN_Z, X, Y, Z, check, errors, rods, search_of
 
 TURN = (-2.0, 2.5)

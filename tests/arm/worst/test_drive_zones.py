@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.actuators import load_actuators
-from arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
-from arm.errors.drive_zones import ways
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from optimize.run import optimise
-from sections import Tube
+from linkwright.core.arm.actuators import load_actuators
+from linkwright.core.arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.errors.drive_zones import ways
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import Tube
 from tests.optimize.builders import problem_of, scanned_error
 
 CSG = load_actuators(user=False).find("CSG-25-100-2UH")  # K 31, 50, 57 kN*m/rad; T 14, 48 N*m

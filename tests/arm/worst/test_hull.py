@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, LoadCase
-from arm.worst.hull import Axis, Pins, PlayedVector, Within, bound, played_vector
-from arm.worst.loose_bound import THOROUGH, loose_bound
-from arm.worst.polynomial import Coordinates, fit
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, LoadCase
+from linkwright.core.arm.worst.hull import Axis, Pins, PlayedVector, Within, bound, played_vector
+from linkwright.core.arm.worst.loose_bound import THOROUGH, loose_bound
+from linkwright.core.arm.worst.polynomial import Coordinates, fit
+from linkwright.core.sections.numeric import Array
 from tests.arm.worst.test_worst_case import DOWN_Z, X, Y, Z, errors, rods, search_of
 
 KINDS = [(True, 2), (False, 2), (True, 1)]

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import place, tip_position
-from arm.worst.inverse import UnreachableInclined, inverse, planar_3r
-from arm.worst.workspace import Unreachable
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import place, tip_position
+from linkwright.core.arm.worst.inverse import UnreachableInclined, inverse, planar_3r
+from linkwright.core.arm.worst.workspace import Unreachable
 from tests.random_chains import random_spatial_chain
 
 LENGTHS = (0.4, 0.42, 0.42)

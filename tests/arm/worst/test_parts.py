@@ -8,21 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate
-from arm.worst.workspace import Workspace
+from linkwright.core.arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.worst.workspace import Workspace
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import Circle
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
 from linkwright.results.describe import describe
-from materials.catalogue import load_catalogue
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import rounded
-from optimize.run import optimise
-from sections import Circle
-from sections.numeric import Array
 from tests.optimize.builders import problem_of
-from units.quantities import InputError
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 ROD = Link(0.4, section=Circle(0.04), material=STEEL)

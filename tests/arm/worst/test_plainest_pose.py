@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.errors.model import beams_of
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.limits.modes import first_frequencies
-from arm.limits.weakest_poses import plainest
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.limits.modes import first_frequencies
+from linkwright.core.arm.limits.weakest_poses import plainest
 
 ROOT = Path(__file__).parents[3]
 BOX = (np.array([-2.0, -2.0, 0.5]), np.array([2.0, 2.0, 2.0]))

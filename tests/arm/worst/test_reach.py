@@ -7,10 +7,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import tip_position
-from arm.worst.reach import Reach, Ring, free_ring, ring_of
-from arm.worst.seam import check_seam
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.worst.reach import Reach, Ring, free_ring, ring_of
+from linkwright.core.arm.worst.seam import check_seam
 from tests.arm.worst.test_inverse import LENGTHS, planar_arm
 
 LIMITED = tuple((math.radians(low), math.radians(high)) for low, high in ((-30, 90), (10, 150), (10, 120)))

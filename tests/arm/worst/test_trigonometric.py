@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.worst.certificate import maximise, upper_bounds
-from arm.worst.polynomial import Coordinates, NotPolynomial, Terms, evaluate, fit, terms_of
-from sections.numeric import Array
+from linkwright.core.arm.worst.certificate import maximise, upper_bounds
+from linkwright.core.arm.worst.polynomial import Coordinates, NotPolynomial, Terms, evaluate, fit, terms_of
+from linkwright.core.sections.numeric import Array
 
 KINDS = [(True,), (False,), (True, True), (True, False), (False, True, True), (True, True, True)]
 

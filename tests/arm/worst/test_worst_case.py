@@ -13,14 +13,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from arm.chain.kinematics import tip_position
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstCase, WorstSearch
-from arm.worst.workspace import Unreachable, Workspace, spread
-from materials.catalogue import load_catalogue
-from sections import build
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstCase, WorstSearch
+from linkwright.core.arm.worst.workspace import Unreachable, Workspace, spread
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import build
+from linkwright.core.sections.numeric import Array
 
 STEEL = load_catalogue(user=False).find("steel-s355")
 ROD = build("circle", {"diameter": 0.05})

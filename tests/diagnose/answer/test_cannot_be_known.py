@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.residual.observe import observe
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.residual.observe import observe
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 

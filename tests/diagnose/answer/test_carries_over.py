@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.confirmation import Confirmed
-from diagnose.options import Options
-from diagnose.residual.noise import noise_floor
-from diagnose.search.naming import Named, Namer
+from linkwright.core.diagnose.answer.confirmation import Confirmed
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.search.naming import Named, Namer
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 OFFSET, PLAY, GIVES = ("encoder_offset", (1,)), ("backlash", (2,)), ("joint_compliance", (0,))

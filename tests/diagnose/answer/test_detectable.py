@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from arm.effects import EFFECTS
-from diagnose.answer.detectable import _needed, detectable
-from diagnose.patterns.library import parameter_of
-from diagnose.rules.rules import RULES
-from diagnose.search.calibrate import given_model, p_value
-from diagnose.search.naming import Namer
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.detectable import _needed, detectable
+from linkwright.core.diagnose.patterns.library import parameter_of
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.calibrate import given_model, p_value
+from linkwright.core.diagnose.search.naming import Namer
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 TRIALS = 240

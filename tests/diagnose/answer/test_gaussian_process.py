@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.gaussian_process import smooth_model
+from linkwright.core.diagnose.answer.gaussian_process import smooth_model
 
 
 def made(count, rng):

@@ -9,12 +9,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
-from diagnose.answer.guard.lack_of_fit import lack_of_fit, memory_at_most, remembering, split
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.recording import Recording
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.diagnose.answer.guard.lack_of_fit import lack_of_fit, memory_at_most, remembering, split
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.rules import RULES
 
 LENGTHS = np.array([0.7, 0.6])
 SIGMA = 10e-6

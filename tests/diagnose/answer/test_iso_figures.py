@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.jacobian import jacobian
-from arm.chain.kinematics import tip_position
-from diagnose.answer import iso_figures as iso
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.jacobian import jacobian
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.answer import iso_figures as iso
+from linkwright.core.diagnose.recording import Recording
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 
 MICRON = 1e-6

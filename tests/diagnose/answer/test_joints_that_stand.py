@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.diagnosis import diagnose
-from diagnose.recording import Recording
-from diagnose.result import Finding
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.result import Finding
+from linkwright.core.sections.numeric import Array
 
 AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 WAYS = ((0.0, 0.0, 1.0), *((1.0, 0.0, 0.0),) * 4)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.answer.locate import dependences, depends_on, direction, joint_shares
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
+from linkwright.core.diagnose.answer.locate import dependences, depends_on, direction, joint_shares
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
 from tests.diagnose.core_cases import noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.avoid.poses import Room, frames_and_tips, meets
-from arm.avoid.regions import between, beyond
-from diagnose.answer.next_poses import (  # pyright: ignore[reportPrivateUsage]
+from linkwright.core.arm.avoid.poses import Room, frames_and_tips, meets
+from linkwright.core.arm.avoid.regions import between, beyond
+from linkwright.core.diagnose.answer.next_poses import (  # pyright: ignore[reportPrivateUsage]
     _greedy,
     _noncentrality,
     _Pair,
@@ -16,13 +16,13 @@ from diagnose.answer.next_poses import (  # pyright: ignore[reportPrivateUsage]
     _worth_taking,
     next_poses,
 )
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.rules.rules import RULES
-from diagnose.search.aliases import Rival
-from diagnose.search.naming import Namer
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.aliases import Rival
+from linkwright.core.diagnose.search.naming import Namer
 from tests.diagnose.core_cases import group_of, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.guard.scatter import follows
-from diagnose.residual.observe import observe
-from diagnose.rules.rules import RULES
-from sections.numeric import Array
+from linkwright.core.diagnose.answer.guard.scatter import follows
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.by_cosines import SIGMA, file, noise, poses, recording, tips
 
 VISITS = 60

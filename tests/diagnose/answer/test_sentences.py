@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from diagnose.answer.sentences import verdict_sentence
-from diagnose.compare.compare import compare
-from diagnose.result import Left, WrittenArm
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.answer.sentences import verdict_sentence
+from linkwright.core.diagnose.compare.compare import compare
+from linkwright.core.diagnose.result import Left, WrittenArm
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.comparison import comparison_sentence
 from linkwright.results.diagnoses.described import describe

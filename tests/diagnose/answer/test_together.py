@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.sentences import nothing_singly, reading_of
-from diagnose.answer.together import may_be_nothing, only_with
-from diagnose.fitting.fit import fit
-from diagnose.fitting.refit import refit
+from linkwright.core.diagnose.answer.sentences import nothing_singly, reading_of
+from linkwright.core.diagnose.answer.together import may_be_nothing, only_with
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.refit import refit
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 OFFSET, GIVES, BENDS = ("encoder_offset", (1,)), ("joint_compliance", (2,)), ("link_bending", (2,))

@@ -7,12 +7,12 @@ import pytest
 import linkwright as lw
 from benchmarks.multibody.cases import kind_of, make_case
 from benchmarks.multibody.files import write_case
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.search.aliases import rivals
-from diagnose.search.naming import Namer
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.search.aliases import rivals
+from linkwright.core.diagnose.search.naming import Namer
 from linkwright.json.diagnosis import diagnosis_json
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, LENGTHS, SIGMA, file, noise, poses, recording, tips

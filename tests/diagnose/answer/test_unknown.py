@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.output.diagnosis_folder import compensation_csv
 from tests.diagnose.core_cases import SIGMA, pushed, recorded
 from tests.diagnose.made_diagnosis import made_arm

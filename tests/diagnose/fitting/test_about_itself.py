@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from diagnose.fitting.about_itself import fitted_about_itself
-from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Prepared, packed_up, set_up
-from diagnose.fitting.refit import refit
-from diagnose.patterns.library import Candidate, columns_of
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from materials.catalogue import load_catalogue
-from sections import Tube
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.about_itself import fitted_about_itself
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
+from linkwright.core.diagnose.fitting.refit import refit
+from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Tube
 from tests.diagnose.recorded import planar_arm, poses, sagging_tip
 
 STIFFNESS = np.array([400.0, 250.0, 150.0])

@@ -6,13 +6,13 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.corrected_arm import corrected_arm
-from diagnose.fitting.refit import Refit
-from diagnose.fitting.terms import Term
-from diagnose.patterns.library import Candidate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
+from linkwright.core.diagnose.fitting.refit import Refit
+from linkwright.core.diagnose.fitting.terms import Term
+from linkwright.core.diagnose.patterns.library import Candidate
 from tests.costs import slow_but
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm

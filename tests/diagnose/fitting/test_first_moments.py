@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from diagnose.diagnosis import diagnose
-from diagnose.predict import predict
-from diagnose.recording import Recording
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.output.written_arm import with_written
-from materials.catalogue import load_catalogue
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives, read
 from tests.diagnose.recorded import LENGTHS, planar_tip
 

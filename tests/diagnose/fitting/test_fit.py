@@ -7,11 +7,20 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from diagnose.fitting.fit import bounds, displacement, fit, impossible, remaining, t_quantile, typical, why_impossible
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from materials.catalogue import load_catalogue
+from linkwright.core.diagnose.fitting.fit import (
+    bounds,
+    displacement,
+    fit,
+    impossible,
+    remaining,
+    t_quantile,
+    typical,
+    why_impossible,
+)
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.materials.catalogue import load_catalogue
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -3,10 +3,16 @@
 import numpy as np
 import pytest
 
-from diagnose.fitting.held_out import HeldOut, parts_of_workspace, residual_held_out, rms_held_out, splits
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
-from diagnose.residual.visits import poses
+from linkwright.core.diagnose.fitting.held_out import (
+    HeldOut,
+    parts_of_workspace,
+    residual_held_out,
+    rms_held_out,
+    splits,
+)
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.visits import poses
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.recorded import planar_arm, planar_tip
 

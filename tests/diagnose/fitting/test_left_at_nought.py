@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import Prepared
-from diagnose.fitting.refit import refit
-from diagnose.fitting.room.left_at_nought import left_at_nought
-from diagnose.result import FittedParameter
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.fitting.refit import refit
+from linkwright.core.diagnose.fitting.room.left_at_nought import left_at_nought
+from linkwright.core.diagnose.result import FittedParameter
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
 

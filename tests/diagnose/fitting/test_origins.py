@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import linkwright as lw
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from diagnose.fitting.origins import located
-from diagnose.reading.read import read_recording
-from diagnose.several.recordings import together
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.diagnose.fitting.origins import located
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.several.recordings import together
 
 Array = NDArray[np.float64]
 NOISE, SOFT = 20e-6, 30e-6

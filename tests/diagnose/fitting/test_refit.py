@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import EffectEntry
-from arm.effects import EFFECTS
-from diagnose.fitting.fit import fit
-from diagnose.fitting.prepare import prepare
-from diagnose.fitting.refit import impossible_term, refit
-from diagnose.options import Options
-from diagnose.patterns.library import columns_of
-from diagnose.patterns.pool import make_pool
-from diagnose.residual.observe import observe
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.fit import fit
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.fitting.refit import impossible_term, refit
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.library import columns_of
+from linkwright.core.diagnose.patterns.pool import make_pool
+from linkwright.core.diagnose.residual.observe import observe
 from tests.diagnose.core_cases import (
     group_of,
     noise_of,

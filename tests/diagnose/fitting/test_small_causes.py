@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.guard.lack_of_fit import refuted_by, refutes
-from diagnose.fitting.fit import fit, remaining
-from diagnose.fitting.held_out import HeldOut, hardest, splits
-from diagnose.fitting.room.small_causes import _directions, noise_of_visits, small_causes, with_room
-from diagnose.fitting.room.unnamed import others_of
-from diagnose.patterns.pool import orthonormal
-from diagnose.rules.rules import RULES
+from linkwright.core.diagnose.answer.guard.lack_of_fit import refuted_by, refutes
+from linkwright.core.diagnose.fitting.fit import fit, remaining
+from linkwright.core.diagnose.fitting.held_out import HeldOut, hardest, splits
+from linkwright.core.diagnose.fitting.room.small_causes import _directions, noise_of_visits, small_causes, with_room
+from linkwright.core.diagnose.fitting.room.unnamed import others_of
+from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.rules.rules import RULES
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.reading.read import read_recording
-from diagnose.result import Finding, FittedParameter
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.result import Finding, FittedParameter
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, sagging_tip, table, written
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.residual.observe import observe
-from diagnose.residual.told_apart import rather_with_time
-from diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
-from diagnose.residual.wander_seen import seen_to_wander
-from diagnose.rules.rules import RULES
-from diagnose.several.recordings import together
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.told_apart import rather_with_time
+from linkwright.core.diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
+from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.several.recordings import together
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 

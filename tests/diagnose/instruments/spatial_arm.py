@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from diagnose.recording import Recording
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
 
 AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 LENGTHS = (0.15, 0.45, 0.4, 0.1, 0.12)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import Instrument
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
 from tests.diagnose.instruments.test_touches import OFF, SIGMA, _gone
 from tests.diagnose.recorded import planar_arm, planar_tip
 

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.effects import Settings
-from arm.files.read import read_arm
-from diagnose.answer.cameras import of_camera
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import nuisances, prepare
-from diagnose.options import Options
-from diagnose.reading.read import read_recording
-from diagnose.reading.write import recording_text, settings_text
-from diagnose.residual.noise import noise_floor
-from diagnose.residual.observe import observe
-from diagnose.several.recordings import together
+from linkwright.core.arm.effects import Settings
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.answer.cameras import of_camera
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import nuisances, prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.reading.write import recording_text, settings_text
+from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.instruments.six_joint_arm import Hand, seen_by_camera, session, six_joint_arm, transform
-from units.quantities import InputError
 
 NOISE = (30e-6, 150e-6, 100e-6)
 """Across (m), in depth (m), of turns (rad)."""

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
-from diagnose.instruments.split import laid_out
-from diagnose.recording import Recording
-from diagnose.several.recordings import together
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
+from linkwright.core.diagnose.instruments.split import laid_out
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.several.recordings import together
 from tests.diagnose.arm_of_drives import turned_by, visited
 from tests.diagnose.recorded import planar_arm, planar_tip
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import EffectEntry
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import TILT_X, TILT_Y, Instrument
-from diagnose.residual.observe import beyond_first_order, observe
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import TILT_X, TILT_Y, Instrument
+from linkwright.core.diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import AXES, Truth, read, session, spatial_arm, torques
 
 SEAT = Rotation.from_euler("xyz", [0.02, 1.55, -0.03])

@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.diagnosis import diagnose
-from diagnose.predict import predict
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections.numeric import Array
 from linkwright.output.written_arm import with_written
-from materials.catalogue import load_catalogue
-from sections.numeric import Array
 
 LENGTHS = np.array([0.5, 0.45, 0.3])
 MASSES = np.array([9.0, 6.0, 2.5])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.reading.read import read_recording
-from diagnose.reading.write import recording_text
-from diagnose.recording import Recording
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.reading.write import recording_text
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.instruments.spatial_arm import GRAVITY, SIGMA, placed, session, spatial_arm
-from units.quantities import InputError
 
 MASSES = np.array([2.0, 8.0, 5.0, 1.0, 0.5])
 COMPLIANCE = 8e-6

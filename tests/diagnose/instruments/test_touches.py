@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.instruments.instrument import PLANE, Instrument
-from diagnose.recording import Recording
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.instruments.instrument import PLANE, Instrument
+from linkwright.core.diagnose.recording import Recording
 from tests.diagnose.arm_of_drives import jacobian
 from tests.diagnose.recorded import planar_arm, planar_tip
 

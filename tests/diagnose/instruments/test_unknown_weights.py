@@ -12,17 +12,17 @@ import mujoco
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.evaluation import evaluate
-from diagnose.diagnosis import diagnose
-from diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
-from diagnose.predict import predict
-from diagnose.recording import Recording
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
+from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.units.quantities import InputError
 from linkwright.output.written_arm import with_written
-from materials.catalogue import load_catalogue
 from tests.diagnose.instruments import test_torque_weights as planar
-from units.quantities import InputError
 
 AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
 LENGTHS, MASSES = (0.3, 0.5, 0.4), (12.0, 7.0, 3.0)

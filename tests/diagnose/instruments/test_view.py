@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import EffectEntry
-from diagnose.instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
-from diagnose.instruments.view import viewed
-from diagnose.residual.observe import beyond_first_order, observe
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
+from linkwright.core.diagnose.instruments.view import viewed
+from linkwright.core.diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import Truth, placed, read, session, spatial_arm, tips
 
 ANCHOR = (0.7, -0.4, 0.9)

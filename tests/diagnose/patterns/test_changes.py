@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.result import Diagnosis
-from sections.numeric import Array
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.sections.numeric import Array
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, poses, recording
 

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.patterns.forces import pull_found
-from diagnose.residual.observe import observe
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.forces import pull_found
+from linkwright.core.diagnose.residual.observe import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of
 from tests.diagnose.recorded import planar_arm, planar_tip

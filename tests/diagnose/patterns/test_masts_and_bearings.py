@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.diagnosis import diagnose
-from diagnose.reading.read import read_recording
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import written
 
 G, SIGMA = 9.81, 10e-6

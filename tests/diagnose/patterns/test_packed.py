@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnose.patterns.packed import Columns, packed
+from linkwright.core.diagnose.patterns.packed import Columns, packed
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from diagnose.patterns.pool import exchanged, make_pool, orthonormal, with_group
-from diagnose.search.subsets import gains, products
-from executors.packing import packed, unpacked
+from linkwright.core.diagnose.patterns.pool import exchanged, make_pool, orthonormal, with_group
+from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.executors.packing import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
 
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.effects import Settings
-from diagnose.diagnosis import diagnose
-from diagnose.recording import Recording
-from diagnose.residual.observe import observe
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.effects import Settings
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.observe import observe
 
 SIGMA = 15e-6
 COLUMN, UPPER, LOWER = 0.35, 0.42, 0.3

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.chain.kinematics import tip_position
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.held_out import HeldOut, splits
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.held_out import HeldOut, splits
+from linkwright.core.diagnose.recording import Recording
 from tests.diagnose.core_cases import SIGMA, prepared_null
 
 ORDERS = np.array([3, 8, 13, 17, 22, 27])

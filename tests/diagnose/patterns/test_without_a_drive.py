@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.effects import EFFECTS
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from diagnose.patterns.library import candidates
-from diagnose.residual.observe import observe
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.diagnose.patterns.library import candidates
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.units.reading import InputError
 from tests.diagnose.instruments.spatial_arm import SIGMA, Truth, read, session, spatial_arm, tips
-from units.reading import InputError
 
 
 def recorded():

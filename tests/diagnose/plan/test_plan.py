@@ -8,22 +8,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.avoid.poses import NoRoom, Room, frames_and_tips, meets, room_of
-from arm.avoid.regions import between
-from arm.chain.chain import Link
-from arm.chain.kinematics import tip_position
-from diagnose.diagnosis import diagnose
-from diagnose.plan.asked import Asked, seen_axes
-from diagnose.plan.design import Patterns, _Score, chosen_visits
-from diagnose.plan.order import in_order, returns_of, with_time
-from diagnose.plan.planning import NothingToSee, plan
-from diagnose.plan.promise import _sound, promised, rivals_of
-from diagnose.plan.tried import approach, tried_visits
-from diagnose.plan.written import plan_text, read_plan, to_record
-from diagnose.rules.rules import RULES
-from diagnose.search.aliases import likenesses
-from diagnose.search.naming import Namer
-from diagnose.simulate import Plan, simulate
+from linkwright.core.arm.avoid.poses import NoRoom, Room, frames_and_tips, meets, room_of
+from linkwright.core.arm.avoid.regions import between
+from linkwright.core.arm.chain.chain import Link
+from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.plan.asked import Asked, seen_axes
+from linkwright.core.diagnose.plan.design import Patterns, _Score, chosen_visits
+from linkwright.core.diagnose.plan.order import in_order, returns_of, with_time
+from linkwright.core.diagnose.plan.planning import NothingToSee, plan
+from linkwright.core.diagnose.plan.promise import _sound, promised, rivals_of
+from linkwright.core.diagnose.plan.tried import approach, tried_visits
+from linkwright.core.diagnose.plan.written import plan_text, read_plan, to_record
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search.aliases import likenesses
+from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.simulate import Plan, simulate
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

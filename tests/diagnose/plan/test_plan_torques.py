@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from diagnose.plan.asked import Asked
-from diagnose.plan.planning import plan
-from diagnose.residual.torque import drive_torques
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.plan.asked import Asked
+from linkwright.core.diagnose.plan.planning import plan
+from linkwright.core.diagnose.residual.torque import drive_torques
+from linkwright.core.diagnose.rules.rules import RULES
 from tests.diagnose.plan.test_plan import silent
 
 LENGTHS, MASSES, NOISE, RUBS = (0.4, 0.42, 0.3), (6.0, 4.0, 2.5), (0.4, 0.3, 0.2), (1.5, 0.8, 0.4)

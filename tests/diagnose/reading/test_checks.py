@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.mistakes.row_lists import rows_text
-from diagnose.mistakes.units import unit_changes
-from diagnose.reading.read import read_recording
-from diagnose.recording import Recording
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.mistakes.units import unit_changes
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 ARM = planar_arm()
 COUNT = 120

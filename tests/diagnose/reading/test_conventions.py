@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.files.read import read_arm
-from diagnose.reading.read import read_recording
-from diagnose.recording import Recording
-from sections.numeric import Array
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 Spoil = Callable[[Array, Array], tuple[Array, Array]]
 

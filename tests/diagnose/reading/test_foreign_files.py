@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
-from arm.files.read import read_arm
-from diagnose.reading.read import read_recording
-from diagnose.recording import Recording
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 ARM = planar_arm((0.4, 0.3))
 HEADER = ("q1_deg", "q2_deg", "x_mm", "y_mm")

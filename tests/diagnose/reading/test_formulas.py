@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from diagnose.reading.formula import read_condition, read_formula
-from units.quantities import InputError
+from linkwright.core.diagnose.reading.formula import read_condition, read_formula
+from linkwright.core.units.quantities import InputError
 
 NAMES = ("Joint 1 [rad]", "Joint 1", "pos (2)", "x", "x_mm", "a-b", "1e3", "Δq", "temp (°C)")
 VALUES = {name: 0.7 + 0.31 * k for k, name in enumerate(NAMES)}

@@ -2,9 +2,9 @@
 
 import pytest
 
-from diagnose.reading.columns import otherwise_spelled
+from linkwright.core.diagnose.reading.columns import otherwise_spelled
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.reading.test_foreign_files import ANGLES, TIPS, read, text
-from units.quantities import InputError
 
 
 @pytest.mark.parametrize(

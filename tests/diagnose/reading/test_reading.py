@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.reading.columns import meaning_of
-from diagnose.reading.read import read_recording
-from diagnose.recording import RejectedRow
-from diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.reading.columns import meaning_of
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 ARM = planar_arm()
 Q = poses(30)

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arm.chain.chain import Arm, Joint, Link
-from diagnose.reading.assemble import sides_from_order
-from diagnose.reading.read import read_recording
-from diagnose.rules.rules import RULES
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.reading.assemble import sides_from_order
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 TURN_AND_SLIDE = Arm(
     "crane", (Joint(), Joint("prismatic", (1.0, 0.0, 0.0), (0.0, 1.0))), (Link(0.2, mass=0.0), Link(0.2, mass=0.0))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.chain.arrays import matrices
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from diagnose.residual.alignment import aligned
+from linkwright.core.arm.chain.arrays import matrices
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.diagnose.residual.alignment import aligned
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 
 

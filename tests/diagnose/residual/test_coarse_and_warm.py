@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.residual.noise import noise_floor
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 
 FINE = 1.5e-6

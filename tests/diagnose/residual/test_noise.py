@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from diagnose.recording import Recording
-from diagnose.residual.noise import NoiseFloor, noise_floor, repeat_groups
-from diagnose.residual.robust_scale import qn, resolution
-from sections.numeric import Array
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor, repeat_groups
+from linkwright.core.diagnose.residual.robust_scale import qn, resolution
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
 ARM = planar_arm()

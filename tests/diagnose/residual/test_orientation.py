@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.reading.read import read_recording
-from diagnose.residual.observe import observe
-from diagnose.residual.orientation import with_sound_orientation
-from diagnose.simulate import Plan, simulate
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.orientation import with_sound_orientation
+from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.units.quantities import InputError
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
-from units.quantities import InputError
 
 SIGMA, TURN_SIGMA = 20e-6, 20e-6
 SCALE = 8e-4

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.effects import Settings
-from diagnose.diagnosis import diagnose
-from diagnose.recording import since_the_reading_before
-from diagnose.residual.observe import observe
-from diagnose.residual.visits import looks_quieter
+from linkwright.core.arm.effects import Settings
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.recording import since_the_reading_before
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.visits import looks_quieter
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from diagnose.residual.noise import noise_floor
-from diagnose.residual.visits import differences_of_revisits, without_drift
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.residual.visits import differences_of_revisits, without_drift
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
 ARM: Arm = planar_arm()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from diagnose.search.calibrate import drawn_anew, given_model, one_more, p_value, shuffled
-from diagnose.search.subsets import criterion_for
+from linkwright.core.diagnose.search.calibrate import drawn_anew, given_model, one_more, p_value, shuffled
+from linkwright.core.diagnose.search.subsets import criterion_for
 from tests.diagnose.core_cases import random_pool
 
 VISITS = np.repeat(np.arange(24), 3)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.reading.read import read_recording
-from diagnose.result import Diagnosis
-from diagnose.search.labels import mislabelled
-from sections.numeric import Array
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.search.labels import mislabelled
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import planar_tip, sagging_tip, table, written
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link
 from benchmarks.cosserat_rod import rod_tip
 from benchmarks.soft_arms import as_it_is
-from diagnose.diagnosis import diagnose
-from diagnose.reading.read import read_recording
-from diagnose.recording import Recording
-from materials.catalogue import load_catalogue
-from sections import Tube
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Tube
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses, sagging_tip, table, written
 
 SIGMA = 20e-6

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.effects.loads.base_tilt import BASE_TILT
-from arm.files.read import read_arm
-from arm.files.write import write_arm
-from diagnose.diagnosis import diagnose
-from sections.numeric import Array
+from linkwright.core.arm.effects.loads.base_tilt import BASE_TILT
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import write_arm
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, poses, recording
 
 ADDED = 4.0  # kg

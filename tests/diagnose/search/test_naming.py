@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from diagnose.answer.conclusion import Conclusion
-from diagnose.diagnosis import diagnose
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.noise import noise_floor
-from diagnose.residual.observe import observe
-from diagnose.search.naming import Named, Namer
+from linkwright.core.diagnose.answer.conclusion import Conclusion
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.search.naming import Named, Namer
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 from tests.diagnose.core_cases import group_of
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.rules.rules import RULES
-from diagnose.search import one_set_of_weights
-from diagnose.search.naming import Named, Namer, name_missing
-from diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.search import one_set_of_weights
+from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
+from linkwright.core.diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set
 from tests.diagnose.fitting.test_shared_weights import on_a_soft_base, standing_arm
 
 BASE, ELBOW, SECOND = ("base_compliance", ()), ("joint_compliance", (2,)), ("axis_misalignment", (1,))

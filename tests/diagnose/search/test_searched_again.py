@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.fitting.prepare import prepare
-from diagnose.options import Options
-from diagnose.residual.observe import observe
-from diagnose.search.naming import Namer, name_missing
+from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.search.naming import Namer, name_missing
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 
 ARM = arm_of_drives()
@@ -66,7 +66,9 @@ def test_the_better_end_counts(namer, monkeypatch):
     from_bad = named_of(namer, known[:1])
     assert namer.criterion_of(from_bad.members) <= value + dearer
 
-    monkeypatch.setattr("diagnose.search.naming._carried_on", lambda _, members, p_values: (members, p_values))
+    monkeypatch.setattr(
+        "linkwright.core.diagnose.search.naming._carried_on", lambda _, members, p_values: (members, p_values)
+    )
     early = named_of(namer)
     assert namer.criterion_of(early.members) > value + 1.0
     again = named_of(namer, known)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from diagnose.search.subsets import (
+from linkwright.core.diagnose.search.subsets import (
     Products,
     best_subsets,
     criterion_for,

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.search.naming import Namer, name_missing
-from sections.numeric import Array
+from linkwright.core.diagnose.search.naming import Namer, name_missing
+from linkwright.core.sections.numeric import Array
 from tests.costs import slow_but
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 

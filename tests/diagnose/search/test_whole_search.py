@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnose.diagnosis import diagnose
-from diagnose.options import Options
-from diagnose.search.naming import Named, Namer
-from diagnose.search.whole_search import whole_search_p
-from executors import Processes
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.search.naming import Named, Namer
+from linkwright.core.diagnose.search.whole_search import whole_search_p
+from linkwright.core.executors import Processes
 from tests.diagnose.core_cases import prepared_null, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

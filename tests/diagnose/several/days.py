@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from diagnose.recording import Recording
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.recording import Recording
+from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip
 
 SIGMA = 15e-6

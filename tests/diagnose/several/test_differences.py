@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from arm.effects import EFFECTS
-from diagnose.diagnosis import diagnose
-from diagnose.several.recordings import together
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.several.recordings import together
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.results.diagnoses.answer import answer, to_do
 from tests.diagnose.recorded import LENGTHS

@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
 from tests import two_arms
-from units.quantities import InputError
 
 COMPLIANCE = 50e-6
 TURN = math.radians(50.0)

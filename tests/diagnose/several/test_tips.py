@@ -4,8 +4,8 @@ matrices made."""
 import pytest
 
 import linkwright as lw
+from linkwright.core.units.quantities import InputError
 from tests import two_arms
-from units.quantities import InputError
 
 HIDDEN = {"compliance": 50e-6, "offsets": ((3, 0.6e-3),)}
 """The torso's pitch axis gives (rad/(N*m)); the zero of the left arm's second joint is off (rad)."""

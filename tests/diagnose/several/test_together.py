@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from diagnose.diagnosis import diagnose
-from diagnose.reading.write import recording_text, settings_text
-from diagnose.several.recordings import together
 from linkwright.cli import run
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.reading.write import recording_text, settings_text
+from linkwright.core.diagnose.several.recordings import together
 from tests.diagnose.several.days import arm, day
 
 SOFT = {2: 40e-6}

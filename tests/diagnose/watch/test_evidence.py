@@ -7,9 +7,9 @@ import pytest
 from scipy import stats
 
 from benchmarks.watch.quiet import told_at
-from diagnose.rules.rules import RULES
-from diagnose.watch.course import Series, course_of
-from diagnose.watch.evidence import kink, level, steps, tried
+from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.watch.course import Series, course_of
+from linkwright.core.diagnose.watch.evidence import kink, level, steps, tried
 
 WHEN = 7.0 * np.arange(30)
 LEVEL = level(0.01, 50, RULES.watch.tests, 1)

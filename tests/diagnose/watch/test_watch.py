@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnose.watch.watch import watch
+from linkwright.core.diagnose.watch.watch import watch
 from tests.diagnose.several.days import arm, day
 
 FIRST = datetime.date(2026, 1, 5)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.chain.statics import solve
-from arm.errors.exact import deformed
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects
 from linkwright.browser.server.drawings import worst_poses
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.exact import deformed
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects
 from linkwright.report.pictures.bent import bent_shape
 
 ARM = "examples/several-loads/arm.yaml"

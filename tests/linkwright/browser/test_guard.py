@@ -13,7 +13,7 @@ import pytest
 
 from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.guard import MOST_UPLOADED, Guard
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 from .conftest import Server
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from diagnose.reading.table import table_of
 from linkwright.browser.server.dropped import Dropped
 from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, proposed, settings_text
-from units.reading import parse_yaml
+from linkwright.core.diagnose.reading.table import table_of
+from linkwright.core.units.reading import parse_yaml
 
 ARM = "examples/hidden-backlash/arm.yaml"
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.jobs import Jobs
 from linkwright.browser.server.shelf import Shelf
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 SCRIPT = b"".join(b"%06d." % number for number in range(60_000))
 """420 kB that hardly compress, as plotly in a report."""

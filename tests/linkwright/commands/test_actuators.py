@@ -7,9 +7,15 @@ import math
 
 import pytest
 
-from arm.actuators import ACTUATORS_VARIABLE, CONFIRMABLE, load_actuators, read_actuators, shipped_actuators
-from arm.files.read import read_arm
-from units.reading import load_yaml
+from linkwright.core.arm.actuators import (
+    ACTUATORS_VARIABLE,
+    CONFIRMABLE,
+    load_actuators,
+    read_actuators,
+    shipped_actuators,
+)
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.units.reading import load_yaml
 
 OWN = """\
 format_version: 1

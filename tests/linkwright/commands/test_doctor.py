@@ -9,7 +9,7 @@ from importlib import metadata
 
 import pytest
 
-from executors.threads import VARIABLES
+from linkwright.core.executors.threads import VARIABLES
 
 
 def checkup(linkwright, bench):
@@ -71,7 +71,7 @@ def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parqu
 def test_a_solver_that_answers_wrongly_is_no_solver(linkwright, bench, monkeypatch):
     """Far fewer steps than it needs."""
     options = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 1}}
-    monkeypatch.setattr("optimize.exchange.program.ipopt_options", lambda: options)
+    monkeypatch.setattr("linkwright.core.optimize.exchange.program.ipopt_options", lambda: options)
     status, found = checkup(linkwright, bench)
     assert status == 1
     assert "solves wrongly" in found["solver (IPOPT)"]["found"]

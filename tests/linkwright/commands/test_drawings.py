@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from arm.chain.chain import Arm, Joint, Link
-from sections import ISection, Rectangle, Tube
-from sections.taper import build_tapered
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.sections import ISection, Rectangle, Tube
+from linkwright.core.sections.taper import build_tapered
 from tests.linkwright.samples import arm_of
 
 SECTIONS = (

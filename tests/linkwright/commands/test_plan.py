@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from arm.avoid.poses import meets
-from arm.avoid.regions import between, beyond
+from linkwright.core.arm.avoid.poses import meets
+from linkwright.core.arm.avoid.regions import between, beyond
 from linkwright.results.planning import describe
 
 ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.files.write import arm_to_yaml
 from tests.diagnose.instruments.six_joint_arm import six_joint_arm
 from tests.diagnose.recorded import LENGTHS, planar_tip
 from tests.diagnose.several.days import SIGMA, arm

@@ -5,8 +5,8 @@ import threading
 import pytest
 from rich.console import Console
 
-from arm.compensation import table_over
-from arm.files.read import read_arm
+from linkwright.core.arm.compensation import table_over
+from linkwright.core.arm.files.read import read_arm
 from linkwright.screen import progress
 from linkwright.screen.pace import Pace, in_words
 from linkwright.screen.progress import Steps, waiting
@@ -99,11 +99,11 @@ def test_bar_and_times_stay_whole_beside_long_words(terminal, monkeypatch):
 
 
 def test_every_row_of_a_table_is_counted(bench, monkeypatch):
-    monkeypatch.setattr("arm.compensation._AT_ONCE", 4)
+    monkeypatch.setattr("linkwright.core.arm.compensation._AT_ONCE", 4)
     heard = []
     table = table_over(read_arm(bench / "arm.yaml"), 3, (0.0, 2.0), lambda *counts: heard.append(counts))
     assert heard == [(4, 18), (8, 18), (9, 18), (13, 18), (17, 18), (18, 18)]
-    monkeypatch.setattr("arm.compensation._AT_ONCE", 1000)
+    monkeypatch.setattr("linkwright.core.arm.compensation._AT_ONCE", 1000)
     whole = table_over(read_arm(bench / "arm.yaml"), 3, (0.0, 2.0))
     for name in ("q", "payload", "error", "correction", "left"):
         assert getattr(table, name) == pytest.approx(getattr(whole, name), rel=1e-12, abs=1e-15)

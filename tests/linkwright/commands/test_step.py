@@ -9,13 +9,13 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from arm.chain.chain import Arm, Joint, Link
+from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.sections import ISection, RectangularTube, Tube
+from linkwright.core.sections.build import build
+from linkwright.core.sections.taper import build_tapered
+from linkwright.core.units.quantities import InputError
 from linkwright.drawings import step
-from sections import ISection, RectangularTube, Tube
-from sections.build import build
-from sections.taper import build_tapered
 from tests.linkwright.samples import arm_of
-from units.quantities import InputError
 
 SECTIONS = (
     RectangularTube(0.06, 0.1, 0.005, corner_radius=0.01),

@@ -6,11 +6,11 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from arm.actuators import ACTUATORS_VARIABLE, load_actuators, shipped_actuators
+from linkwright.core.arm.actuators import ACTUATORS_VARIABLE, load_actuators, shipped_actuators
+from linkwright.core.sections import Tube
+from linkwright.core.units.quantities import InputError
 from linkwright.output.table_file import write_table
-from sections import Tube
 from tests.linkwright.samples import arm_of
-from units.quantities import InputError
 
 TABLE = pd.DataFrame({"part_name": ["50 % & more_$#{}~^\\", "a|b"], "mass_kg": [1.25, float("nan")]})
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
 from tests.diagnose.recorded import LENGTHS
 from tests.diagnose.several.days import SIGMA, arm, day
 

@@ -6,7 +6,7 @@ import json
 import pytest
 
 import linkwright as lw
-from diagnose.reading.write import recording_text, settings_text
+from linkwright.core.diagnose.reading.write import recording_text, settings_text
 from tests.diagnose.several.days import arm, day
 
 FIRST = datetime.date(2026, 1, 5)

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from arm.errors.lost_motion import played
-from arm.errors.model import beam_values, beams_of, error_model
-from diagnose.reading.settings import read_settings
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.diagnose.reading.settings import read_settings
 from tests.linkwright.conftest import ARM, PROBLEM
 
 HEADER = "q1_deg,q2_deg,x_mm,y_mm"
@@ -192,7 +192,7 @@ def test_many_draws_of_play_need_no_memory_for_all_poses(bench):
     """A hundred thousand draws at 256 poses would be 700 MB; the quantile is that of each pose by itself."""
     import tracemalloc
 
-    from arm.files.read import read_arm
+    from linkwright.core.arm.files.read import read_arm
 
     (bench / "many.yaml").write_text(ARM + "play: {mode: statistical, draws: 100000}\n")
     arm = read_arm(bench / "many.yaml")

@@ -110,7 +110,7 @@ def odd_names(bench, monkeypatch):
     os.mkfifo(bench / "pipe")
     (bench / "r.csv").write_text("q1_deg,q2_deg,x_mm,y_mm\n0,0,700,0\n")
     (bench / "m.csv").write_text("name,elastic_modulus,poisson_ratio,density,source\nmine,70 GPa,0.3,2700 kg/m^3,own\n")
-    monkeypatch.setattr("units.files._PATIENCE", 0.01)
+    monkeypatch.setattr("linkwright.core.units.files._PATIENCE", 0.01)
 
 
 @pytest.mark.usefixtures("odd_names")
@@ -181,7 +181,7 @@ def test_a_pipe_is_read_and_one_that_nobody_writes_to_is_given_up(linkwright, be
     assert linkwright("evaluate", "pipe", "--out", "out")[0] == 0
     writer.join()
     assert "pipe</th><td>no longer there" in (bench / "out" / "report.html").read_text()
-    monkeypatch.setattr("units.files._PATIENCE", 0.05)
+    monkeypatch.setattr("linkwright.core.units.files._PATIENCE", 0.05)
     status, _, err = linkwright("evaluate", "pipe")
     assert status == 2
     assert "pipe through which nothing came" in err
@@ -197,8 +197,8 @@ def test_the_null_device_says_nothing(linkwright, bench):
 
 def test_what_is_larger_than_it_says_is_refused(tmp_path):
     """What a file says of its size is not believed: it is read as far as its bound and no further."""
-    from units.files import read_bytes
-    from units.quantities import InputError
+    from linkwright.core.units.files import read_bytes
+    from linkwright.core.units.quantities import InputError
 
     path = tmp_path / "large"
     path.write_bytes(b"x" * (3 * 1024**2 + 1))

@@ -11,7 +11,7 @@ from benchmarks.fuzz import held
 from benchmarks.fuzz.held import Wrong, hold
 from benchmarks.fuzz.kinds import kinds
 from benchmarks.fuzz.odd import odd_files
-from units.quantities import InputError
+from linkwright.core.units.quantities import InputError
 
 pytestmark = pytest.mark.slow
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 import typst
 
+from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.evaluation import Evaluation
 from linkwright.pdf.document import pdf_of
@@ -17,7 +18,6 @@ from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pages.optimization import optimization_report
 from linkwright.results.document import Description, Lines, Paragraph, section, table
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
-from units.quantities import InputError
 
 ORIGIN = Origin("1970-01-02", "0.1.0", (("arm.yaml", "ba78"),), author="Ada")
 ODD = (

@@ -10,8 +10,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from arm.chain.chain import Joint
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Joint
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.sections import Circle, Tube
 from linkwright.report.contents import page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.report.pages.evaluation import evaluation_report
@@ -19,7 +20,6 @@ from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.results.figures_in_words import mm
-from sections import Circle, Tube
 from tests.linkwright.samples import arm_of, mapped, unpacked
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}

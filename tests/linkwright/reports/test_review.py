@@ -8,9 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from arm.chain.chain import Joint, LoadCase
-from arm.evaluation import evaluate
-from arm.limits.joint_loads import JointLoad, joint_loads
+from linkwright.core.arm.chain.chain import Joint, LoadCase
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
+from linkwright.core.sections import Circle, RectangularTube, Tube
 from linkwright.report.described import MOST_FOLDED, MOST_ROWS, table_html
 from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pictures.sections import sections_grid
@@ -19,7 +20,6 @@ from linkwright.results.design import joint_loads as joint_loads_told
 from linkwright.results.design import poses_that_differ
 from linkwright.results.document import Bars, count, share, table, words
 from linkwright.results.figures_in_words import factor_words
-from sections import Circle, RectangularTube, Tube
 from tests.linkwright.samples import arm_of, mapped
 
 G = 9.81

@@ -10,15 +10,15 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.placed.heights import heights
-from arm.worst.search import WorstPose
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.placed.heights import heights
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.sections import Rectangle, TSection
+from linkwright.core.sections.taper import build_tapered
 from linkwright.report.pictures.arm import skeleton_at
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
-from materials.catalogue import load_catalogue
-from sections import Rectangle, TSection
-from sections.taper import build_tapered
 
 pytest.importorskip("build123d")
 

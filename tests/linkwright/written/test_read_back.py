@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.files.read_back import differences
-from arm.files.write import arm_to_yaml
 from linkwright.cli import run
+from linkwright.core.arm.files.read_back import differences
+from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.output.files import write_each
 from linkwright.output.read_back import NotAsWritten, ReadBack
 from tests.arm.builders import arm_of

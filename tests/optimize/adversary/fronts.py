@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.evaluation import evaluate
-from optimize.run import optimise
-from optimize.tradeoff.front import Tradeoff
-from optimize.tradeoff.question import Question, question
-from optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.front import Tradeoff
+from linkwright.core.optimize.tradeoff.question import Question, question
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from tests.optimize.builders import problem_of
 from tests.optimize.random_problems import METALS
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.chain.chain import Arm
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.run import optimise
-from sections.numeric import Array
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 from tests.optimize.adversary.planar import Planar, Stuff
 from tests.optimize.builders import problem_of
-from units.quantities import NoAnswer
 
 GAP = 2e-4
 """What an answer may be off by, relative: the exchange's tolerance and the certificates' gaps."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sections.numeric import Array
+from linkwright.core.sections.numeric import Array
 
 GRAVITY = 9.81
 

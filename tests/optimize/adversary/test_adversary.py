@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import evaluate
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.run import optimise
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.run import optimise
 from tests.optimize.adversary import hostile as tried
 from tests.optimize.adversary.hostile import by_hand, held, hostile, poses
 from tests.optimize.builders import one_exchange

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from optimize.choice.picks import combinations
-from optimize.exchange.exchange import Exchange
-from optimize.limits import limit_on
-from optimize.run import optimise
-from optimize.tradeoff.point import Search
-from optimize.tradeoff.question import question
+from linkwright.core.optimize.choice.picks import combinations
+from linkwright.core.optimize.exchange.exchange import Exchange
+from linkwright.core.optimize.limits import limit_on
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.point import Search
+from linkwright.core.optimize.tradeoff.question import question
 from tests.optimize.adversary.fronts import WITHIN, front_of, held, random_front
 from tests.optimize.builders import problem_of
 

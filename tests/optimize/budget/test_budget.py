@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.errors.lost_motion import farthest_by_fan, played
-from arm.errors.model import PoseArrays
-from optimize.budget.parts import parts_of, reach_of_repeatability
-from optimize.budget.sample import Draws, errors
+from linkwright.core.arm.errors.lost_motion import farthest_by_fan, played
+from linkwright.core.arm.errors.model import PoseArrays
+from linkwright.core.optimize.budget.parts import parts_of, reach_of_repeatability
+from linkwright.core.optimize.budget.sample import Draws, errors
 
 LEVER = {
     "name": "lever",

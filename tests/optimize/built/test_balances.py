@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 from scipy.optimize import minimize_scalar
 
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from optimize.exchange.exchange import context_of
-from optimize.infeasible.quick import out_of_reach
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.tradeoff.question import question
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.infeasible.quick import out_of_reach
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import problem_of
-from units.quantities import InputError
 
 E, RHO, G, LENGTH, STIFFNESS, PAYLOAD = 71e9, 2700.0, 9.81, 0.8, 50e3, 3.0
 METAL = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3, yield_strength: 200 MPa, cost: 4 EUR/kg}"

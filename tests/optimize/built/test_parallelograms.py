@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from optimize.problem import Problem
-from optimize.run import optimise
-from sections.numeric import Array
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import problem_of
-from units.quantities import InputError
 
 E, RHO, G = 71e9, 2700.0, 9.81
 L1, L2, K, K_RODS, PAYLOAD, MOTOR, ROD, MOST = 0.5, 0.45, 60e3, 30e3, 4.0, 6.0, 1.0, 4.0

@@ -12,23 +12,23 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from arm.chain.beam import BendingFactors, Taper, elastic_beam
-from arm.chain.chain import Arm
-from arm.chain.similar_taper import similar_beam
-from arm.chain.taper import tapered_beam
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.evaluation import evaluate
-from arm.files.write import arm_to_yaml
-from materials.material import MaterialValues
-from optimize.limits import excess
-from optimize.problem import Problem
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import optimise_rounded
-from optimize.run import optimise
-from sections import SHAPES
-from sections.taper import Tapered, similar, size_ratio
+from linkwright.core.arm.chain.beam import BendingFactors, Taper, elastic_beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.similar_taper import similar_beam
+from linkwright.core.arm.chain.taper import tapered_beam
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.materials.material import MaterialValues
+from linkwright.core.optimize.limits import excess
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import SHAPES
+from linkwright.core.sections.taper import Tapered, similar, size_ratio
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import DRIVE, jointed, measured_price, problem_of, ranged
-from units.quantities import InputError
 
 GRAVITY, E, RHO = 9.81, 71e9, 2700.0
 METAL = "{elastic_modulus: 71 GPa, poisson_ratio: 0.33, density: 2700 kg/m^3, yield_strength: 200 MPa, cost: 4 EUR/kg}"

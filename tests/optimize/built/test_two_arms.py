@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from arm.chain.chain import LoadCase
-from arm.chain.statics import solve
-from arm.errors.model import beams_of
-from arm.errors.tip import active_effects, tip_error
-from units.quantities import InputError
+from linkwright.core.arm.chain.chain import LoadCase
+from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.tip import active_effects, tip_error
+from linkwright.core.units.quantities import InputError
 
 DENSITY = (7850.0, 7850.0, 2700.0)
 ARM = """

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from arm.actuators import ACTUATORS_VARIABLE
-from arm.evaluation import evaluate
-from optimize.choice.actuators import assignments, with_actuators
-from optimize.infeasible.quick import out_of_reach
-from optimize.problem import Problem
-from optimize.run import optimise
+from linkwright.core.arm.actuators import ACTUATORS_VARIABLE
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.choice.actuators import assignments, with_actuators
+from linkwright.core.optimize.infeasible.quick import out_of_reach
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.costs import slow_but
 from tests.optimize.builders import best_value, jointed, measured_price, problem_of, ranged
-from units.quantities import InputError, NoAnswer
 
 TWO = jointed([400, 300], ranged("-120 120", "-150 150", more=""))
 GEARS = "[CSG-17-100-2UH, CSG-25-100-2UH, RV-6E]"
@@ -166,7 +166,7 @@ def test_a_search_joint_by_joint_is_told_and_no_worse_than_its_start(
 ) -> None:
     problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
     whole = optimise(problem)
-    monkeypatch.setattr("optimize.choice.actuators.MOST_ASSIGNMENTS", 4)
+    monkeypatch.setattr("linkwright.core.optimize.choice.actuators.MOST_ASSIGNMENTS", 4)
     part = optimise(problem)
     assert not part.drives_exhaustive
     assert len(part.drives) <= len(whole.drives)

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from optimize.choice.at_once.cells import COLUMNS, Cells, Ids, link_cells
-from optimize.choice.at_once.straddling import mixture, multipliers
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, Cells, Ids, link_cells
+from linkwright.core.optimize.choice.at_once.straddling import mixture, multipliers
+from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
 
 SHAPES = "circle, ellipse, rectangle, triangle, i_section, tube, rectangular_tube"

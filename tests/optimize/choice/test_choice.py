@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from materials.catalogue import load_catalogue
-from materials.material import Material, PropertyName
-from optimize.choice.combinations import choose, combinations, count
-from optimize.exchange.design import design_space, material_row, starting_points
-from optimize.exchange.exchange import Exchange, context_of, first_pool
-from optimize.run import optimise
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material, PropertyName
+from linkwright.core.optimize.choice.combinations import choose, combinations, count
+from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Exchange, context_of, first_pool
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError
 
 ARM = jointed((500, 400), ranged("-100 100", "30 140"))
 CASES = "load_cases:\n  - {payload: {mass: 3 kg}}\n  - {payload: {mass: 1 kg}, force: [90 N, 0 N, 0 N]}\n"

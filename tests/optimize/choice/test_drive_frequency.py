@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import evaluate
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.choice.drive_frequency import frequency_allowed
+from linkwright.core.optimize.run import optimise
+from linkwright.core.units.quantities import NoAnswer
 from linkwright.json.design import evaluation_json
-from optimize.choice.drive_frequency import frequency_allowed
-from optimize.run import optimise
 from tests.optimize.builders import problem_of
-from units.quantities import NoAnswer
 
 ARM = """
 chain:

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from arm.errors.model import BEAM_FIELDS
-from optimize.choice import combinations as chooser
-from optimize.choice.at_once.cells import COLUMNS, LENGTH
-from optimize.choice.at_once.lengths import LengthRows
-from optimize.choice.pose_products import features_of
-from optimize.exchange.binding_poses import ErrorCut, Pool
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import context_of
-from optimize.run import optimise
-from sections.numeric import Array
+from linkwright.core.arm.errors.model import BEAM_FIELDS
+from linkwright.core.optimize.choice import combinations as chooser
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
+from linkwright.core.optimize.choice.at_once.lengths import LengthRows
+from linkwright.core.optimize.choice.pose_products import features_of
+from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
 from tests.optimize.choice.test_many_combinations import materials, named
 

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from arm.evaluation import evaluate
-from optimize.choice import combinations as chooser
-from optimize.choice.at_once.feasibility import Feasibility
-from optimize.choice.chooser import Chooser, Solved
-from optimize.choice.picks import Combination, combinations, count
-from optimize.exchange.exchange import context_of
-from optimize.infeasible.answer import Infeasible
-from optimize.run import optimise
-from sections.numeric import Array
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.choice import combinations as chooser
+from linkwright.core.optimize.choice.at_once.feasibility import Feasibility
+from linkwright.core.optimize.choice.chooser import Chooser, Solved
+from linkwright.core.optimize.choice.picks import Combination, combinations, count
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.infeasible.answer import Infeasible
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
 
 Integers = NDArray[np.intp]

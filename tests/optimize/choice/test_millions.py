@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from optimize.choice import combinations as chooser
-from optimize.choice import many, near_ties
-from optimize.choice.at_once.branching import Branching
-from optimize.choice.chooser import Chooser
-from optimize.choice.picks import count
-from optimize.exchange.exchange import context_of
-from optimize.run import optimise
+from linkwright.core.optimize.choice import combinations as chooser
+from linkwright.core.optimize.choice import many, near_ties
+from linkwright.core.optimize.choice.at_once.branching import Branching
+from linkwright.core.optimize.choice.chooser import Chooser
+from linkwright.core.optimize.choice.picks import count
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.run import optimise
 from tests.optimize.builders import jointed, problem_of, ranged
 from tests.optimize.choice.test_many_combinations import least_sags, materials, named
 

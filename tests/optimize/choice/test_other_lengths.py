@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from optimize.problem import read_problem
-from optimize.run import optimise
-from sections.numeric import Array
-from units.quantities import NoAnswer
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import NoAnswer
 
 E, RHO, GRAVITY = 70e9, 2700.0, 9.81
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from arm.chain.prices import price_dates
-from arm.evaluation import evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
+from linkwright.core.arm.chain.prices import price_dates
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.optimize.limits.sums import dates_in_words
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import SHAPES
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.drawings.parts import parts
-from optimize.limits.sums import dates_in_words
-from optimize.problem import read_problem
-from optimize.run import optimise
-from sections import SHAPES
-from units.quantities import InputError, NoAnswer
 
 ARM = """
 name: priced

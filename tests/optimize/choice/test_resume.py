@@ -10,14 +10,14 @@ import pytest
 
 import linkwright as lw
 from linkwright.command_line import outcome
-from optimize.choice import combinations
-from optimize.choice.kept import search_journal
-from optimize.exchange.program import Program
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import optimise_rounded
-from optimize.run import optimise
+from linkwright.core.optimize.choice import combinations
+from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.exchange.program import Program
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded
+from linkwright.core.optimize.run import optimise
 from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged
 

@@ -11,23 +11,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from arm.evaluation import evaluate
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.units.quantities import NoAnswer
 from linkwright.json.design import optimization_json
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.results.design import bound_words
 from linkwright.results.figures_in_words import percent
 from linkwright.results.optimization import status_words
 from linkwright.results.tradeoff import describe, unreached_words
-from optimize.problem import Problem
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import optimise_rounded
-from optimize.run import optimise
-from optimize.tradeoff.question import question
-from optimize.tradeoff.tradeoff import trade_off
 from tests.optimize.builders import jointed, one_exchange, problem_of, ranged
 from tests.optimize.test_regions import ARM, BOX, FREE, MASS, poses_in_region
-from units.quantities import NoAnswer
 
 REACHING = jointed((450, 450), ranged("-120 120", "-10 150"))
 LIGHT = "minimize: mass\n"

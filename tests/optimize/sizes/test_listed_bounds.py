@@ -7,15 +7,15 @@ import itertools
 import numpy as np
 import pytest
 
-from optimize.choice.at_once.cells import COLUMNS
-from optimize.choice.at_once.pose_rows import PoseRow, row_of
-from optimize.choice.products import Power
-from optimize.rounding.options import Option
-from optimize.sizes.options import LinkList
-from optimize.sizes.relaxation import Part, Relaxation
-from optimize.sizes.rows import greatest, table_row
-from optimize.sizes.search import combined
-from sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS
+from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow, row_of
+from linkwright.core.optimize.choice.products import Power
+from linkwright.core.optimize.rounding.options import Option
+from linkwright.core.optimize.sizes.options import LinkList
+from linkwright.core.optimize.sizes.relaxation import Part, Relaxation
+from linkwright.core.optimize.sizes.rows import greatest, table_row
+from linkwright.core.optimize.sizes.search import combined
+from linkwright.core.sections.numeric import Array
 
 _LINKS, _OPTIONS = 3, 6
 _SOFT, _HEAVY = 2, 0

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import context_of
-from optimize.problem import Problem
-from optimize.sizes.options import link_lists
-from optimize.tradeoff.journal import Journal
-from optimize.tradeoff.question import By, question
-from optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.sizes.options import link_lists
+from linkwright.core.optimize.tradeoff.journal import Journal
+from linkwright.core.optimize.tradeoff.question import By, question
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError
 
 SIZES = "sizes: {diameter: [40 mm, 52 mm], thickness: [2 mm, 3 mm]}"
 TUBES = "choose: {section: [tube], material: [aluminium-6061-t6, steel-s355], %s}\n"

@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm
-from arm.evaluation import evaluate
-from optimize.exchange.design import numeric_beams
-from optimize.exchange.exchange import context_of
-from optimize.limits import broken
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.sizes.free import search
-from optimize.sizes.free.fitting import fitted
-from optimize.sizes.options import link_lists
-from optimize.sizes.search import CLOSE
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.limits import broken
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.sizes.free import search
+from linkwright.core.optimize.sizes.free.fitting import fitted
+from linkwright.core.optimize.sizes.options import link_lists
+from linkwright.core.optimize.sizes.search import CLOSE
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError
 
 TUBES = "choose: {section: [tube], material: [aluminium-6061-t6, steel-s355], "
 TUBES += "sizes: {diameter: [%s], thickness: 3 mm}}\n"

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.evaluation import Evaluation, evaluate
-from arm.files.read import read_arm
-from arm.files.write import arm_to_yaml
-from optimize.limits import broken
-from optimize.run import optimise
-from optimize.sizes import search
-from optimize.sizes.options import link_lists
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.optimize.limits import broken
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.sizes import search
+from linkwright.core.optimize.sizes.options import link_lists
+from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError, NoAnswer
 
 _ELASTIC = "{name: steel, elastic_modulus: 200 GPa, poisson_ratio: 0.3, density: 1000 kg/m^3, yield_strength: 140 MPa}"
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from arm.evaluation import evaluate
-from optimize.choice.actuators import assignments, with_actuators
-from optimize.limits import broken
-from optimize.problem import Problem
-from optimize.run import optimise
-from optimize.sizes import driven
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.choice.actuators import assignments, with_actuators
+from linkwright.core.optimize.limits import broken
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.sizes import driven
+from linkwright.core.units.quantities import NoAnswer
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import NoAnswer
 
 ARM = jointed([400, 300], ranged("-120 120", "-150 150", more=""))
 DRIVES = "[[CSG-25-100-2UH, RV-6E], [CSG-17-100-2UH, CSG-25-100-2UH]]"

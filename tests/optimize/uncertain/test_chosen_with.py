@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
-from optimize.exchange.scenarios import scenario_column, scenario_values
-from optimize.robust.figure import robust_figure
-from optimize.run import optimise
-from optimize.uncertain import Scenario
+from linkwright.core.optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
+from linkwright.core.optimize.exchange.scenarios import scenario_column, scenario_values
+from linkwright.core.optimize.robust.figure import robust_figure
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.uncertain import Scenario
 from tests.optimize.builders import jointed, problem_of, ranged
 from tests.optimize.built.test_balances import LENGTH, PAYLOAD, STIFFNESS, G, lifting, sag
 

@@ -14,22 +14,22 @@ import pytest
 from scipy.optimize import brentq
 
 import linkwright as lw
-from arm.chain.chain import Arm
-from arm.errors.model import beam_values, beams_of, error_model
-from arm.worst.search import WorstSearch
 from linkwright.command_line import outcome
-from optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
-from optimize.exchange.scenarios import resized, scenario_column, scenario_values
-from optimize.problem import Problem
-from optimize.result import OptimizationResult
-from optimize.robust.figure import robust_figure, upper_rank
-from optimize.robust.result import Robust
-from optimize.robust.search import ScenarioSearch
-from optimize.run import optimise
-from optimize.tradeoff.question import question
-from optimize.uncertain import Scenario
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
+from linkwright.core.optimize.exchange.scenarios import resized, scenario_column, scenario_values
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.result import OptimizationResult
+from linkwright.core.optimize.robust.figure import robust_figure, upper_rank
+from linkwright.core.optimize.robust.result import Robust
+from linkwright.core.optimize.robust.search import ScenarioSearch
+from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.tradeoff.question import question
+from linkwright.core.optimize.uncertain import Scenario
+from linkwright.core.units.quantities import InputError
 from tests.optimize.builders import jointed, problem_of, ranged
-from units.quantities import InputError
 
 E, RHO, GRAVITY, LENGTH, PAYLOAD = 70e9, 2700.0, 9.81, 0.5, 4.0
 STIFFNESS, BACKLASH = 20e3, 3e-4

@@ -9,21 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.chain.chain import Arm, Joint, Link, LoadCase
-from arm.errors.model import beam_values, beams_of
-from arm.evaluation import evaluate
-from arm.limits.local_buckling import Buckling, link_modes, loads_case
+from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.errors.model import beam_values, beams_of
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.limits.local_buckling import Buckling, link_modes, loads_case
+from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.materials.material import Material
+from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.rounding import optimise_rounded
+from linkwright.core.optimize.run import optimise
+from linkwright.core.sections import Circle, ISection, Polygon, RectangularTube, Section, Tube
+from linkwright.core.sections.taper import Tapered
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
 from linkwright.results.describe import describe
-from materials.catalogue import load_catalogue
-from materials.material import Material
-from optimize.limits import FIGURES
-from optimize.rounding.options import read_rounding
-from optimize.rounding.rounding import optimise_rounded
-from optimize.run import optimise
-from sections import Circle, ISection, Polygon, RectangularTube, Section, Tube
-from sections.taper import Tapered
 from tests.optimize.builders import measured_price, problem_of
 
 CATALOGUE = load_catalogue(user=False)
