@@ -2,6 +2,9 @@
 
 `import linkwright as lw` and ask: `lw.evaluate`, `lw.optimize`, `lw.diagnose`, ... Every name is loaded when it is
 first used, so the import alone costs nothing. Quantities are text with a unit (`"400 mm"`) or numbers in SI.
+
+What adds to it needs these names alone (docs/extending.md): `lw.Effect`, `lw.Figure`, `lw.Shape`, `lw.numeric`, ...
+The rest of the engine, `linkwright.core`, may change from one version to the next.
 """
 
 from __future__ import annotations
@@ -11,8 +14,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from linkwright.core.arm.chain.statics import PoseState
+    from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
+    from linkwright.core.arm.effects.effect import drive_motion
     from linkwright.core.executors import Cluster, Processes
     from linkwright.core.materials.material import MissingProperty
+    from linkwright.core.optimize.limits import Figure, OfDesign, OfLinks
+    from linkwright.core.sections import numeric
+    from linkwright.core.sections.section import Dimension
     from linkwright.core.units.quantities import InputError, NoAnswer
     from linkwright.face.arm import Arm, Joint, Link, read_arm
     from linkwright.face.catalogues.actuators import actuators
@@ -20,7 +29,7 @@ if TYPE_CHECKING:
     from linkwright.face.catalogues.limits import limits
     from linkwright.face.catalogues.materials import materials
     from linkwright.face.catalogues.sections import sections
-    from linkwright.face.catalogues.shapes import shapes
+    from linkwright.face.catalogues.shapes import Shape, shapes
     from linkwright.face.compensation import compensate
     from linkwright.face.design import optimize
     from linkwright.face.diagnosis import compare, diagnose, redesign
@@ -40,14 +49,22 @@ if TYPE_CHECKING:
 
 _HOMES = MappingProxyType(
     {
+        "linkwright.core.arm.chain.statics": ("PoseState",),
+        "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist"),
+        "linkwright.core.arm.effects.effect": ("drive_motion",),
         "linkwright.core.executors": ("Cluster", "Processes"),
+        "linkwright.core.materials.material": ("MissingProperty",),
+        "linkwright.core.optimize.limits": ("Figure", "OfDesign", "OfLinks"),
+        "linkwright.core.sections": ("numeric",),
+        "linkwright.core.sections.section": ("Dimension",),
+        "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
         "linkwright.face.catalogues.actuators": ("actuators",),
         "linkwright.face.catalogues.effects": ("effects",),
         "linkwright.face.catalogues.limits": ("limits",),
         "linkwright.face.catalogues.materials": ("materials",),
         "linkwright.face.catalogues.sections": ("sections",),
-        "linkwright.face.catalogues.shapes": ("shapes",),
+        "linkwright.face.catalogues.shapes": ("Shape", "shapes"),
         "linkwright.face.compensation": ("compensate",),
         "linkwright.face.design": ("optimize",),
         "linkwright.face.diagnosis": ("compare", "diagnose", "redesign"),
@@ -64,8 +81,6 @@ _HOMES = MappingProxyType(
         "linkwright.face.tradeoff": ("tradeoff",),
         "linkwright.output.table_file": ("write_table",),
         "linkwright.paper.face": ("figures", "seam", "tables"),
-        "linkwright.core.materials.material": ("MissingProperty",),
-        "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
     }
 )
 """Where each public name stands."""
@@ -73,18 +88,29 @@ _HOMES = MappingProxyType(
 __all__ = [
     "Arm",
     "Cluster",
+    "Dimension",
+    "Effect",
+    "Figure",
     "InputError",
     "Joint",
     "Link",
     "MissingProperty",
     "NoAnswer",
+    "OfDesign",
+    "OfLinks",
+    "Parameter",
+    "PoseState",
     "Problem",
     "Processes",
+    "Settings",
+    "Shape",
+    "Twist",
     "actuators",
     "budget",
     "compare",
     "compensate",
     "diagnose",
+    "drive_motion",
     "effects",
     "evaluate",
     "export_arm",
@@ -93,6 +119,7 @@ __all__ = [
     "inverse",
     "limits",
     "materials",
+    "numeric",
     "optimize",
     "plan",
     "predict",

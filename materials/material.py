@@ -90,6 +90,8 @@ class OutOfRange(InputError):
 class MissingProperty(InputError):
     """A question needs a figure that is not given: `material` and `property_name` say which, or `message` does."""
 
+    __module__ = "linkwright"  # as people import it, and as a traceback shows it
+
     def __init__(
         self,
         material: str,

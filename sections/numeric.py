@@ -2,6 +2,10 @@
 
 Everything else in the formulas is ``+ - * / **``, which the three kinds already have in common. CasADi is never
 imported here: where a value is one of its symbols, somebody has imported it.
+
+>>> import linkwright as lw
+>>> float(lw.numeric.sqrt(2.25))
+1.5
 """
 
 from __future__ import annotations

@@ -63,6 +63,10 @@ class Dimension:
             (of a fillet or a corner, fixed) or ``points``.
         optional: may be left out always.
         unless: may be left out when all of these are given instead.
+
+    >>> import linkwright as lw
+    >>> lw.Dimension("side", "side of the square", "outer").kind
+    'outer'
     """
 
     name: str
@@ -121,6 +125,10 @@ class Section(ABC):
 
     Dimensions may be floats, NumPy arrays (all of one shape) or CasADi expressions; the same formulas serve
     all.
+
+    >>> import linkwright as lw
+    >>> [each.name for each in lw.shapes["tube"].dimensions]
+    ['diameter', 'thickness']
     """
 
     shape: ClassVar[str]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_house import MAY_USE, ROOT, tracked_files
+from tests.test_house import CORE, MAY_USE, ROOT, tracked_files
 
 # The environment is built once: all these tests go to one worker.
 pytestmark = pytest.mark.xdist_group("distribution")
@@ -75,6 +75,8 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
         copy = tree / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
+    for link in (each for each in CORE.iterdir() if each.is_symlink()):
+        (tree / link.relative_to(ROOT)).symlink_to(link.readlink())
     # Told of neither, `build` makes the wheel from the sdist: a file missing there is missing in both.
     must([sys.executable, "-m", "build", "--no-isolation", "--outdir", str(place / "dist"), str(tree)], place)
     (wheel,) = (place / "dist").glob("*.whl")
@@ -93,6 +95,12 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     return result
 
 
+def installed_as(path: Path) -> str:
+    """Where a file or folder of a room stands in the wheel and the sdist."""
+    own = path.relative_to(ROOT).as_posix()
+    return own if own.startswith("linkwright") else f"linkwright/core/{own}"
+
+
 def answer(installed: Installed, cwd: Path, *command: str) -> str:
     """What a command prints, which must end with exit status 0 and without a traceback."""
     done = installed.run(*command, cwd=cwd)
@@ -106,17 +114,19 @@ def test_wheel_holds_every_file_of_the_packages(installed):
     with zipfile.ZipFile(installed.wheel) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
     expected = {
-        path.relative_to(ROOT).as_posix() for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS
+        installed_as(path) for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS
     }
     assert packed == expected
-    assert any(name.startswith("materials/catalogue/") and name.endswith(".yaml") for name in packed)
+    assert any(name.startswith("linkwright/core/materials/catalogue/") and name.endswith(".yaml") for name in packed)
+    assert {name.split("/")[0] for name in packed} == {"linkwright"}
 
 
 def test_sdist_holds_what_a_build_needs(installed):
     """The source archive has the packages and their build file, and the tests with all that they read."""
     with tarfile.open(installed.sdist) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
-    assert {"pyproject.toml", "README.md", *(f"{room}/__init__.py" for room in ROOMS)} <= packed
+    rooms = (installed_as(ROOT / room / "__init__.py") for room in ROOMS)
+    assert {"pyproject.toml", "README.md", *rooms} <= packed
     folders = ("tests", "benchmarks", "examples", "handbook", "docs")
     tracked = {path.relative_to(ROOT) for path in tracked_files()}
     assert {path.as_posix() for path in tracked if path.parts[0] in folders} <= packed
@@ -152,12 +162,8 @@ def test_a_major_that_nobody_tried_is_not_taken():
 
 def test_modules_come_from_the_environment(installed, tmp_path):
     """An import that found the repository instead would prove nothing."""
-    report = "; ".join(
-        [
-            "import json, " + ", ".join(ROOMS),
-            f"print(json.dumps([m.__file__ for m in ({', '.join(ROOMS)})]))",
-        ]
-    )
+    names = [installed_as(ROOT / room).replace("/", ".") for room in ROOMS]
+    report = f"import importlib, json; print(json.dumps([importlib.import_module(n).__file__ for n in {names}]))"
     files = json.loads(answer(installed, tmp_path, "python", "-P", "-c", report))
     for file in files:
         assert Path(file).resolve().is_relative_to(installed.environment.resolve())
@@ -196,6 +202,34 @@ def test_an_arm_is_evaluated(installed, tmp_path):
     assert result["mass_kg"] == pytest.approx(4.416, abs=0.1)
 
 
+SCRIPT = """\
+import linkwright as lw
+
+print(f"{lw.evaluate(lw.read_arm('bench.yaml')).max_error_mm:.4f}")
+print(lw.materials["steel-s355"].name, lw.sections["IPE 80"].name, lw.effects["backlash"].id)
+"""
+
+
+@pytest.mark.parametrize("way", ["wheel", "editable"])
+def test_files_named_like_our_packages_may_stand_beside_a_script(installed, tmp_path, way):
+    """One name is installed, so nobody's `arm.py` is taken for ours, nor ours for theirs."""
+    for room in set(ROOMS) - {"linkwright"}:
+        (tmp_path / f"{room}.py").write_text(f"raise SystemExit('{room}.py of the user was imported')\n", "utf-8")
+    (tmp_path / "bench.yaml").write_text(ARM, encoding="utf-8")
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    if way == "wheel":
+        printed = answer(installed, tmp_path, "python", str(script))
+    else:
+        # The environment of these tests has the checkout installed by `pip install --editable`.
+        done = subprocess.run([sys.executable, str(script)], cwd=tmp_path, env=clean_surroundings(), **CAPTURED)
+        assert done.returncode == 0, done.stderr
+        printed = done.stdout
+    error, names = printed.splitlines()
+    assert 0.01 < float(error) < 10
+    assert names == "steel-s355 IPE 80 backlash"
+
+
 # ---- a package of somebody else's that brings an effect
 
 
@@ -221,7 +255,7 @@ def test_an_installed_package_brings_its_effect(installed, tmp_path):
     listed = [each["id"] for each in json.loads((tmp_path / "effects.json").read_text(encoding="utf-8"))["effects"]]
     assert "joint_compliance" in listed
     assert listed[-1] == "cable_drag"
-    ask = "from linkwright.core.arm.effects import EFFECTS; from linkwright.core.arm.effects.contract import check; check(EFFECTS['cable_drag'])"
+    ask = "import linkwright as lw; lw.effects.check(lw.effects['cable_drag'])"
     answer(installed, tmp_path, "python", "-P", "-c", ask)
 
 

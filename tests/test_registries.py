@@ -149,10 +149,7 @@ LIST = "from linkwright.cli import run; import sys; sys.exit(run(['effects', 'li
 
 def test_an_installed_package_brings_effects(tmp_path):
     install(tmp_path, "brings", GOOD, "PAIR")
-    done = ask(
-        tmp_path,
-        "from linkwright.core.arm.effects import EFFECTS; print(list(EFFECTS)[-2:], 'installed_offset' in EFFECTS)",
-    )
+    done = ask(tmp_path, "import linkwright as lw; print(list(lw.effects)[-2:], 'installed_offset' in lw.effects)")
     assert done.stdout.strip() == "['installed_offset', 'second_offset'] True", done.stderr
 
 
@@ -187,9 +184,7 @@ def test_a_broken_package_is_named_in_one_line(tmp_path, module, entry, said):
 def test_shapes_come_from_packages_too(tmp_path):
     module = "from linkwright.core.sections.shapes.circle import Circle\nclass Bar(Circle):\n    shape = 'round_bar'\n"
     install(tmp_path, "bars", module, "Bar", "linkwright.sections")
-    done = ask(
-        tmp_path, "from linkwright.core.sections import build; print(build('round_bar', {'diameter': 0.1}).shape)"
-    )
+    done = ask(tmp_path, "import linkwright as lw; print(lw.shapes.RoundBar(diameter=0.1).shape)")
     assert done.stdout.strip() == "round_bar", done.stderr
 
 

@@ -57,6 +57,8 @@ class InputError(Exception):
     three into one line. `file` and `key` may be empty, and are then left out of the line.
     """
 
+    __module__ = "linkwright"  # as people import it, and as a traceback shows it
+
     def __init__(self, file: object, key: str, message: str) -> None:
         self.file = str(file)
         self.key = _bounded(key, _LONGEST_KEY)
@@ -75,6 +77,8 @@ class NoAnswer(Exception):
     `infeasible` holds, where no design keeps all limits, all that is known of why, in SI (an
     `optimize.infeasible.answer.Infeasibility`); None elsewhere.
     """
+
+    __module__ = "linkwright"  # as people import it, and as a traceback shows it
 
     infeasible: Any = None
 

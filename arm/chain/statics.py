@@ -91,6 +91,10 @@ class PoseState:
 
     `gravity` (m/s^2), `payload_mass` (kg) and `tip_force` (N) are those that the loads were taken with, `conditions`
     what held beyond pose and load.
+
+    >>> import linkwright as lw
+    >>> def turning(state: lw.PoseState) -> list[bool]:
+    ...     return [joint.revolute for joint in state.joints]
     """
 
     joints: tuple[JointState, ...]

@@ -43,7 +43,12 @@ NO_LOAD = 1e-9
 
 @dataclass(frozen=True)
 class Twist:
-    """A small displacement (m) and rotation (rad), in the base frame, at joint or far end of link `index` (from 0)."""
+    """A small displacement (m) and rotation (rad), in the base frame, at joint or far end of link `index` (from 0).
+
+    >>> import linkwright as lw
+    >>> lw.Twist("link", 0, rotation=(0.0, 0.0, 1e-3)).rotation
+    (0.0, 0.0, 0.001)
+    """
 
     node: NodeKind
     index: int
@@ -91,6 +96,10 @@ class Parameter:
     sizes. An `optional` size is tried as nought too. A `whole` shape is a whole number and stays on its grid; `default`
     is what a shape is where an entry does not name it. Other than nought a size or shape `requires` these conditions of
     a recording, beside those of its effect. A size that leaves the plane of a planar arm is `out_of_plane`.
+
+    >>> import linkwright as lw
+    >>> lw.Parameter("amplitude", "angle", "amplitude", -1e-2, 1e-2, (1e-5, 1e-3), "encoder makers", role="size").role
+    'size'
     """
 
     name: str
@@ -134,7 +143,12 @@ def given(name: str, kind: str, lower: float, upper: float, typical: tuple[float
 
 @dataclass(frozen=True)
 class Settings:
-    """Where an effect acts (joints or links from 0; empty: everywhere) and the values of its parameters (SI)."""
+    """Where an effect acts (joints or links from 0; empty: everywhere) and the values of its parameters (SI).
+
+    >>> import linkwright as lw
+    >>> lw.Settings(at=(1,), values={"offset": 1e-3}).acts_at(0)
+    False
+    """
 
     at: tuple[int, ...] = ()
     values: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
@@ -271,6 +285,11 @@ class Effect:
     `told_as` is a sum of its sizes by which it is told where they do not show one by one.
     `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
     see what the tip does not.
+
+    >>> import linkwright as lw
+    >>> bending = lw.effects["link_bending"]
+    >>> isinstance(bending, lw.Effect), bending.place, bending.automatic
+    (True, 'link', True)
     """
 
     id: str
@@ -356,6 +375,10 @@ def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, .
 
     In a serial arm with relative angles all that follows turns; where angles are absolute (the drive holds its link
     against the base) only the link itself turns and carries the rest along.
+
+    >>> import linkwright as lw
+    >>> def twists(state, settings):
+    ...     yield from lw.drive_motion(state, 0, settings.values["offset"])
     """
     joint = state.joints[index]
     moved = scale(amount, joint.axis)

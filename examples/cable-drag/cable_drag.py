@@ -10,15 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
-from linkwright.core.arm.effects.effect import drive_motion
-from linkwright.core.sections.numeric import cos, sin
+import linkwright as lw
 
 BEFORE, AFTER = 0.12, 0.15
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _twists(state: lw.PoseState, settings: lw.Settings) -> Iterator[lw.Twist]:
     pull = settings.values.get("pull", 0.0)
     before, after = settings.values.get("before", BEFORE), settings.values.get("after", AFTER)
     nearest = settings.values.get("nearest", 0.0)
@@ -26,12 +23,12 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
         if pull == 0.0 or not joint.revolute or joint.stiffness is None or not settings.acts_at(index):
             continue
         angle = joint.coordinate - nearest
-        apart = (before**2 + after**2 - 2.0 * before * after * cos(angle)) ** 0.5
-        torque = -pull * before * after * sin(angle) / apart
-        yield from drive_motion(state, index, torque / joint.stiffness)
+        apart = (before**2 + after**2 - 2.0 * before * after * lw.numeric.cos(angle)) ** 0.5
+        torque = -pull * before * after * lw.numeric.sin(angle) / apart
+        yield from lw.drive_motion(state, index, torque / joint.stiffness)
 
 
-CABLE_DRAG = Effect(
+CABLE_DRAG = lw.Effect(
     id="cable_drag",
     title="pull of a hose bundle",
     formula="-J_i F a b sin(q_i - q0)/(d K_i), d^2 = a^2 + b^2 - 2 a b cos(q_i - q0)",
@@ -43,7 +40,7 @@ CABLE_DRAG = Effect(
     source="virtual work of a constant pull between two points, e.g. R. C. Hibbeler, Engineering Mechanics: Statics "
     "(14th ed., Pearson, 2016), ch. 11",
     parameters=(
-        Parameter(
+        lw.Parameter(
             "pull",
             "force",
             "pull of the bundle's retractor",
@@ -53,11 +50,13 @@ CABLE_DRAG = Effect(
             "dress packs of industrial robots: some ten newtons",
             role="size",
         ),
-        Parameter(
+        lw.Parameter(
             "before", "length", "clamp to axis, on the link before", 0.01, 1.0, (0.1, 0.3), "room beside a joint"
         ),
-        Parameter("after", "length", "clamp to axis, on the link after", 0.01, 1.0, (0.1, 0.3), "room beside a joint"),
-        Parameter(
+        lw.Parameter(
+            "after", "length", "clamp to axis, on the link after", 0.01, 1.0, (0.1, 0.3), "room beside a joint"
+        ),
+        lw.Parameter(
             "nearest", "angle", "where the clamps are nearest", -3.2, 3.2, (0.0, 1.0), "how the bundle is routed"
         ),
     ),

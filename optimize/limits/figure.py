@@ -157,7 +157,12 @@ class WorstError:
 
 @dataclass(frozen=True)
 class OfDesign:
-    """A figure of the sums over a design."""
+    """A figure of the sums over a design.
+
+    >>> import linkwright as lw
+    >>> isinstance(lw.limits["mass"].follows, lw.OfDesign)
+    True
+    """
 
     value: Callable[[Totals], Any]
 
@@ -165,7 +170,13 @@ class OfDesign:
 @dataclass(frozen=True)
 class OfLinks:
     """A figure of each link: `values` are one or more of a section and its material (floats or symbols), all of which
-    have to keep a limit; empty where a link has nothing to limit, None where it is not known."""
+    have to keep a limit; empty where a link has nothing to limit, None where it is not known.
+
+    >>> import linkwright as lw
+    >>> aspect = lw.OfLinks(lambda section, material: (section.height / section.width,))
+    >>> aspect.values(lw.shapes.Rectangle(width="40 mm", height="60 mm"), None)
+    (1.5,)
+    """
 
     values: Callable[[Section, MaterialValues], Sequence[Any] | None]
 
@@ -206,6 +217,11 @@ class Figure:
         everywhere: whether any arm has it; where one that need not has none, nothing is told of it.
         digits: significant digits where it stands alone.
         synonyms: what people call it as well, for who is told its name.
+
+    >>> import linkwright as lw
+    >>> girth = lw.OfLinks(lambda section, material: (2.0 * (section.width + section.height),))
+    >>> lw.Figure("girth", "greatest girth", ("<=",), "girth_mm", girth, "length", "mm", 1e3).unit
+    'mm'
     """
 
     name: str

@@ -3,7 +3,6 @@
 import ast
 from collections.abc import Iterator
 from dataclasses import FrozenInstanceError, replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,8 +15,9 @@ from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.diagnose.search.naming import _against_forms, margin_of_forms, worth_of_one_more
 from linkwright.core.diagnose.search.subsets import Subset
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
+from tests.test_house import CORE
 
-DIAGNOSE = Path(__file__).resolve().parents[2] / "diagnose"
+DIAGNOSE = CORE / "diagnose"
 
 # Numbers at the top of a module that are no rules: mathematics, units, rounding, iterations, lengths of texts, and
 # what floats can hold the powers of.

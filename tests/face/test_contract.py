@@ -25,6 +25,8 @@ PROMISED = {
     *("read_recording", "read_recordings", "diagnose", "predict", "compare", "compensate", "simulate", "redesign"),
     *("shapes", "materials", "sections", "actuators", "effects", "limits", "inverse", "seam", "tables", "figures"),
     *("import_arm", "export_arm", "budget", "plan", "watch", "write_table"),
+    *("Effect", "Parameter", "Settings", "Twist", "PoseState", "drive_motion", "Shape", "Dimension", "numeric"),
+    *("Figure", "OfDesign", "OfLinks"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
 }
 HEAVY = ("casadi", "pandas", "scipy", "plotly", "numpy", "pint", "rich", "typer")

@@ -10,6 +10,7 @@ import yaml
 from linkwright.core.materials.catalogue import load_catalogue, load_layer, shipped_layers
 from linkwright.core.materials.material import MissingProperty, OutOfRange
 from linkwright.core.units.quantities import InputError
+from tests.test_house import CORE
 
 CELSIUS = 273.15
 SHIPPED = [material for layer in shipped_layers() for material in layer.materials.values()]
@@ -403,7 +404,7 @@ def test_the_same_material_twice_in_a_file_is_refused(tmp_path):
 
 
 def test_shipped_files_cite_every_reference_and_have_no_idle_ones():
-    folder = Path(__file__).parents[2] / "materials" / "catalogue"
+    folder = CORE / "materials" / "catalogue"
     for path in folder.glob("*.yaml"):
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
         layer = load_layer(path)

@@ -6,14 +6,17 @@ from collections.abc import Callable
 
 from linkwright.core.arm.files.read import read_section
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.section import Section
+from linkwright.core.sections.section import Section as Shape
 from linkwright.core.units.names import nearest
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.face.given import plain
 
+from .kept import Open
 
-class Shapes:
-    """The shapes of sections: each is called with its dimensions (text, or m) and gives a section.
+
+class Shapes(Open[type[Shape]]):
+    """The shapes of sections: each is called with its dimensions (text, or m) and gives a section; by name in arm
+    files' spelling they are the classes. Open: what is registered may stand in arm files and be chosen.
 
     A section has `properties(poisson_ratio)` in SI, and may stand in a link. Raises `InputError` for dimensions that
     are missing, unknown or cannot be.
@@ -28,14 +31,14 @@ class Shapes:
     AttributeError: there is no shape 'Circel'; did you mean 'Circle'?
     """
 
-    def __getattr__(self, name: str) -> Callable[..., Section]:
+    def __getattr__(self, name: str) -> Callable[..., Shape]:
         """What makes a section of that shape."""
         names = {_class_name(each): each for each in SHAPES}
         if name not in names:
             raise AttributeError(f"there is no shape '{name}'{nearest(name, list(names))}")
         shape = names[name]
 
-        def made(**dimensions: object) -> Section:
+        def made(**dimensions: object) -> Shape:
             return read_section(Reader({"shape": shape, **plain(dimensions)}, file=name))
 
         made.__name__ = made.__qualname__ = name
@@ -43,16 +46,16 @@ class Shapes:
         return made
 
     def __dir__(self) -> list[str]:
-        """The names of all shapes."""
-        return sorted(_class_name(each) for each in SHAPES)
+        """The names of all shapes, and what a list of them does."""
+        return sorted({*super().__dir__(), *map(_class_name, SHAPES)})
 
     def __repr__(self) -> str:
         """One line."""
-        return f"<Shapes: {', '.join(dir(self))}>"
+        return f"<Shapes: {', '.join(sorted(map(_class_name, SHAPES)))}>"
 
 
 def _class_name(shape: str) -> str:
     return "".join(part.capitalize() for part in shape.split("_"))
 
 
-shapes = Shapes()
+shapes = Shapes("shape", SHAPES)
