@@ -9,7 +9,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.observe import tip_residual
+from linkwright.core.diagnose.residual.observe import residual_in_pieces
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
@@ -93,7 +93,7 @@ def residual_under(arm: Arm, recording: Recording, heard: Callable[[int, int], N
     """The tip's residual (N, D), m, measured less modelled, nothing fitted but what the recording leaves free; `heard`
     hears how many readings are done, and of how many."""
     bare = replace(recording, orientation=None, joint_side=None, base_target=None)  # commands say what moves the tip
-    return tip_residual(arm, bare, rules=RULES, heard=heard)
+    return residual_in_pieces(arm, bare, rules=RULES, heard=heard)
 
 
 def nominal(arm: Arm) -> Arm:

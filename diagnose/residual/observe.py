@@ -122,7 +122,7 @@ def observe(
     )
 
 
-def tip_residual(
+def residual_in_pieces(
     arm: Arm,
     recording: Recording,
     *,
@@ -134,7 +134,7 @@ def tip_residual(
     for `at_once` readings after another, so that long recordings need little memory. `heard` hears how many are done,
     and of how many."""
     if isinstance(recording, Several):
-        parts = [tip_residual(arm, each, rules=rules, heard=heard, at_once=at_once) for each in recording.parts()]
+        parts = [residual_in_pieces(arm, each, rules=rules, heard=heard, at_once=at_once) for each in recording.parts()]
         return np.concatenate(parts)
     arm = arm.on(recording.branch)
     pieces = [slice(start, min(start + at_once, recording.size)) for start in range(0, recording.size, at_once)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.predict import predict
-from linkwright.core.diagnose.residual.observe import observe, tip_residual
+from linkwright.core.diagnose.residual.observe import observe, residual_in_pieces
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
 
 
@@ -47,9 +47,9 @@ def test_in_pieces_as_in_whole(free):
     )
     whole = observe(arm, asked).tip_residual()
     heard = []
-    pieces = tip_residual(arm, asked, at_once=7, heard=lambda *done: heard.append(done))
+    pieces = residual_in_pieces(arm, asked, at_once=7, heard=lambda *done: heard.append(done))
     assert np.abs(pieces - whole).max() < 1e-12
     assert heard[-1] == (rows, rows)
     assert len(heard) >= rows // 7
     without = replace(arm, effects=arm.effects[1:])
-    assert np.abs(tip_residual(without, asked) - whole).max() > 1e-6  # what lags shows at all
+    assert np.abs(residual_in_pieces(without, asked) - whole).max() > 1e-6  # what lags shows at all
