@@ -26,7 +26,7 @@ def test_reports_tell_cpu_and_not_waiting():
     time.sleep(0.3)
     assert told(costs) < 0.2
     begun = cpu()
-    while cpu() < begun + 0.1:
+    while cpu() < begun + 0.15:  # more than is asked below: the clock counts in ticks
         pass
     assert told(costs) >= 0.1
     assert told(costs) < 0.1  # each phase is counted once

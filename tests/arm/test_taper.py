@@ -262,7 +262,7 @@ def test_what_cannot_be_is_one_line(tmp_path: Path, section: str, words: str) ->
 
 
 def test_a_shape_that_there_is_not() -> None:
-    with pytest.raises(SectionError, match="did you mean tube"):
+    with pytest.raises(SectionError, match="did you mean 'tube'"):
         build_tapered("tub", {"diameter": (0.1, 0.05)})
 
 

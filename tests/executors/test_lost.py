@@ -88,7 +88,7 @@ def lost_at_once(_: int | None) -> Lossy:
 def lossy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which the command line's workers are lost at once."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("executors.Processes", lost_at_once)
+    monkeypatch.setattr("linkwright.core.executors.Processes", lost_at_once)
     return tmp_path
 
 

@@ -129,7 +129,7 @@ def test_thin_walls_buckle_by_both_moduli(tmp_path: Path):
         (f"{{ply: {PLY}, angles: [30 deg]}}", "laminate.angles: are not balanced"),
         (f"{{ply: {PLY}, angles: []}}", "laminate.angles: must be one for each ply"),
         (f"{{ply: {PLY}, angles: [0 deg], thicknesses: [-1 mm]}}", "laminate.thicknesses"),
-        (f"{{ply: {PLY}, angles: [0]}}", "laminate.angles"),
+        (f"{{ply: {PLY}, angles: [30]}}", "laminate.angles.*needs a unit"),
         ("{ply: steel-s355, angles: [0 deg]}", "steel-s355 has no transverse_modulus"),
         ("{ply: no-such, angles: [0 deg]}", "there is no material 'no-such'"),
         ("{ply: cfrp-unidirectional, angle: [0 deg]}", "did you mean"),

@@ -25,7 +25,7 @@ class Sections(Catalogue[StockSize]):
     >>> lw.sections["IPE 81"]
     Traceback (most recent call last):
     ...
-    linkwright.InputError: section: there is no stock size 'IPE 81'; did you mean IPE 80?
+    linkwright.InputError: section: there is no stock size 'IPE 81'; did you mean 'IPE 80'?
     """
 
     @property

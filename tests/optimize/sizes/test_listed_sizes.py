@@ -143,7 +143,7 @@ def test_no_answer_names_the_limit(tmp_path: Path) -> None:
         ("sizes: {diameter: [20 mm], wall: [2 mm]}", "unknown key 'wall'"),
         ("sizes: {diameter: [20]}", "needs a unit"),
         ("sizes: {diameter: {from: 20 mm, to: 10 mm, step: 1 mm}}", "from below to"),
-        ("sizes: IPE 81", "did you mean IPE 80"),
+        ("sizes: IPE 81", "did you mean 'IPE 80'"),
         ("sizes: [{diameter: 20 mm}]", "one for each of the 2 links"),
     ],
 )
