@@ -25,9 +25,9 @@ from .picks import Combination, combinations, count
 Array = NDArray[np.float64]
 
 MOST_COMBINATIONS = 1000
-"""Up to this many combinations every one is tried where nothing bounds them."""
+"""Up to this many combinations every one is tried where none that is solved bounds the others."""
 _EACH = 200
-"""Up to this many all are solved for the binding poses; of more, those that the others' bounds leave."""
+"""Up to this many all are solved for the binding poses where one does; of more, those that the others' bounds leave."""
 _FEW = 24
 """Up to this many it is not asked first whether any can keep the limits."""
 
@@ -120,7 +120,8 @@ def chosen(
     among: Among | None = None
     near = Ties()
     try:
-        if count(problem) <= _EACH:
+        # With lengths to choose all are bounded at once, which leaves much open and points at few of them.
+        if count(problem) <= (_EACH if problem.link_length is None else MOST_COMBINATIONS):
             picks = combinations(problem)
             picks = possible(chooser, picks) if len(picks) > _FEW else picks
             # What cannot keep the limits takes longest to solve.
